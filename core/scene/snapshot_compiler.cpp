@@ -278,7 +278,7 @@ struct SnapshotCompiler::Compilation {
       if (count_too_far(all.sizes, near) == 0) snapshot->origin = near;
     }
     snapshot->radius = radius_about(snapshot->origin, bounds);
-    check_scale(snapshot->radius);
+    check_scale(snapshot->radius, all.sizes);
     if (!chosen.too_far.empty())
       report(compiler.sink_, Severity::warning, "scene.far", *all.names[chosen.too_far.front()],
              std::to_string(chosen.too_far.size()) +
@@ -286,8 +286,10 @@ struct SnapshotCompiler::Compilation {
                  "middle: their shapes lose detail to rounding; move them nearer, or render them by themselves");
   }
 
-  void check_scale(float radius) {
+  void check_scale(float radius, const std::vector<PlacedSize>& sizes) {
     if (radius == 0 || (radius >= kLeastRadius && radius <= kLargestRadius)) return;
+    const auto is_small = [](const PlacedSize& placed) { return placed.size < kSmallInHuge; };
+    if (radius > kLargestRadius && std::any_of(sizes.begin(), sizes.end(), is_small)) return;
     snapshot->faults.push_back(plain_format(
         "the scene has a radius of %.3g units, and renders right from %.3g to %.3g: scale it, with its lights "
         "and camera (metersPerUnit, or the scale of its placement), or leave out what lies far away",

@@ -8,8 +8,10 @@
 namespace alabaster {
 
 /// Radii (SceneSnapshot::radius) between which a scene renders right. One beyond them is a fault of the snapshot:
-/// products of lengths leave the floats there, and light is lost.
-inline constexpr float kLeastRadius = 0x1p-34f, kLargestRadius = 0x1p40f;
+/// products of lengths leave the floats there, and light is lost. A large one is none where an instance smaller than
+/// kSmallInHuge stands in it: then some instance alone is too large, or has a stray point.
+inline constexpr float kLeastRadius = 0x1p-40f, kLargestRadius = 0x1p41f;
+inline constexpr double kSmallInHuge = 0x1p20;
 
 /// One thread at a time. A snapshot is a function of its description alone: it does not depend on those before it.
 class SnapshotCompiler {
