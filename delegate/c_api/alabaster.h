@@ -22,16 +22,15 @@
    callback keeps other threads out of its delegate, so two recordings whose callbacks call each other's delegate wait
    for one another without end. Report and release callbacks must not call the library: INVALID_ARGUMENT. All of them
    may destroy handles; a handle that a report or release callback destroys goes with the next call that may wait,
-   destroys included. They return: a thread that ends in one
-   (pthread_exit) ends the process. A thread that is cancelled (pthread_cancel) ends after the call.
+   destroys included. They return: a thread that ends in one (pthread_exit) ends the process. A thread that is
+   cancelled (pthread_cancel) ends after the call.
 
    Calls run in the default floating-point environment, their callbacks included, and put the host's back. No number
    is read or written by the host's locale.
 
    A forked child has none of the library's threads: it may destroy what its parent made, which frees nothing, and make
    handles of its own. Scenes are its own, too, if at the fork no delegate drew them and no thread was in a call of
-   them. Other calls are INVALID_ARGUMENT there. EXR files are refused there if its
-   parent has read or written one.
+   them. Other calls are INVALID_ARGUMENT there. EXR files are refused there if its parent has read or written one.
 
    Matrices are 16 doubles, row after row, and points are rows: p' = p M, so a translation stands in the last row. */
 #ifndef ALABASTER_H
