@@ -74,7 +74,6 @@ void expect_lambert(const DisneyParameters& material) {
     expect(SubsurfaceMode::walk, true, 50, "walk");
     expect(SubsurfaceMode::walk, false, 8000, "reference");
     expect(SubsurfaceMode::diffusion, false, 8000, "diffusion");
-    expect(SubsurfaceMode::automatic, true, 50, "auto");
   }
 }
 

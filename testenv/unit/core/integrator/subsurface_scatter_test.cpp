@@ -93,7 +93,7 @@ TEST(EntryWithoutASurface, ABlendOfEntryAndClearBoundaryLosesNothing) {
 }
 
 constexpr SubsurfaceMode kModes[] = {SubsurfaceMode::lambert, SubsurfaceMode::walk, SubsurfaceMode::reference,
-                                     SubsurfaceMode::diffusion, SubsurfaceMode::automatic};
+                                     SubsurfaceMode::diffusion};
 
 // Two walls of opacity .5 are seen with alpha .75. A ray that passes the first meets the other from inside, through
 // air.
