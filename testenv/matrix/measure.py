@@ -7,7 +7,7 @@ from typing import NamedTuple
 import alabaster
 import numpy as np
 
-SETTINGS = dict(maxDepth=512, rouletteDepth=4, threads=1, filter="box")
+SETTINGS = dict(maxDepth=512, threads=1, filter="box")
 SIGNIFICANCE = 0.001  # that chance turns any row of the whole matrix red
 FAMILY = 20000  # comparisons of the matrix that noise decides, rounded up
 Z = NormalDist().inv_cdf(1 - (1 - (1 - SIGNIFICANCE) ** (1 / FAMILY)) / 2)  # Sidak 1967
