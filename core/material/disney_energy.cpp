@@ -13,9 +13,13 @@ Rgb albedo_of(const DisneySpecular& lobe, const Vec3f& w) {
   const GgxAlbedo facets = ggx_albedo(w, lobe.ggx);
   const Rgb bare = lobe.f0 * (facets.white - facets.schlick) + lobe.f90 * facets.schlick;
   if (!(lobe.film.share > 0)) return bare;
-  // Rough facets lean towards the viewer. A film's colours have no mean in closed form: the brighter of two cosines.
+  // Rough facets lean towards the viewer. What a film changes has no mean in closed form: the most at cosines that slopes
+  // of up to four times the roughness give.
   const auto change = [&](float cosine) { return lobe.fresnel(cosine) - schlick(lobe.f0, lobe.f90, cosine); };
-  const Rgb flat = change(w.z), film = lobe.ggx.alpha_x > 0.01f ? greater(flat, change(0.5f * (1 + w.z))) : flat;
+  const float alpha = std::max(lobe.ggx.alpha_x, lobe.ggx.alpha_y);
+  Rgb film = change(w.z);
+  for (const float slopes : {0.25f, 0.5f, 1.0f, 2.0f, 4.0f})
+    film = greater(film, change(lerp(w.z, 1.0f, std::min(1.0f, slopes * alpha))));
   return greater(bare + film * facets.white, Rgb(0.0f));
 }
 

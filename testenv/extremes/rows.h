@@ -85,8 +85,14 @@ struct Picture {
   bool sound = false;   // and no ray, for being not finite or beginning beyond 1e17
 
   explicit Picture(const RenderRequest& request) {
-    RenderProgress progress;
-    const auto film = render(request, &progress);
+    RenderSession session;
+    session.start(request);
+    EXPECT_TRUE(session.wait(600));
+    const RenderProgress progress = session.progress();
+    // A frame of which no ray can be traced is an error, and has a picture.
+    const bool traced = progress.counters.rejected_rays < progress.counters.camera_rays;
+    EXPECT_EQ(progress.state, traced ? SessionState::finished : SessionState::failed) << progress.error;
+    const auto film = session.film();
     color = film->resolve_float(Aov::color);
     const MeanError m = film_mean(*film, 1);
     mean = {m.mean, m.standard_error};

@@ -57,7 +57,7 @@ TEST(ParameterRows, ARowHasTheSchemasWords) {
   EXPECT_EQ(find(rows, "priority").kind, RowKind::integer);
   const auto settings = parameter_rows("render_settings");
   EXPECT_EQ(find(settings, "subsurface").kind, RowKind::choice);
-  EXPECT_EQ(find(settings, "subsurface").choices.size(), 5u);
+  EXPECT_EQ(find(settings, "subsurface").choices.size(), 4u);
   const auto lights = parameter_rows("lights");
   EXPECT_EQ(find(lights, "shaping:cone:angle").label, "Shaping cone angle");
   EXPECT_EQ(find(lights, "texture:file").kind, RowKind::text);
