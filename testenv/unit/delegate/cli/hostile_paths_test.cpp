@@ -176,7 +176,7 @@ TEST_F(HostilePaths, AFileCannotRaiseTheLimitOfLoading) {
       const rlimit space{rlim_t(3000) << 20, rlim_t(3000) << 20};  // of which three quarters are the limit
       ::setrlimit(RLIMIT_AS, &space);
     });
-    EXPECT_EQ(refused.code, 3) << refused.err;
+    EXPECT_EQ(refused.code, 4) << refused.err;
     EXPECT_HAS(refused.err, "more, but of the memory limit of 2250 MiB");
   }
 }

@@ -27,7 +27,7 @@ TEST_F(ProductFile, CheckRefusesWhatCannotBeWrittenAndSaysWhy) {
       {with("a.gif", nothing), ".exr"},
       {with("a", nothing), ".exr"},
       {with("none/a.exr", nothing), "no folder"},
-      {with("file/a.exr", nothing), "no folder"},
+      {with("file/a.exr", nothing), "not a folder"},
       {with("folder.exr", nothing), "choose another name"},
       {with("a.exr", [](RenderProduct& p) { p.dataType = "uint8"; }), "half or float"},
       {with("a.jpg", [](RenderProduct& p) { p.dataType = "uint16"; }), "uint8 for .jpg"},
