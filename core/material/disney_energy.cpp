@@ -13,7 +13,7 @@ Rgb albedo_of(const DisneySpecular& lobe, const Vec3f& w) {
   const GgxAlbedo facets = ggx_albedo(w, lobe.ggx);
   const Rgb bare = lobe.f0 * (facets.white - facets.schlick) + lobe.f90 * facets.schlick;
   if (!(lobe.film.share > 0)) return bare;
-  // Rough facets lean towards the viewer. What a film changes has no mean in closed form: the most at cosines that
+  // Rough facets lean towards the viewer. The change by a film has no mean in closed form: the largest at cosines that
   // slopes of up to four times the roughness give.
   const auto change = [&](float cosine) { return lobe.fresnel(cosine) - schlick(lobe.f0, lobe.f90, cosine); };
   const float alpha = std::max(lobe.ggx.alpha_x, lobe.ggx.alpha_y);
