@@ -10,8 +10,8 @@
 //
 // Proof that a pixel of g stays unbiased. Its group is a function of its coordinates. Its number of samples is a
 // function of (a) the pilot samples of g + 1 and g + 3, which allocate, (b) all samples of g + 2, whose error is
-// estimated from them alone, and (c) how many samples those are, which (a) decides. Allocation reads the pilot alone,
-// in which all pixels have as many samples, so groups may allocate for each other; it must not be repeated. The
+// estimated from them alone, and (c) how many samples those are, which (a) decides. Allocation reads the pilot samples
+// alone, of which all pixels have the same number. So groups may allocate for each other, but only once per frame. The
 // group g + 2 is traced while g or g + 2 has not ended, so it is traced while g has not. So no sample of g is among
 // (a), (b) and (c). Given those, the pixel is the mean of a fixed number of samples. The order of the groups in a block
 // does not enter. In a frame within one block, or of a few pixels, the group that decides may be empty: then a group

@@ -105,7 +105,7 @@ def main():
     parser.add_argument("--spp", type=int, default=4096)
     parser.add_argument("--threads", type=int, default=16)
     parser.add_argument("--parts", type=int, nargs="+", default=[1, 2, 4, 8, 16, 32, 64], help="that are merged to fit the line")
-    parser.add_argument("--checks", type=int, nargs="*", default=[1, 2, 4, 8], help="farms of so many tasks are run to check the model")
+    parser.add_argument("--checks", type=int, nargs="*", default=[1, 2, 4, 8], help="numbers of tasks of the farms that check the model")
     options = parser.parse_args()
     if len(set(options.parts)) < 2:
         parser.error("--parts takes two numbers at least: a line is fitted to them")

@@ -23,7 +23,7 @@ using testing::RunningStatistics;
 using testing::uniform2;
 using testing::z_test;
 
-constexpr int kChiSquareTests = 44, kZTests = 108;  // at least as many as this file runs
+constexpr int kChiSquareTests = 44, kZTests = 108;  // upper bounds of the numbers of tests in this file
 
 Vec3f at_angle(double degrees) {
   const double theta = degrees * std::acos(-1.0) / 180;

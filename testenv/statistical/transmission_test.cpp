@@ -16,7 +16,7 @@ using testing::ChiSquareResult;
 using testing::RunningStatistics;
 using testing::uniform2;
 
-constexpr int kChiSquareTests = 150, kZTests = 60;  // at least as many as this file runs
+constexpr int kChiSquareTests = 150, kZTests = 60;  // upper bounds of the numbers of tests in this file
 
 Vec3f at_angle(double degrees) {
   const double theta = degrees * std::acos(-1.0) / 180;

@@ -153,7 +153,7 @@ TEST_F(DiskTest, WhereNothingCanBeKeptTheErrorPromisesNothing) {
 }
 
 TEST_F(DiskTest, AFolderOfSomebodyElseIsSaidBefore) {
-  if (geteuid() != 0) GTEST_SKIP() << "only the superuser can become somebody else";
+  if (geteuid() != 0) GTEST_SKIP() << "only the superuser can run the program as another user";
   fs::create_directory(folder_ / "theirs");
   fs::permissions(folder_ / "theirs", fs::perms(0755));
   fs::permissions(folder_, fs::perms(0755));
@@ -168,7 +168,7 @@ TEST_F(DiskTest, AFolderOfSomebodyElseIsSaidBefore) {
     std::vector<std::string> arguments{"render", "patch.gltf", "--size", "16x12", "--spp", "1"};
     arguments.insert(arguments.end(), output.begin(), output.end());
     const Outcome outcome = run(arguments, become_nobody);
-    if (outcome.code == kNoNamespace) GTEST_SKIP() << "nobody may not run the program where it lies";
+    if (outcome.code == kNoNamespace) GTEST_SKIP() << "user nobody may not execute the program in its folder";
     EXPECT_EQ(outcome.code, 5) << outcome.err;
     EXPECT_HAS(outcome.err, "cannot be written to (Permission denied)");
   }
