@@ -436,18 +436,6 @@ class TargetError(unittest.TestCase):
         del render
 
 
-class TargetError(unittest.TestCase):
-    def test_a_miss_is_told(self):
-        renderer = alabaster.Renderer(square(), samples=16, targetError=1e-5)
-        render = draw(renderer)
-        stats = renderer.stats()
-        self.assertEqual(stats["endedBy"], "samples")
-        self.assertTrue(stats["target.missed"])
-        self.assertGreater(stats["target.samples"], 1000)
-        self.assertGreater(stats["target.seconds"], 0)
-        del render
-
-
 class Errors(unittest.TestCase):
     def test_messages_are_the_library_s(self):
         with self.assertRaisesRegex(alabaster.SceneError, "missing.json.*no such file"):
