@@ -28,9 +28,11 @@
    Calls run in the default floating-point environment, their callbacks included, and put the host's back. No number
    is read or written by the host's locale.
 
-   A forked child has none of the library's threads: it may destroy what its parent made, which frees nothing, and make
-   handles of its own. Scenes are its own, too, if at the fork no delegate drew them and no thread was in a call of
-   them. Other calls are INVALID_ARGUMENT there. EXR files are refused there if its parent has read or written one.
+   A forked child has none of the library's threads. It may destroy what its parent made, which frees nothing, and make
+   scenes. Scenes of its parent are its own, too, if at the fork no delegate drew them and no thread was in a call of
+   them. Other calls with handles of its parent are INVALID_ARGUMENT there. delegate_create fails there with
+   INPUT_FAILED if its parent had a delegate at the fork: TBB cannot be used without its threads. EXR files are refused
+   there if its parent has read or written one.
 
    Matrices are 16 doubles, row after row, and points are rows: p' = p M, so a translation stands in the last row. */
 #ifndef ALABASTER_H

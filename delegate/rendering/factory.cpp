@@ -2,6 +2,7 @@
 #include <dlfcn.h>
 #include <tbb/global_control.h>
 #include <tbb/version.h>
+#include <unistd.h>
 
 #include <atomic>
 
@@ -13,18 +14,36 @@ namespace {
 using namespace alabaster;
 
 std::atomic<int> g_delegates{0};
+std::atomic<pid_t> g_workers_of{0};  // the process whose delegates have used TBB's workers; 0: there are none
 
 /// Ends TBB's workers, which would run on in a library that a host unloads. They stay where another thread has used
 /// TBB, and TBB then stays with them.
 void end_workers() {
   tbb::task_scheduler_handle handle{tbb::attach()};
   Dl_info info{};
-  if (tbb::finalize(handle, std::nothrow) || !dladdr(reinterpret_cast<const void*>(&TBB_runtime_version), &info))
+  if (tbb::finalize(handle, std::nothrow)) {
+    g_workers_of = 0;
     return;
+  }
+  if (!dladdr(reinterpret_cast<const void*>(&TBB_runtime_version), &info)) return;
   if (void* held = dlopen(info.dli_fname, RTLD_NOW | RTLD_NOLOAD | RTLD_NODELETE)) dlclose(held);
 }
 
+/// False in a child that was forked from a process with workers. TBB counts on them there, and waits without end for a
+/// lock that one of them held at the fork.
+bool may_use_workers() {
+  pid_t none = 0;
+  const pid_t self = getpid();
+  return g_workers_of.compare_exchange_strong(none, self) || none == self;
+}
+
 hd::RenderDelegate* create(const hd::DelegateOptions& options, const DiagnosticSink& sink) {
+  if (!may_use_workers()) {
+    report(sink, Severity::error, "delegate.fork", "TBB",
+           "this process was forked from one that has renderers, and lacks the threads of TBB; begin it with exec "
+           "(Python: multiprocessing's spawn or forkserver), or destroy all renderers before the fork");
+    return nullptr;
+  }
   hd::Dictionary settings = options.settings;
   const auto ocio = settings.find("ocio");
   const std::string config = ocio == settings.end() ? std::string() : ocio->second.text_or("");

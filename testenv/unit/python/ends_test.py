@@ -27,7 +27,7 @@ def run(code, start=START):
 
 
 def picture_in_a_child(_):
-    return bytes(draw(alabaster.Renderer(square(), samples=2))["color"])
+    return bytes(draw(alabaster.Renderer(square(), samples=2, report=lambda *_: None))["color"])
 
 
 class Ends(unittest.TestCase):
@@ -116,10 +116,24 @@ class Ends(unittest.TestCase):
             print(os.waitstatus_to_exitcode(os.waitpid(child, 0)[1]))
             """
         for in_child in ["pass", "del renderer, kept, scene", "del scene, kept, renderer, pixels; gc.collect()", "renderer = None",
-                         "renderer = kept = pixels = None; print(draw(alabaster.Renderer(square(), samples=1)).state, end=' ', flush=True)",
-                         "bytes(pixels); threading.Thread(target=lambda: draw(alabaster.Renderer(square(), samples=1))).start()"]:
-            says = "converged 7\n" if "state" in in_child else "7\n"
-            self.assert_ends(fork.format(in_child=in_child), says)
+                         "bytes(pixels); threading.Thread(target=lambda: square().prims).start()"]:
+            self.assert_ends(fork.format(in_child=in_child), "7\n")
+
+    def test_a_forked_child_draws_where_its_parent_has_no_renderer(self):
+        draw_in_child = """
+            child = os.fork()
+            if child == 0:
+                try:
+                    own = alabaster.Renderer(square(), samples=1, report=lambda *_: None)
+                    print(draw(own).state, end=" ", flush=True)
+                except alabaster.Error as error:
+                    print(str(error)[-8:], end=" ", flush=True)
+                sys.exit(7)
+            print(os.waitstatus_to_exitcode(os.waitpid(child, 0)[1]))
+            """
+        for in_parent, says in [("draw(renderer.set(samples=1) or renderer)", "the fork 7\n"), ("renderer = None", "converged 7\n"),
+                                ("renderer.set(samples=1); draw(renderer); renderer = None", "converged 7\n")]:
+            self.assert_ends(f"{in_parent}{draw_in_child}".replace("\n            ", "\n"), says)
 
     def test_a_forked_child_is_told_what_it_cannot_use(self):
         for use in ["draw(renderer)", "kept.update()", "kept.wait(1)", "kept.state", "kept.show('color', memory)", "kept.pixels()",
@@ -161,10 +175,10 @@ class Ends(unittest.TestCase):
             child = os.fork()
             if child == 0:
                 other.set_visible("/square", True)
-                print(draw(alabaster.Renderer(other, samples=1)).state, flush=True)
+                print(len(other.prims) == len(square().prims), flush=True)
                 sys.exit(0)
             os.waitpid(child, 0)
-            """, "converged\n")
+            """, "True\n")
 
     def test_a_fork_after_a_recording(self):
         """Libraries that read and write images have threads of their own."""
@@ -211,9 +225,12 @@ class Ends(unittest.TestCase):
     def test_multiprocessing(self):
         renderer = alabaster.Renderer(square(), samples=2)
         expected = bytes(draw(renderer)["color"])
-        for method in ["fork", "forkserver", "spawn"]:
+        for method in ["forkserver", "spawn"]:
             with multiprocessing.get_context(method).Pool(2) as pool:
                 self.assertEqual(pool.map(picture_in_a_child, range(3)), [expected] * 3, method)
+        with multiprocessing.get_context("fork").Pool(2) as pool:
+            with self.assertRaisesRegex(alabaster.Error, "spawn or forkserver"):
+                pool.map(picture_in_a_child, range(3))
         self.assertEqual(draw(renderer).state, "converged")
 
     def test_a_subinterpreter_is_refused(self):

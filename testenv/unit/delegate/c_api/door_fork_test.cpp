@@ -105,7 +105,20 @@ TEST_F(DoorFork, AChildCannotUseWhatItsParentMade) {
               7);
 }
 
-TEST_F(DoorFork, AChildMakesItsOwn) {
+TEST_F(DoorFork, AChildMakesNoDelegateOfItsOwn) {
+  EXPECT_EQ(status_of_child([&] {
+              AlabasterDelegate* own = nullptr;
+              const bool refused = api().delegate_create(nullptr, nullptr, &own) == ALABASTER_INPUT_FAILED;
+              return refused && std::string(api().last_error()).find("before the fork") != std::string::npos ? 7 : 8;
+            }),
+            7);
+}
+
+TEST(DoorForkWithoutDelegates, AChildMakesItsOwn) {
+  {
+    DoorOfAChild before;
+    EXPECT_TRUE(before.draws());
+  }
   EXPECT_EQ(status_of_child([&] {
               DoorOfAChild own;
               return own.draws() ? 7 : 8;
