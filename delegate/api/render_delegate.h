@@ -151,8 +151,8 @@ struct DelegateOptions {
 }  // namespace alabaster::hd
 
 extern "C" {
-/// The one exported factory. Null if the ABI versions differ or the renderer cannot start (reported to the sink), as in a
-/// process that was forked from one with delegates: TBB cannot be used without its threads.
+/// The one exported factory. Null if the ABI versions differ or the renderer cannot start (reported to the sink), as in
+/// a process that was forked from one with delegates: TBB cannot be used without its threads.
 ALABASTER_API alabaster::hd::RenderDelegate* CreateAlabasterRenderDelegate(
     uint32_t abi_version, const alabaster::hd::DelegateOptions* options);
 /// The last delegate of a process ends TBB's workers, so that the library can be unloaded: this waits until the host's
