@@ -44,7 +44,7 @@ constexpr SettingFlag kSettingFlags[] = {
     {"--seed", "seed", "N", "Seed of the noise pattern"},
     {"--threads", "threads", "N", "Render threads; 0 uses all cores"},
     {"--max-depth", "maxDepth", "N", "Bounces between surfaces, at most"},
-    {"--subsurface", "subsurface", "MODE", "lambert, walk, reference, diffusion or auto"},
+    {"--subsurface", "subsurface", "MODE", "walk, reference, diffusion or lambert"},
     {"--studio", "studio", "MODE",
      "auto, on or off: lights and a backdrop around the objects. auto adds them to a scene without light, and the "
      "backdrop only if it has no camera either; on replaces the scene's lights; off adds a soft dome to a scene "

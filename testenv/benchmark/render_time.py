@@ -44,8 +44,8 @@ def main():
     parser.add_argument("--size", default="240x160")
     parser.add_argument("--spp", type=int, default=4)
     arguments = parser.parse_args()
-    recorder = pathlib.Path(arguments.programs[0]).resolve().parents[1] / "lib" / "libreplay_rays.so"
     require(*arguments.programs)
+    recorder = pathlib.Path(arguments.programs[0]).resolve().parents[1] / "lib" / "libreplay_rays.so"
     require_benchmark(recorder)
     print("| scene | program | rays a sample | render: CPU s | bare Embree: CPU s | ns a ray: render | bare | render : bare |")
     print("|--|--|--|--|--|--|--|--|")

@@ -5,6 +5,7 @@
   target      the true error at which --target-error ends
   presets     the true error at which --quality ends, with its bias
   bias        the bias of each bound on bounces, from renders of equal random numbers
+  law         how the squared error falls with the number of samples, compared with the law that the estimate extends it by
   prediction  the predictions of alabaster info --predict, compared with the renders
   adaptive    error^2 x CPU time of adaptive sampling relative to uniform: below 1 it wins at equal time
 
@@ -12,8 +13,9 @@
       > testenv/statistical/results/calibration.md
 
 The scenes are bundled ones and those of make_scenes.py, which no setting was chosen by. Renders and references are kept
-in --folder, so that an interrupted run can be resumed. A program that renders differently needs a new folder. With
---processes N, N renders of one thread each run at a time. Renders that are not begun within --seconds are left out and counted.
+in --folder, so that the next run begins where an interrupted one ended. A program that renders or estimates differently needs a new folder. With
+--processes N, N renders of one thread each run at a time. Renders that are not begun within --seconds are left out and counted;
+with --cheap-first those that need the most samples are.
 """
 import argparse
 import concurrent.futures
@@ -89,7 +91,7 @@ class Bench:
 
     def run(self, arguments):
         """The program's output, and its wall and CPU seconds from start to end."""
-        own_thread = ["--threads", 1] if self.options.processes > 1 else []
+        own_thread = ["--threads", 1] if self.options.processes else []
         start = time.monotonic()
         with tempfile.TemporaryFile("w+") as output, tempfile.TemporaryFile("w+") as errors:
             process = subprocess.Popen([str(word) for word in [self.options.program, *arguments, *own_thread]], stdout=output,
@@ -122,7 +124,7 @@ class Bench:
         say(f"{job.key} {record.get('process', {}).get('cpu', 0):.1f}")
 
     def do_all(self, jobs):
-        with concurrent.futures.ThreadPoolExecutor(self.options.processes) as pool:
+        with concurrent.futures.ThreadPoolExecutor(self.options.processes or 1) as pool:
             list(pool.map(self.do, jobs))
 
     def render(self, job):
@@ -132,9 +134,9 @@ class Bench:
                                  *job.arguments])
         record = json.loads(stats.read_text())
         stats.unlink()
-        if "error" not in record:
+        if "error" not in record and record["samples"]["perPixel"] >= 2:
             raise RuntimeError("the render reports no error")
-        return {**{key: record[key] for key in ("samples", "error", "phases", "peakMemory")}, "target": record.get("target"),
+        return {**{key: record.get(key) for key in ("samples", "error", "phases", "peakMemory")}, "target": record.get("target"),
                 "process": {"wall": wall, "cpu": cpu}}
 
     def predict(self, job):
@@ -348,6 +350,37 @@ def print_bias(bench):
         print(f"| {scene.stem} | " + " | ".join(cells) + " |")
 
 
+LAW_SAMPLES = [1, 2, 4, 8, 16, 32, 64]
+
+
+def law_jobs(o, scene, spp):
+    return [Job(scene, f"law-{o.size}-{spp}-{seed}", o.size, (*deep(o), "--spp", spp, "--seed", seed)) for seed in range(1, o.law_seeds + 1)]
+
+
+def print_law(bench):
+    """The three differences are those of core/convergence/frame_error.md, "The law of convergence", without their noise."""
+    o = bench.options
+    print(f"\n## Law of convergence\n\nMean E^2 of {o.law_seeds} renders with 1 to {LAW_SAMPLES[-1]} samples, times their number, and ± its standard error; "
+          "independent samples have the same in all columns. E^2 at the last number over what the law makes of it from the last four: above 1 it is "
+          "estimated too high.\n")
+    print("| scene | " + " | ".join(str(m) for m in LAW_SAMPLES) + " | previous, earlier | E^2 by the law : E^2 |")
+    print("|--|" + "--|" * (len(LAW_SAMPLES) + 2))
+    for scene in o.scene:
+        errors = {}
+        for m in LAW_SAMPLES:
+            pictures, reference = bench.pictures(law_jobs(o, scene, m)), bench.reference(scene)
+            if pictures and reference:
+                errors[m] = mean_and_error([reference.squared_error(picture) for picture in pictures])
+        if len(errors) < len(LAW_SAMPLES):
+            continue
+        v = [errors[m][0] for m in LAW_SAMPLES]
+        latest, previous, earlier = v[-2] - v[-1], (v[-3] - v[-2]) / (v[-2] - v[-1]), (v[-4] - v[-3]) / (v[-2] - v[-1])
+        a = (16 - earlier) / 12
+        law = a + (1 + previous - 3 * a) / 15
+        cells = [f"{m * mean:.3f} ± {m * spread:.3f}" for m, (mean, spread) in errors.items()]
+        print(f"| {scene.stem} | " + " | ".join(cells) + f" | {previous:.2f}, {earlier:.2f} | {law * latest / v[-1]:.2f} |")
+
+
 def predictions(o, scene):
     return [(Prediction(scene, target, size), Job(scene, f"predicted-{size}-{target}", size, ("--target-error", target))) for target, size in o.case]
 
@@ -416,20 +449,22 @@ def print_adaptive(bench):
 
 
 def jobs_of(o):
-    """Long ones first, so that the last to run are short."""
+    """Long ones first, so that the last to run are short; or short ones first, so that few are missing at the end of the time."""
     part = lambda name: o.scene if name in o.part else []  # noqa: E731
     jobs = [job for scene in o.scene for job in reference_jobs(o, scene)] if set(o.part) != {"prediction"} else []
-    jobs += sorted([job for scene in part("presets") for _, _, job in preset_jobs(o, scene)], key=lambda job: "production" not in job.name)
+    presets = [row for scene in part("presets") for row in preset_jobs(o, scene)]
+    jobs += [job for _, _, job in sorted(presets, key=lambda row: PROMISES[row[0]], reverse=o.cheap_first)]
     jobs += [job for scene in part("target") for job in target_jobs(o, scene)]
     jobs += [job for scene in part("adaptive") for spp in o.adaptive_spp for pair in adaptive_pairs(o, scene, spp) for job in pair]
     jobs += [job for scene in part("bias") for depth in (*o.depths, o.depth) for job in bias_jobs(o, scene, depth)]
+    jobs += [job for scene in part("law") for m in LAW_SAMPLES for job in law_jobs(o, scene, m)]
     jobs += [job for scene in part("prediction") for pair in predictions(o, scene) for job in pair]
     return jobs + [job for scene in part("interval") for spp in o.spp for job in interval_jobs(o, scene, spp)]
 
 
 QUICK = """--size 12x8 --reference 256 --seeds 2 --spp 16 --target 0.3 --most 512 --target-seeds 1 --preset preview --preset-seeds 1 --preset-most 64
-           --bias-spp 8 --depths 2 --case 0.5@12x8 --adaptive-spp 32 --adaptive-seeds 2""".split()
-PARTS = {"interval": print_interval, "target": print_target, "presets": print_presets, "bias": print_bias,
+           --bias-spp 8 --depths 2 --law-seeds 2 --case 0.5@12x8 --adaptive-spp 32 --adaptive-seeds 2""".split()
+PARTS = {"interval": print_interval, "target": print_target, "presets": print_presets, "bias": print_bias, "law": print_law,
          "prediction": print_prediction, "adaptive": print_adaptive}
 
 
@@ -441,8 +476,9 @@ def arguments():
     add("--quick", action="store_true", help="a tiny run on two scenes, in a folder of its own, as a test of this script")
     add("--part", nargs="+", choices=PARTS, default=["interval", "target", "presets", "bias", "prediction"])
     add("--scene", nargs="+", type=pathlib.Path, help="default: the bundled ones and those of make_scenes.py")
-    add("--processes", type=int, default=1, help="renders at a time")
+    add("--processes", type=int, default=0, help="renders of one thread at a time; 0: one render with all cores")
     add("--seconds", type=float, default=1e9, help="after which no render is begun")
+    add("--cheap-first", action="store_true", help="begin with the presets that promise least")
     add("--json", type=pathlib.Path, help="file for all numbers")
     add("--write-presets", action="store_true", help="put what part `presets` measured into schemas/quality_presets.json")
     add("--size", default="48x32", help="resolution of everything but predictions")
@@ -459,6 +495,7 @@ def arguments():
     add("--preset-most", type=int, default=0, help="samples per pixel in the place of the presets' own limits; 0: those")
     add("--bias-spp", type=int, default=256)
     add("--depths", nargs="+", type=int, default=[4, 6, 8, 12, 16, 32])
+    add("--law-seeds", type=int, default=8)
     add("--case", nargs="+", default=["0.05@96x64"], help="prediction: error@size")
     add("--adaptive-spp", nargs="+", type=int, default=[64, 256])
     add("--adaptive-seeds", type=int, default=4)
@@ -471,8 +508,8 @@ def arguments():
             parser.error(f"{scene}: there is no such scene; name others with --scene")
     if options.scene and len({scene.stem for scene in options.scene}) < len(options.scene):
         parser.error("--scene: two scenes have the same name and would share their renders")
-    if min(options.reference // options.reference_parts, options.seeds, options.target_seeds, options.adaptive_seeds, options.processes,
-           options.reference_parts - 1) < 1:
+    if min(options.reference // options.reference_parts, options.seeds, options.target_seeds, options.adaptive_seeds,
+           options.reference_parts - 1) < 1 or options.processes < 0:
         parser.error("counts must be positive, and --reference at least --reference-parts, which are at least 2")
     return options
 
