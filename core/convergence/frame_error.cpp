@@ -183,37 +183,38 @@ Convergence fit_convergence(const PixelSet& pixels, const std::vector<double>& s
   return c;
 }
 
-// L^2 + f^2 of every pixel, and the variance of each pixel's mean over that.
-struct RelativeErrors {
-  std::vector<double> scales, values;
-  Convergence convergence;
+// L^2 + f^2 of every pixel, and the variance of each pixel's mean over that, which is computed when it is used: the
+// scales are all of a frame's size that is kept.
+class RelativeErrors {
+ public:
+  /// The pixels must outlive it.
+  RelativeErrors(const PixelSet& pixels, std::vector<double> scales, const SampleExtremes& samples,
+                 const CancelToken& cancel)
+      : pixels_(pixels),
+        scales_(std::move(scales)),
+        convergence_(fit_convergence(pixels, scales_, samples.least, cancel)),
+        factors_(size_t(samples.most) + 1) {}
+  const Convergence& convergence() const { return convergence_; }
+  double scale(size_t i) const { return scales_[i]; }
+  double value(size_t i) const {
+    std::atomic<double>& shared = factors_[pixels_[i].samples];
+    double factor = shared.load(std::memory_order_relaxed);
+    if (factor == 0) shared = factor = variance_per_difference(pixels_[i].samples, convergence_.law);
+    return factor * squared(pixels_[i].difference()) / scales_[i];
+  }
+
+ private:
+  const PixelSet& pixels_;
+  std::vector<double> scales_;
+  Convergence convergence_;
+  mutable std::vector<std::atomic<double>> factors_;  // by number of samples; 0: not computed yet
 };
 
-RelativeErrors relative_errors(const PixelSet& pixels, std::vector<double> scales, const SampleExtremes& samples,
-                               const CancelToken& cancel) {
-  RelativeErrors errors;
-  errors.scales = std::move(scales);
-  errors.convergence = fit_convergence(pixels, errors.scales, samples.least, cancel);
-  errors.values.resize(pixels.size());
-  std::vector<std::atomic<double>> factors(size_t(samples.most) + 1);  // by number of samples; 0: not computed yet
-  for_pixel_blocks(
-      pixels.size(),
-      [&](size_t, size_t begin, size_t end) {
-        for (size_t i = begin; i < end; ++i) {
-          std::atomic<double>& shared = factors[pixels[i].samples];
-          double factor = shared.load(std::memory_order_relaxed);
-          if (factor == 0) shared = factor = variance_per_difference(pixels[i].samples, errors.convergence.law);
-          errors.values[i] = factor * squared(pixels[i].difference()) / errors.scales[i];
-        }
-      },
-      cancel);
-  return errors;
-}
-
-double mean_of(const std::vector<double>& values, const CancelToken& cancel) {
-  const size_t n = values.size();
+// Sum over the n pixels of value(i) / n.
+template <class Value>
+double mean_of(size_t n, const Value& value, const CancelToken& cancel) {
   return sum_over_pixels<double>(
-      n, [&](size_t i, double* sum) { *sum += values[i] / double(n); }, cancel);
+      n, [&](size_t i, double* sum) { *sum += value(i) / double(n); }, cancel);
 }
 
 // How far ln E^2 may be off (frame_error.md, "The interval").
@@ -222,12 +223,14 @@ struct LogScatter {
   double effective = 0;  // squared errors as if they were equal: n that have their mean and mean square (Kish 1965)
 };
 
-/// The scatter of the estimate over pixels, that of the true error, and the doubt about the law. `mean`: of
-/// errors.values.
-LogScatter log_scatter(const PixelSet& pixels, const RelativeErrors& errors, double mean, const CancelToken& cancel) {
+/// The scatter of the estimate over pixels, that of the true error, and the doubt about the law. `value`: the squared
+/// error of each pixel, whose mean is `mean`.
+template <class Value>
+LogScatter log_scatter(const PixelSet& pixels, const RelativeErrors& errors, const Value& value, double mean,
+                       const CancelToken& cancel) {
   constexpr double kNoiseDoubt = 0.12, kStratifiedDoubt = 0.5;
-  const ConvergenceLaw& law = errors.convergence.law;
-  const PerDifference &means = errors.convergence.means, &elasticity = errors.convergence.elasticity;
+  const ConvergenceLaw& law = errors.convergence().law;
+  const PerDifference &means = errors.convergence().means, &elasticity = errors.convergence().elasticity;
   const double doubt = kNoiseDoubt + kStratifiedDoubt * law.stratified();
   const auto part = [](double weight, float difference, double scale, double mean) {
     return mean > 0 ? weight * (squared(difference) / scale / mean - 1) : 0.0;
@@ -242,8 +245,8 @@ LogScatter log_scatter(const PixelSet& pixels, const RelativeErrors& errors, dou
   const auto sum = sum_over_pixels<Squares>(
       pixels.size(),
       [&](size_t i, Squares* squares) {
-        const double scale = errors.scales[i];
-        const double d = errors.values[i] / mean - 1;
+        const double scale = errors.scale(i);
+        const double d = value(i) / mean - 1;
         const double e = d + part(elasticity.latest - 1, pixels[i].latest, scale, means.latest) +
                          part(elasticity.previous, pixels[i].previous, scale, means.previous) +
                          part(elasticity.earlier, pixels[i].earlier, scale, means.earlier);
@@ -256,40 +259,55 @@ LogScatter log_scatter(const PixelSet& pixels, const RelativeErrors& errors, dou
 
 // L^2 + f^2 of every pixel, where L is level(range).
 template <class Level>
-std::vector<double> squared_scales(const std::vector<LevelRange>& ranges, double floor, const Level& level,
+std::vector<double> squared_scales(const PixelSet& pixels, double floor, const Level& level,
                                    const CancelToken& cancel) {
-  std::vector<double> scales(ranges.size());
-  for_pixel_blocks(
-      ranges.size(),
-      [&](size_t, size_t begin, size_t end) {
-        for (size_t i = begin; i < end; ++i) {
-          const double l = level(ranges[i]);
-          scales[i] = l * l + floor * floor;
-        }
+  std::vector<double> scales(pixels.size());
+  visit_levels(
+      pixels,
+      [&](size_t, size_t i, const LevelRange& range) {
+        const double l = level(range);
+        scales[i] = l * l + floor * floor;
       },
       cancel);
   return scales;
 }
 
-// The effective number of the pixels that stand out of their neighbours: how many of equal squared errors, with levels
-// as low as they may be, have the mean and the mean square of theirs (Kish 1965, "Survey Sampling").
-double count_outliers(const PixelSet& pixels, const std::vector<LevelRange>& ranges, const std::vector<double>& scales,
-                      const CancelToken& cancel) {
+double lowest_level(const LevelRange& range) {
+  return range.low;
+}
+
+// L^2 + f^2 of every pixel with levels as low as they may be, and the effective number of the pixels that stand out of
+// their neighbours: how many of equal squared errors have the mean and the mean square of theirs (Kish 1965, "Survey
+// Sampling").
+struct Lowest {
+  std::vector<double> scales;
+  double outliers = 0;
+};
+
+Lowest lowest_scales(const PixelSet& pixels, double floor, const CancelToken& cancel) {
   struct Moments {
     double sum = 0, squares = 0;
-    void operator+=(const Moments& o) {
-      sum += o.sum;
-      squares += o.squares;
-    }
   };
-  const auto moments = sum_over_pixels<Moments>(
-      pixels.size(),
-      [&](size_t i, Moments* all) {
-        const double value = ranges[i].excess > 0 ? squared(pixels[i].difference()) / scales[i] : 0.0;
-        *all += {value, value * value};
+  Lowest lowest{std::vector<double>(pixels.size()), 0};
+  std::vector<Moments> blocks(level_blocks(pixels.image()));
+  visit_levels(
+      pixels,
+      [&](size_t block, size_t i, const LevelRange& range) {
+        const double l = lowest_level(range);
+        lowest.scales[i] = l * l + floor * floor;
+        if (!(range.excess > 0)) return;
+        const double value = squared(pixels[i].difference()) / lowest.scales[i];
+        blocks[block].sum += value;
+        blocks[block].squares += value * value;
       },
       cancel);
-  return moments.squares > 0 ? moments.sum * moments.sum / moments.squares : 0;
+  Moments all;
+  for (const Moments& block : blocks) {
+    all.sum += block.sum;
+    all.squares += block.squares;
+  }
+  if (all.squares > 0) lowest.outliers = all.sum * all.sum / all.squares;
+  return lowest;
 }
 
 }  // namespace
@@ -301,25 +319,25 @@ FrameError estimate_frame_error(const NoiseImage& image, const CancelToken& canc
   const double floor = error_floor(pixels, cancel);
   if (floor == 0) return {.known = true};  // a black frame: without light there is no noise
   if (!std::isfinite(floor)) return {.known = false, .relative_rmse = floor};
-  const std::vector<LevelRange> ranges = level_ranges(pixels, cancel);
-  const std::vector<double> lowest = squared_scales(
-      ranges, floor, [](const LevelRange& range) { return range.low; }, cancel);
+  const Lowest lowest = lowest_scales(pixels, floor, cancel);
   // Around a pixel that stands out, its neighbours may have the same light and have missed it. The more such pixels
   // there are and the fewer of them lie together, the less of it.
-  const double alone = 1 / (9 * (1 + count_outliers(pixels, ranges, lowest, cancel)));
-  const auto highest = [alone](const LevelRange& range) { return range.high + alone * range.excess; };
+  const double alone = 1 / (9 * (1 + lowest.outliers));
+  const auto highest_level = [alone](const LevelRange& range) { return range.high + alone * range.excess; };
 
   // Least and most error: with the highest levels and with the lowest. The law is one, that of the former, in which few
   // bright samples weigh less.
-  RelativeErrors errors = relative_errors(pixels, squared_scales(ranges, floor, highest, cancel), samples, cancel);
-  const double least = mean_of(errors.values, cancel);
+  const size_t n = pixels.size();
+  const RelativeErrors errors(pixels, squared_scales(pixels, floor, highest_level, cancel), samples, cancel);
+  const auto at_least = [&](size_t i) { return errors.value(i); };
+  const auto at_most = [&](size_t i) { return errors.value(i) * (errors.scale(i) / lowest.scales[i]); };
+  const double least = mean_of(n, at_least, cancel);
   if (!std::isfinite(least)) return {.known = false, .relative_rmse = least};
   if (!(least > 0)) return {.known = true};
-  const double least_reach = 1.96 * std::sqrt(log_scatter(pixels, errors, least, cancel).variance);
-  for (size_t i = 0; i < pixels.size(); ++i) errors.values[i] *= errors.scales[i] / lowest[i];
-  const double most = mean_of(errors.values, cancel);
+  const double least_reach = 1.96 * std::sqrt(log_scatter(pixels, errors, at_least, least, cancel).variance);
+  const double most = mean_of(n, at_most, cancel);
   if (!std::isfinite(most)) return {.known = false, .relative_rmse = most};
-  const LogScatter scatter = log_scatter(pixels, errors, most, cancel);
+  const LogScatter scatter = log_scatter(pixels, errors, at_most, most, cancel);
   // Light that few samples find is missed by others: a sum of few terms is more often too small than too large.
   constexpr double kSkewness = 1.5, kFewest = 4;
   const double most_reach =
@@ -336,9 +354,10 @@ std::vector<double> relative_squared_errors(const NoiseImage& image, uint32_t gr
   const SampleExtremes samples = samples_of(pixels, {});
   const double floor = error_floor(pixels, {});
   if (pixels.size() == 0 || samples.least < 2 || floor == 0 || !std::isfinite(floor)) return {};
-  std::vector<double> scales =
-      squared_scales(level_ranges(pixels, {}), floor, [](const LevelRange& range) { return range.low; }, {});
-  return relative_errors(pixels, std::move(scales), samples, {}).values;
+  const RelativeErrors errors(pixels, squared_scales(pixels, floor, lowest_level, {}), samples, {});
+  std::vector<double> values(pixels.size());
+  for (size_t i = 0; i < values.size(); ++i) values[i] = errors.value(i);
+  return values;
 }
 
 NoiseImage film_noise(const Film& film, const CancelToken& cancel) {
@@ -353,8 +372,8 @@ FrameError estimate_frame_error(const Film& film) {
 
 size_t frame_error_bytes(const PixelRect& window, uint64_t most_samples) {
   if (window.empty()) return 0;
-  constexpr size_t kPixel = sizeof(PixelNoise) + kLevelBytes + sizeof(LevelRange);
-  const size_t factors = sizeof(double) * (size_t(most_samples) + 1);  // relative_errors()
+  constexpr size_t kPixel = sizeof(PixelNoise) + 2 * sizeof(double);  // RelativeErrors, Lowest
+  const size_t factors = sizeof(double) * (size_t(most_samples) + 1);
   return kPixel * size_t(window.width()) * size_t(window.height()) + factors;
 }
 

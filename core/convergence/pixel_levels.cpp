@@ -4,6 +4,9 @@
 #include <array>
 #include <cmath>
 
+#include <tbb/enumerable_thread_specific.h>
+#include <tbb/parallel_for.h>
+
 #include "core/convergence/pixel_loop.h"
 
 namespace alabaster {
@@ -53,15 +56,18 @@ Surroundings surroundings(const PixelSet& pixels, size_t i) {
   return {(sum + std::min(own, brightest)) / count, std::max(0.0, own - brightest)};
 }
 
-// Sums over rectangles of an image.
+// Sums over rectangles of a part of an image.
 class AreaSums {
  public:
-  AreaSums(int width, int height)
-      : width_(width), height_(height), sums_(size_t(width + 1) * size_t(height + 1), {0, 0}) {}
   struct Sums {
     double values = 0, squares = 0;
   };
-  void set(int x, int y, double value) { at(x + 1, y + 1) = {value, value * value}; }
+  /// The part from (x0, y0) up to (x1, y1); all values are 0.
+  void reset(int x0, int y0, int x1, int y1) {
+    x0_ = x0, y0_ = y0, width_ = x1 - x0, height_ = y1 - y0;
+    sums_.assign(size_t(width_ + 1) * size_t(height_ + 1), {});
+  }
+  void set(int x, int y, double value) { at(x - x0_ + 1, y - y0_ + 1) = {value, value * value}; }
   void add_up() {
     for (int y = 1; y <= height_; ++y)
       for (int x = 1; x <= width_; ++x) {
@@ -70,10 +76,11 @@ class AreaSums {
         at(x, y).squares += left.squares + above.squares - corner.squares;
       }
   }
-  /// Over the pixels within `reach` of (x, y), and how many those are.
+  /// Over the pixels within `reach` of (x, y), and how many those are. The part ends where the image does, or further
+  /// away.
   Sums around(int x, int y, int reach, double* pixels) const {
-    const int x0 = std::max(0, x - reach), x1 = std::min(width_, x + reach + 1);
-    const int y0 = std::max(0, y - reach), y1 = std::min(height_, y + reach + 1);
+    const int x0 = std::max(0, x - x0_ - reach), x1 = std::min(width_, x - x0_ + reach + 1);
+    const int y0 = std::max(0, y - y0_ - reach), y1 = std::min(height_, y - y0_ + reach + 1);
     *pixels = double(x1 - x0) * double(y1 - y0);
     const Sums &a = at(x1, y1), &b = at(x0, y1), &c = at(x1, y0), &d = at(x0, y0);
     return {a.values - b.values - c.values + d.values, a.squares - b.squares - c.squares + d.squares};
@@ -82,9 +89,15 @@ class AreaSums {
  private:
   Sums& at(int x, int y) { return sums_[size_t(y) * size_t(width_ + 1) + size_t(x)]; }
   const Sums& at(int x, int y) const { return sums_[size_t(y) * size_t(width_ + 1) + size_t(x)]; }
-  int width_, height_;
+  int x0_ = 0, y0_ = 0, width_ = 0, height_ = 0;
   std::vector<Sums> sums_;
 };
+
+constexpr int kBlockSide = 128, kFarReach = 8;
+
+int blocks_along(int pixels) {
+  return (pixels + kBlockSide - 1) / kBlockSide;
+}
 
 /// Pixels that stand out of their neighbours tell of light that few samples find. The mean excess of such pixels within
 /// some distance, without this one, estimates that light here. From k of them it is uncertain by 1 / sqrt(k) of itself
@@ -93,7 +106,7 @@ LevelRange level_range(const AreaSums& excesses, double share, const Surrounding
   LevelRange range{own.level, own.level, own.excess};
   if (!(own.excess > 0)) return range;
   double more_low = 0, more_high = 0;
-  for (const int reach : {3, 8}) {
+  for (const int reach : {3, kFarReach}) {
     double pixels = 0;
     AreaSums::Sums others = excesses.around(x, y, reach, &pixels);
     others.values = std::max(0.0, others.values - own.excess);
@@ -109,29 +122,43 @@ LevelRange level_range(const AreaSums& excesses, double share, const Surrounding
   return range;
 }
 
+// Visits the pixels of the set in columns x0 to x1 of row y: visit(i, x).
+template <class Visit>
+void visit_row(const PixelSet& pixels, int y, int x0, int x1, const Visit& visit) {
+  const size_t row = size_t(y) * size_t(pixels.image().width);
+  const size_t end = pixels.first_from(row + size_t(x1));
+  for (size_t i = pixels.first_from(row + size_t(x0)); i < end; ++i) visit(i, pixels.x(i));
+}
+
 }  // namespace
 
-std::vector<LevelRange> level_ranges(const PixelSet& pixels, const CancelToken& cancel) {
-  const size_t n = pixels.size();
-  std::vector<LevelRange> ranges(n);
-  const auto for_all = [&](const auto& visit) {
-    for_pixel_blocks(
-        n,
-        [&](size_t, size_t begin, size_t end) {
-          for (size_t i = begin; i < end; ++i) visit(i);
-        },
-        cancel);
-  };
-  std::vector<Surroundings> around(n);
-  AreaSums excesses(pixels.image().width, pixels.image().height);
-  for_all([&](size_t i) {
-    around[i] = surroundings(pixels, i);
-    excesses.set(pixels.x(i), pixels.y(i), around[i].excess);
+size_t level_blocks(const NoiseImage& image) {
+  return size_t(blocks_along(image.width)) * size_t(blocks_along(image.height));
+}
+
+void visit_levels(const PixelSet& pixels, const TakeLevel& take, const CancelToken& cancel) {
+  const NoiseImage& image = pixels.image();
+  const auto blocks_across = size_t(blocks_along(image.width));
+  const double share = double(pixels.size()) / double(image.pixels.size());
+  tbb::enumerable_thread_specific<AreaSums> excesses_of_threads;
+  tbb::parallel_for(size_t(0), level_blocks(image), [&](size_t block) {
+    if (cancel.is_cancelled()) return;
+    const FloatEnvironment environment;
+    const int x0 = int(block % blocks_across) * kBlockSide, x1 = std::min(image.width, x0 + kBlockSide);
+    const int y0 = int(block / blocks_across) * kBlockSide, y1 = std::min(image.height, y0 + kBlockSide);
+    const int near_x0 = std::max(0, x0 - kFarReach), near_x1 = std::min(image.width, x1 + kFarReach);
+    const int near_y0 = std::max(0, y0 - kFarReach), near_y1 = std::min(image.height, y1 + kFarReach);
+    AreaSums& excesses = excesses_of_threads.local();
+    excesses.reset(near_x0, near_y0, near_x1, near_y1);
+    for (int y = near_y0; y < near_y1; ++y)
+      visit_row(pixels, y, near_x0, near_x1,
+                [&](size_t i, int x) { excesses.set(x, y, surroundings(pixels, i).excess); });
+    excesses.add_up();
+    for (int y = y0; y < y1; ++y)
+      visit_row(pixels, y, x0, x1,
+                [&](size_t i, int x) { take(block, i, level_range(excesses, share, surroundings(pixels, i), x, y)); });
   });
-  excesses.add_up();
-  const double share = double(n) / double(pixels.image().pixels.size());
-  for_all([&](size_t i) { ranges[i] = level_range(excesses, share, around[i], pixels.x(i), pixels.y(i)); });
-  return ranges;
+  cancel.check();
 }
 
 double error_floor(const PixelSet& pixels, const CancelToken& cancel) {

@@ -5,6 +5,7 @@
 
 #include <cmath>
 #include <limits>
+#include <tuple>
 
 #include <tbb/task_arena.h>
 
@@ -109,6 +110,25 @@ TEST(FrameError, ChangesWithoutAJump) {
     EXPECT_LT(step(now.low, before.low), 0.06) << brightness;
     EXPECT_LT(step(now.high, before.high), 0.06) << brightness;
     before = now;
+  }
+}
+
+// Levels are computed in blocks of pixels, which must not show: light that few samples find counts across their edges.
+TEST(FrameError, DoesNotDependOnWhereRareLightLies) {
+  const auto error_with_hits_at = [](int x0, int y0) {
+    NoiseImage image{400, 300, {}};
+    image.pixels.assign(400 * 300, {.samples = 16, .level = 1, .latest = 0.5f, .previous = 0.7f, .earlier = 1});
+    for (const auto& [x, y, light] : {std::tuple{0, 0, 90.0f}, {3, 1, 60.0f}, {-2, 4, 70.0f}, {1, -5, 40.0f}}) {
+      PixelNoise& pixel = image.pixels[size_t(y0 + y) * 400 + size_t(x0 + x)];
+      pixel.level = light, pixel.latest = 2 * light;
+    }
+    return estimate_frame_error(image);
+  };
+  const FrameError within = error_with_hits_at(60, 60);
+  for (const auto& [x, y] : {std::pair{127, 60}, {129, 127}, {255, 128}, {60, 130}}) {
+    const FrameError across = error_with_hits_at(x, y);
+    EXPECT_NEAR(across.relative_rmse / within.relative_rmse, 1, 1e-9) << x << " " << y;
+    EXPECT_NEAR(across.high / within.high, 1, 1e-9) << x << " " << y;
   }
 }
 

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include "core/convergence/frame_error.h"
 #include "testenv/support/frame_memory_cases.h"
 
 namespace alabaster {
@@ -24,6 +25,12 @@ TEST(FrameMemory, IsThatOfTheFilm) {
     EXPECT_EQ(film->extras(), film_extras(c.settings)) << c.name;
     EXPECT_GE(frame_bytes(request.data_window, film->aovs(), c.settings), held_by(*film)) << c.name;
   }
+}
+
+// The noise of a pixel has 24 bytes, and its two scales have 16. Tables by number of samples, and what threads compute
+// with, do not grow with the frame.
+TEST(FrameMemory, OfTheErrorEstimateIsAThirdOfTheFilm) {
+  EXPECT_LE(frame_error_bytes({0, 0, 1000, 1000}, 64), 40'000'000u + 1000);
 }
 
 // A table of factors by number of samples.
