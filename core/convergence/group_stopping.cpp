@@ -1,10 +1,14 @@
 #include "core/convergence/group_stopping.h"
 
+#include <algorithm>
 #include <cmath>
 
 namespace alabaster {
 
 void GroupStopping::update(const Film& film, const NoiseImage& noise, double target) {
+  // An error that is not known yet ends nothing.
+  if (noise.pixels.empty()) return;
+  if (std::any_of(noise.pixels.begin(), noise.pixels.end(), [](const PixelNoise& p) { return p.samples < 2; })) return;
   std::array<FrameError, kPixelGroups> errors;
   for (int g = 0; g < kPixelGroups; ++g) errors[static_cast<size_t>(g)] = estimate_frame_error(noise, {}, 1u << g);
   const uint32_t ending = decide(errors, target);

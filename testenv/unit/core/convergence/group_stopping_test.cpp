@@ -55,6 +55,16 @@ void fill(uint32_t samples, uint32_t noisy, Film* film) {
   film->store_tile(0, tile);
 }
 
+TEST(GroupStopping, AnErrorThatIsNotKnownYetEndsNothing) {
+  GroupStopping stopping;
+  Film film({0, 0, 8, 8}, 0);
+  fill(1, kAllPixelGroups, &film);
+  stopping.update(film, film_noise(film), 0.1);
+  EXPECT_EQ(stopping.ended(), 0u) << "one sample tells no error";
+  stopping.update(film, NoiseImage{}, 0.1);
+  EXPECT_EQ(stopping.ended(), 0u) << "an error that was not measured";
+}
+
 TEST(GroupStopping, GroupsThatEndedShowWhatTheyHadThen) {
   GroupStopping stopping;
   Film film({0, 0, 8, 8}, 0);
