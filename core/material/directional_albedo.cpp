@@ -202,13 +202,14 @@ float place_of_eta(float eta) {
   return (eta / (1 + eta) - kLeastPlaceOfEta) / (1 - 2 * kLeastPlaceOfEta);
 }
 
-// By visible normals, as integrate_ggx().
+// By visible normals, as integrate_ggx(). The azimuths of one side of the plane of incidence are as good as all. Fewer
+// points would be off by up to 0.04, where facets begin to reflect totally.
 Vec2f integrate_dielectric(float cosine, float alpha, float eta) {
   const Vec3f wo = direction(cosine);
   const Ggx ggx{alpha, alpha};
-  return mean_over_square<24, 8>([&](const Vec2f& u) {
+  return mean_over_square<48, 8>([&](const Vec2f& u) {
     const float rest = 1 - u.x, weight = 3 * rest * rest;
-    const Vec3f wm = ggx.sample(wo, {1 - rest * rest * rest, u.y});
+    const Vec3f wm = ggx.sample(wo, {1 - rest * rest * rest, 0.25f + 0.5f * u.y});
     const float cos_d = dot(wo, wm);
     if (!(cos_d > 0)) return Vec2f(0, 0);
     const float fresnel = fresnel_dielectric(cos_d, eta);
