@@ -296,28 +296,44 @@ def print_presets(bench):
         print("\nThe four worst: " + "; ".join(f"{name} ({ratio:.2f} of the promise)" for ratio, name in sorted(worst, reverse=True)[:4]) + ".")
 
 
+FEWEST_SCENES = 12
+
+
 def write_presets(bench):
-    """Puts what the presets reach into their file, where all scenes have been measured."""
+    """Puts what the presets reach into their file: of each preset that enough scenes have been measured with."""
     o, file = bench.options, json.loads(PRESETS.read_text())
     for preset in file["presets"]:
         if preset["name"] not in PROMISES:
             continue
         scenes = {}
         for scene in o.scene:
-            rows = [(bench.reference(scene), bench.measured(job)) for name, _, job in preset_jobs(o, scene) if name == preset["name"]]
-            if not all(row for _, row in rows):
-                sys.exit(f"{scene.stem}: its renders with {preset['name']} are not all there, so the presets' file stays as it is")
-            records = [record for _, (_, record) in rows]
+            rows = [bench.measured(job) for name, _, job in preset_jobs(o, scene) if name == preset["name"]]
+            if not rows or not all(rows):
+                continue
+            records = [record for _, record in rows]
             scenes[scene.stem] = {
                 "resolution": o.size, "samples": round(statistics.fmean(r["samples"]["perPixel"] for r in records)),
                 "endedBy": records[0]["target"]["endedBy"],
                 "saidMissed": records[0]["target"]["missed"], "noise": digits(statistics.fmean(r["error"]["relativeRmse"] for r in records)),
-                "error": digits(root(statistics.fmean(squared for _, (squared, _) in rows))),
+                "error": digits(root(statistics.fmean(squared for squared, _ in rows))),
                 "cpuSeconds": digits(statistics.fmean(r["process"]["cpu"] for r in records))}
+        if len(scenes) < FEWEST_SCENES:
+            say(f"{preset['name']}: {len(scenes)} scenes have been measured, so its part of the presets' file stays as it is")
+            continue
         limit = {"samples": o.preset_most} if o.preset_most else {}
-        preset["measured"] = {"settings": {**preset["settings"], **limit}, "command": "python3 testenv/statistical/calibration/calibrate.py "
-                              + shlex.join(sys.argv[1:]), "scenes": scenes}
+        preset["measured"] = {"settings": {**preset["settings"], **limit}, "command": command_line(), "scenes": scenes}
     PRESETS.write_text(json.dumps(file, indent=2) + "\n")
+
+
+def command_line():
+    """Without the paths and the time of this run."""
+    words, left = [], iter(sys.argv[1:])
+    for word in left:
+        if word in ("--program", "--folder", "--json", "--seconds"):
+            next(left)
+        elif word != "--write-presets":
+            words.append(word)
+    return "python3 testenv/statistical/calibration/calibrate.py " + shlex.join(words)
 
 
 def digits(value):
@@ -526,7 +542,7 @@ def main():
         options.scene = options.scene or scenes(bench.folder, options.quick)
         bench.do_all(jobs_of(options))
         print("# Calibration of what the renderer promises about errors\n\nMade by\n")
-        print("    python3 testenv/statistical/calibration/calibrate.py " + shlex.join(sys.argv[1:]))
+        print("    " + command_line())
         print(f"\nReferences: {options.size} pixels, {options.reference} samples per pixel in {options.reference_parts} independent parts, "
               f"{options.depth} bounces. Their scatter gives the reference's own noise, which is subtracted from every true error.")
         for part in options.part:
