@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/diagnostics/cancel.h"
 #include "core/integrator/boundary.h"
 #include "core/scene/clear_bodies.h"
 #include "core/scene/world_placement.h"
@@ -20,25 +21,34 @@ bool is_point(const Bounds& bounds) {
   return bounds.lower == bounds.upper;
 }
 
-bool crosses(const Mesh& mesh, const Affine& object_to_render, const Bounds& region) {
+// The origins of the camera's rays. The search among many triangles and instances may be cancelled.
+struct Origins {
+  const Bounds& bounds;
+  const CancelToken& cancel;
+};
+
+bool crosses(const Mesh& mesh, const Affine& object_to_render, const Origins& origins) {
+  size_t count = 0;
   return std::any_of(mesh.triangles.begin(), mesh.triangles.end(), [&](const Corners& corners) {
+    if (++count % 4096 == 0) origins.cancel.check();
     Bounds triangle;
     for (const uint32_t corner : corners) triangle.extend(object_to_render.point(mesh.points[corner]));
-    return overlap(triangle, region);
+    return overlap(triangle, origins.bounds);
   });
 }
 
 // Adds a body that stands at `object_to_render`, and moves if `moves`.
-void add(const Mesh& mesh, const Affine& object_to_render, bool moves, const Bounds& origins, Surroundings* found) {
+void add(const Mesh& mesh, const Affine& object_to_render, bool moves, const Origins& origins, Surroundings* found) {
+  origins.cancel.check();
   Bounds box;
   for (const Vec3f& corner : mesh.bounds.corners()) box.extend(object_to_render.point(corner));
-  if (!moves && !overlap(box, origins)) return;
+  if (!moves && !overlap(box, origins.bounds)) return;
   found->near = true;
   found->mixed =
-      found->mixed || moves || !mesh.closed || (!is_point(origins) && crosses(mesh, object_to_render, origins));
+      found->mixed || moves || !mesh.closed || (!is_point(origins.bounds) && crosses(mesh, object_to_render, origins));
 }
 
-void add_array(const SceneSnapshot& scene, const InstanceArray& array, const Bounds& origins, Surroundings* found) {
+void add_array(const SceneSnapshot& scene, const InstanceArray& array, const Origins& origins, Surroundings* found) {
   const ArrayPlan& plan = array.placed->plan;
   for (size_t block = 0; block < plan.blocks.size() && !found->mixed; ++block) {
     const BoundsDouble& world = plan.blocks[block]->bounds;
@@ -46,7 +56,7 @@ void add_array(const SceneSnapshot& scene, const InstanceArray& array, const Bou
     if (world.empty()) continue;
     box.extend(Vec3f(world.lower - scene.origin));
     box.extend(Vec3f(world.upper - scene.origin));
-    if (!overlap(box, origins)) continue;
+    if (!overlap(box, origins.bounds)) continue;
     const size_t begin = block * ArrayBlock::kSize, end = std::min(begin + ArrayBlock::kSize, plan.places->size());
     for (size_t i = begin; i < end; ++i)
       if (const auto place = plan.places->at(i))
@@ -55,9 +65,9 @@ void add_array(const SceneSnapshot& scene, const InstanceArray& array, const Bou
   }
 }
 
-Surroundings surroundings_of(const SceneSnapshot& scene, const Bounds& origins) {
+Surroundings surroundings_of(const SceneSnapshot& scene, const Origins& origins) {
   Surroundings found;
-  if (!overlap(scene.clear_bodies, origins)) return found;
+  if (!overlap(scene.clear_bodies, origins.bounds)) return found;
   for (const Instance& instance : scene.instances)
     if (has_clear_interior(instance))
       add(instance.prototype->mesh, instance.object_to_world, !instance.is_still(), origins, &found);
@@ -85,7 +95,7 @@ std::optional<Interiors> agreed_at(const PathContext& context, const Vec3f& p) {
 }  // namespace
 
 std::unique_ptr<const CameraInteriors> CameraInteriors::find(const PathContext& context, const Bounds& origins) {
-  const Surroundings surroundings = surroundings_of(context.scene, origins);
+  const Surroundings surroundings = surroundings_of(context.scene, {origins, context.settings.walk.cancel});
   if (!surroundings.near) return nullptr;
   auto found = std::make_unique<CameraInteriors>();
   if (!surroundings.mixed) found->same_ = agreed_at(context, origins.center());

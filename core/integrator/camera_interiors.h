@@ -14,7 +14,7 @@ namespace alabaster {
 class CameraInteriors {
  public:
   /// `origins`: bounds of the origins of the camera's rays, render space (MovingCamera::ray_origins). `context` stands
-  /// for any sample; its `camera_interiors` are not read. Null: all rays begin outside of clear bodies.
+  /// for any sample; its `camera_interiors` are not read. Null: all rays begin outside. Throws BuildCancelled.
   static std::unique_ptr<const CameraInteriors> find(const PathContext& context, const Bounds& origins);
 
   /// The interiors in which a ray of the camera begins.

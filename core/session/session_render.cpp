@@ -160,7 +160,7 @@ void RenderSession::Render::take_film_memory(Render* last) {
 
 void RenderSession::Render::request_stop() {
   const std::lock_guard lock(mutex);
-  stop_requested = true;
+  stop_requested = cancelled = true;
   changed.notify_all();
 }
 

@@ -7,6 +7,8 @@
 #include <chrono>
 #include <condition_variable>
 #include <mutex>
+#include <optional>
+#include <thread>
 #include <vector>
 
 #include "core/convergence/group_stopping.h"
@@ -58,6 +60,7 @@ struct RenderSession::Render {
   std::atomic<bool> noise_asked{false};
   std::atomic<bool> stop_requested{false};
   std::atomic<bool> out_of_time{false};
+  std::atomic<bool> cancelled{false};        // with a stop, and soon after the time limit: of walks and what precedes
   double time_limit = 0;                     // seconds; 0: none
   std::atomic<bool> pause_requested{false};  // changed under the mutex
   std::mutex stopped_denoise;                // one caller denoises a stopped film, and the others wait for it
@@ -85,6 +88,9 @@ struct RenderSession::Render {
   RenderProgress go_on_from(const Render& last);
   void show_begin(const RenderProgress& before);
   void run_rounds(int threads);
+  void end_rounds(bool reached_target);
+  std::jthread watch_time();
+  bool prepare(std::optional<TileRenderer>* renderer);
   bool has_first_samples_of(const RenderRequest& next) const;
   void show_ended_groups();
   void run_workers(const TileRenderer& renderer, const SampleRange& round, int threads);

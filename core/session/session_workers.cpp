@@ -105,7 +105,7 @@ bool RenderSession::Render::render_item(const TileRenderer& renderer, size_t ite
   try {
     done = !stop_requested && render_tile(renderer, schedule[pass], tile, &counters);
   } catch (...) {
-    stop_requested = true;  // before the tile is released: the other workers end, too
+    stop_requested = cancelled = true;  // before the tile is released: the other workers end, too
     throw;
   }
 
@@ -143,13 +143,44 @@ void RenderSession::Render::run_workers(const TileRenderer& renderer, const Samp
   run_on_threads(threads, [&] { render_items(renderer); });
 }
 
+// False: a stop or the time limit has come before the first sample.
+bool RenderSession::Render::prepare(std::optional<TileRenderer>* renderer) {
+  try {
+    renderer->emplace(request, CancelToken(&cancelled));
+    return true;
+  } catch (const BuildCancelled&) {
+    return false;
+  }
+}
+
+// Cancels what does not look at the clock itself, once the time of the render is over. Without a thread for it, that
+// ends by itself.
+std::jthread RenderSession::Render::watch_time() {
+  if (!(time_limit > 0)) return {};
+  const std::chrono::duration<double> left(time_limit + kFirstSampleGrace - seconds_since(started));
+  const auto end = SessionClock::now() + std::chrono::duration_cast<SessionClock::duration>(left);
+  try {
+    return std::jthread([this, end](const std::stop_token& render_ended) {
+      std::mutex own;
+      std::unique_lock lock(own);
+      std::condition_variable_any never;
+      never.wait_until(lock, render_ended, end, [] { return false; });
+      if (!render_ended.stop_requested()) out_of_time = cancelled = true;
+    });
+  } catch (const std::exception&) {
+    return {};
+  }
+}
+
 // A frame is rendered in rounds. All decisions fall between rounds, when every tile stands at the same sample, so they
 // do not depend on threads. The caller is in an arena of `threads`.
 void RenderSession::Render::run_rounds(int threads) {
   const RenderSettings& settings = request.settings;
   const bool has_target = settings.target_error > 0;
   const bool adaptive = is_adaptive(settings);
-  const TileRenderer renderer(request, CancelToken(&stop_requested));
+  std::jthread watch = watch_time();
+  std::optional<TileRenderer> renderer;
+  if (!prepare(&renderer)) return end_rounds(false);
 
   // Where decisions follow, the first round is a pilot; else it is the rest of the frame.
   const bool decides = has_target || adaptive;
@@ -160,7 +191,7 @@ void RenderSession::Render::run_rounds(int threads) {
   }
   while (round.begin < round.end && !stopping.all_ended()) {
     // Trace the round's samples and measure the error that is left.
-    run_workers(renderer, round, threads);
+    run_workers(*renderer, round, threads);
     if (stop_requested) break;
     const NoiseImage noise = measure_noise(round.end);
     if (stop_requested || out_of_time) break;
@@ -176,14 +207,18 @@ void RenderSession::Render::run_rounds(int threads) {
     // Go on to the next check of the error, or to the end.
     round = {round.end, has_target ? std::min(settings.samples, next_error_check(round.end)) : settings.samples};
   }
+  watch = {};
+  // A round after the last is left where the target ended a render, also one that is shown or continued again.
+  end_rounds(has_target && (stopping.all_ended() || round.end < settings.samples));
+}
+
+void RenderSession::Render::end_rounds(bool reached_target) {
   {
-    // A round after the last is left where the target ended a render, also one that is shown or continued again.
-    const bool reached = has_target && (stopping.all_ended() || round.end < settings.samples);
     const std::lock_guard lock(mutex);
-    progress.ended_by = stop_requested ? RenderEnd::none
-                        : out_of_time  ? RenderEnd::time_limit
-                        : reached      ? RenderEnd::target_error
-                                       : RenderEnd::samples;
+    progress.ended_by = stop_requested   ? RenderEnd::none
+                        : out_of_time    ? RenderEnd::time_limit
+                        : reached_target ? RenderEnd::target_error
+                                         : RenderEnd::samples;
   }
   show_ended_groups();
 }

@@ -25,13 +25,13 @@ IntegratorSettings settings_for(const RenderRequest& request, const CancelToken&
   return settings;
 }
 
-void prepare_filtering(const SceneSnapshot& scene) {
+void prepare_filtering(const SceneSnapshot& scene, const CancelToken& cancel) {
   std::vector<const Texture*> images;
   for (const auto& material : scene.materials)
     for (const MaterialTexture& texture : material->textures)
       if (texture.lookup.image && texture.lookup.is_linear) images.push_back(texture.lookup.image.get());
   tbb::parallel_for(size_t(0), images.size(), [&](size_t i) {
-    if (images[i]->prepare_filtering()) return;
+    if (images[i]->prepare_filtering(cancel)) return;
     throw std::runtime_error(std::string("the means of images cannot be written to a temporary file: ") +
                              std::strerror(errno) + "; raise textureMemory, or set textureFilter to 0");
   });
@@ -65,7 +65,7 @@ TileRenderer::TileRenderer(const RenderRequest& request, const CancelToken& canc
       has_layers_((request.aovs & kLayerAovs) != 0),
       has_vectors_((request.aovs & kVectorAovs) != 0),
       trace_path_(select_path_integrator(request.scene->features, integrator_settings_, has_layers_)) {
-  if (integrator_settings_.texture_filter > 0) prepare_filtering(*request.scene);
+  if (integrator_settings_.texture_filter > 0) prepare_filtering(*request.scene, cancel);
   RenderCounters counters;  // the search is no part of a sample
   camera_interiors_ = CameraInteriors::find({*request.scene, camera_.first(), integrator_settings_, counters},
                                             ray_origins(request, camera_));

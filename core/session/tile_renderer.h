@@ -56,8 +56,8 @@ struct SampleFailure : std::logic_error {
 /// Immutable: any number of threads may share one.
 class TileRenderer {
  public:
-  /// `request` must outlive the renderer. Walks below surfaces check `cancel`. A sample that is cancelled is not added
-  /// to its pixel.
+  /// `request` must outlive the renderer. Images are filtered, and walks go on, until `cancel`: then BuildCancelled is
+  /// thrown. A sample that is cancelled is not added to its pixel.
   explicit TileRenderer(const RenderRequest& request, const CancelToken& cancel = {});
 
   /// Traces one camera sample of an even frame. The result depends on its address and the request alone. A colour that

@@ -4,6 +4,7 @@
 #include <array>
 #include <vector>
 
+#include "core/diagnostics/cancel.h"
 #include "core/texture/texel_plane.h"
 
 namespace alabaster {
@@ -23,8 +24,9 @@ PackedTexels<uint16_t> packed(const TexelMeans& means, int count);
 
 /// The half as large level, of at least one texel: each holds the mean over its part of the image. An odd row is cut in
 /// boxes a little wider than two texels, which share the texels between them. `at(x, y)`: the finer level's sums.
+/// Throws BuildCancelled.
 template <class At>
-TexelMeans halved(const Vec2i& size, const At& at);
+TexelMeans halved(const Vec2i& size, const At& at, const CancelToken& cancel);
 
 /// The texels that a box covers along an axis: `first` and up to two more, by their shares of its width.
 struct BoxShares {
@@ -35,12 +37,13 @@ struct BoxShares {
 std::vector<BoxShares> box_shares(int boxes, int texels);
 
 template <class At>
-TexelMeans halved(const Vec2i& size, const At& at) {
+TexelMeans halved(const Vec2i& size, const At& at, const CancelToken& cancel) {
   TexelMeans means;
   means.size = {std::max(size.x / 2, 1), std::max(size.y / 2, 1)};
   means.sums.reserve(size_t(means.size.x) * size_t(means.size.y));
   const std::vector<BoxShares> columns = box_shares(means.size.x, size.x);
-  for (const BoxShares& row : box_shares(means.size.y, size.y))
+  for (const BoxShares& row : box_shares(means.size.y, size.y)) {
+    cancel.check();
     for (const BoxShares& column : columns) {
       Vec4f sum(0, 0, 0, 0);
       for (int j = 0; j < row.count; ++j)
@@ -48,6 +51,7 @@ TexelMeans halved(const Vec2i& size, const At& at) {
           sum += at(column.first + i, row.first + j) * (row.shares[size_t(j)] * column.shares[size_t(i)]);
       means.sums.push_back(sum);
     }
+  }
   return means;
 }
 

@@ -71,9 +71,9 @@ struct StoredImage {
     return colors.keep(std::move(packed_colors), store) &&
            (packed_alpha.elements.empty() || alpha.keep(std::move(packed_alpha), store));
   }
-  bool prepare_levels() const {
+  bool prepare_levels(const CancelToken& cancel) const {
     const std::scoped_lock lock(mutex);
-    return !levels.empty() || make_levels();
+    return !levels.empty() || make_levels(cancel);
   }
   size_t memory_bytes() const {
     const std::scoped_lock lock(mutex);
@@ -89,7 +89,7 @@ struct StoredImage {
   mutable std::vector<std::unique_ptr<const Level>> levels;  // from half the size down to one texel
 
  private:
-  bool make_levels() const {
+  bool make_levels(const CancelToken& cancel) const {
     const auto texel = [this](int x, int y) {
       return TexelMeans::sum_of(colors.color(x, y), alpha.empty() ? 1.0f : alpha.number(x, y));
     };
@@ -102,8 +102,9 @@ struct StoredImage {
     std::vector<std::unique_ptr<const Level>> made;
     TexelMeans means;
     for (Vec2i size(colors.width(), colors.height()); std::max(size.x, size.y) > 1; size = means.size) {
-      means = made.empty() ? halved(size, texel)
-                           : halved(size, [held = std::move(means)](int x, int y) { return held.at(x, y); });
+      means = made.empty() ? halved(size, texel, cancel)
+                           : halved(
+                                 size, [held = std::move(means)](int x, int y) { return held.at(x, y); }, cancel);
       auto level = std::make_unique<Level>();
       if (!level->keep(packed(means, kCount), store)) return false;
       made.push_back(std::move(level));
@@ -131,7 +132,9 @@ class StoredTexture final : public Texture {
     const float share = level - static_cast<float>(finer);
     return share > 0 ? lerp(fine, color(*levels[finer], uv, TextureFilter::linear), share) : fine;
   }
-  bool prepare_filtering() const override { return filter_ == TextureFilter::nearest || image_->prepare_levels(); }
+  bool prepare_filtering(const CancelToken& cancel) const override {
+    return filter_ == TextureFilter::nearest || image_->prepare_levels(cancel);
+  }
   std::shared_ptr<const Texture> placed(const TextureSource& source) const override {
     return std::make_shared<StoredTexture>(source, image_);
   }

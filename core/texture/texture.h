@@ -46,8 +46,9 @@ class Texture {
   /// The mean of rgb() over a footprint about `width` texels wide: from a pyramid of box means, trilinear. It is rgb()
   /// where the footprint is not wider than a texel, for nearest texels, and without prepare_filtering().
   virtual Rgb filtered(const Vec2f& uv, float /*width*/) const { return rgb(uv); }
-  /// Makes the pyramid, once; any thread. False, with errno as the reason, if there is no place for it.
-  virtual bool prepare_filtering() const { return true; }
+  /// Makes the pyramid, once; any thread. False, with errno as the reason, if there is no place for it. Throws
+  /// BuildCancelled.
+  virtual bool prepare_filtering(const CancelToken& /*cancel*/ = {}) const { return true; }
   /// The same texels, looked up as this source of the same image asks. Null: they cannot be shared.
   virtual std::shared_ptr<const Texture> placed(const TextureSource&) const { return nullptr; }
   /// The same for all textures that share texels.

@@ -33,9 +33,9 @@ class UdimTexture final : public Texture {
   }
   bool is_set() const override { return true; }
   bool covers(const Vec2f& uv) const override { return find(uv).tile != nullptr; }
-  bool prepare_filtering() const override {
+  bool prepare_filtering(const CancelToken& cancel) const override {
     for (const auto& [place, tile] : tiles_)
-      if (!tile->prepare_filtering()) return false;
+      if (!tile->prepare_filtering(cancel)) return false;
     return true;
   }
   std::shared_ptr<const Texture> placed(const TextureSource& source) const override {

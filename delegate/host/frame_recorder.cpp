@@ -345,8 +345,9 @@ class Recording {
     options_.diagnostics(
         {Severity::warning, "record.timeLimit", settings_.str(),
          "The time limit ended the render before every pixel had a sample: " + std::to_string(empty) + " of " +
-             std::to_string(all) +
-             " pixels have none, and AOV sampleCount is 0 there. Blocks of pixels without any sample are transparent "
+             std::to_string(all) + " pixels have none, and AOV sampleCount is 0 there. " +
+             (empty == all ? "What precedes the first sample took as long as the limit. " : "") +
+             "Blocks of pixels without any sample are transparent "
              "(alpha 0); other such pixels show the sample in the upper left corner of their block. Raise the time "
              "limit, or render fewer pixels"});
   }

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include "core/diagnostics/cancel.h"
 #include "core/integrator/boundary.h"
 #include "testenv/support/path_tracer.h"
 
@@ -57,6 +58,23 @@ TEST(CameraInteriors, BodiesWhoseBoxesAreElsewhereCostNothing) {
   EXPECT_FALSE(view.find()) << "a lens";
   view.camera.poses = {at(0, 0, 0), at(0.5, 0, 0)};
   EXPECT_FALSE(view.find()) << "a camera that moves";
+}
+
+TEST(CameraInteriors, TheSearchEndsWithTheTimeOfTheRender) {
+  SceneBuilder b;
+  b.add(b.prototype(testing::sphere_mesh(1, 256, true)), b.material(glass(1.5f)), at(0, 0, 0));
+  View view(&b);
+  view.camera.focal_length = 20;
+  view.camera.f_stop = 2000;
+  view.camera.focus_distance = 5;
+  const MovingCamera moving(view.camera, 8, 8, view.scene->origin);
+  const Bounds origins = moving.ray_origins({0, 0}, {8, 8});
+  std::atomic<bool> over{false};
+  view.settings.walk.cancel = CancelToken(&over);
+  const PathContext context = view.context(moving.first());
+  ASSERT_NO_THROW(CameraInteriors::find(context, origins));
+  over = true;
+  EXPECT_THROW(CameraInteriors::find(context, origins), BuildCancelled);
 }
 
 TEST(CameraInteriors, AStillCameraInABodyIsFoundOnce) {

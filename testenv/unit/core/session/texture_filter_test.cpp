@@ -6,6 +6,8 @@
 #include <filesystem>
 #include <random>
 
+#include "core/session/frame_memory.h"
+#include "core/session/render_session.h"
 #include "testenv/support/material_testing.h"
 #include "testenv/support/path_tracer.h"
 #include "testenv/support/reports.h"
@@ -81,6 +83,31 @@ TEST(TextureFilter, TakesTheNoiseOfTexelsSmallerThanPixels) {
   const double after = variance_over_pixels(plane_request(material, 1), &filtered);
   EXPECT_LT(after, before / 10) << before;
   EXPECT_NEAR(filtered / plain, 1, 0.02);
+}
+
+// Images are prepared before the first sample, which the time limit may not leave time for.
+TEST(TextureFilter, ImagesArePreparedWithinTheTimeOfTheRender) {
+  const RenderRequest request = plane_request(textured("baseColor", true), 1);
+  std::atomic<bool> over{true};
+  EXPECT_THROW(TileRenderer(request, CancelToken(&over)), BuildCancelled);
+  over = false;
+  EXPECT_NO_THROW(TileRenderer(request, CancelToken(&over)));
+}
+
+TEST(TextureFilter, ATimeLimitThatIsOverEndsTheRenderWhileImagesArePrepared) {
+  RenderRequest request = plane_request(textured("baseColor", true), 1);
+  request.resumed = std::make_shared<RenderState>();
+  request.resumed->film = std::make_shared<Film>(request.data_window, request.aovs, film_extras(request.settings));
+  request.resumed->wall_seconds = 10;
+  request.settings.time_limit = 1;
+  RenderSession session;
+  session.start(request);
+  ASSERT_TRUE(session.wait(60));
+  const RenderProgress progress = session.progress();
+  EXPECT_EQ(progress.state, SessionState::finished) << progress.error;
+  EXPECT_EQ(progress.ended_by, RenderEnd::time_limit);
+  EXPECT_EQ(progress.samples_done, 0u);
+  EXPECT_EQ(progress.pixels_without_sample, progress.pixels);
 }
 
 TEST(TextureFilter, LeavesOpacityAndNumbersAsTheyAre) {
