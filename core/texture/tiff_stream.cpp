@@ -168,7 +168,7 @@ struct Pixels {
   bool have_known_samples() const {
     switch (format) {
       case kFloat:
-        return have_one_of({16, 32});
+        return have_one_of({16, 32}) || (!is_tiled && bits == 64);  // OpenImageIO converts no tiles of 64 bits
       case kSigned:
         return have_one_of({8, 16, 32});
       case kUnsigned:
@@ -223,7 +223,7 @@ std::vector<uint8_t> essential_tiff(std::span<const uint8_t> file, std::string& 
   if (directory.value_or(kDepth, 1) != 1) return fail("it is a volume");
   if (!directory.are_all(kBits, pixels.bits) || !directory.are_all(kSampleFormat, pixels.stored_format) ||
       !pixels.have_known_samples())
-    return fail("its samples are of a kind that is not read (8, 16 or 32 bits are)");
+    return fail("its samples are of a kind that is not read (8, 16 or 32 bits are, and floats of 64 bits in strips)");
   if (!pixels.have_known_colors(directory))
     return fail("its colours are of a kind that is not read (grey and RGB are)");
   if (!pixels.have_known_compression()) return fail("its compression is none that is read (LZW and ZIP are)");

@@ -261,7 +261,9 @@ class TiffStreams : public ImageStreams {
 
 TEST_F(TiffStreams, KindsThatOpenImageIoReadsBeyondItsBuffersAreRefused) {
   const std::map<std::string, Bytes> files = {
-      {"samples", tiff({{258, 64}, {339, 3}})},               // never converted
+      {"samples", tiff({{258, 64}, {339, 3}, {322, 16}, {323, 16}})},  // never converted in tiles
+      {"samples    ", tiff({{258, 64}})},
+      {"samples     ", tiff({{258, 64}, {339, 2}})},
       {"samples ", tiff({{258, 24}, {322, 16}, {323, 16}})},  // never converted in tiles
       {"samples  ", tiff({{258, 8}, {339, 3}})},
       {"colours", tiff({{262, 3}, {258, 32}}, 768)},  // two bytes of memory for each index of four
@@ -306,6 +308,18 @@ TEST_F(TiffStreams, OrdinaryKindsAreRead) {
     EXPECT_EQ(fault_of("a.tif", c.file), "") << c.what;
     EXPECT_NEAR(texture_ ? texture_->texel(0, 0).r : -1, c.value, 2e-3f) << c.what;
   }
+}
+
+TEST_F(TiffStreams, FloatsOf64BitsAreRead) {
+  Bytes file = tiff({{258, 64}, {339, 3}});
+  const double numbers[] = {0.25, -3.5, 1e-3, 1e300};
+  std::memcpy(&file[file.size() - 4096], numbers, sizeof numbers);
+  EXPECT_EQ(fault_of("a.tif", file), "");
+  ASSERT_TRUE(texture_);
+  EXPECT_EQ(texture_->texel(0, 0), Rgb(0.25f));
+  EXPECT_EQ(texture_->texel(1, 0), Rgb(-3.5f));
+  EXPECT_NEAR(texture_->texel(0, 1).g, 1e-3f, 1e-6f);
+  EXPECT_TRUE(std::isfinite(texture_->texel(1, 1).b)) << "as large ones of 32 bits are";
 }
 
 }  // namespace
