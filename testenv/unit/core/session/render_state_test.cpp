@@ -180,6 +180,106 @@ TEST(RenderState, AFirstPassThatTheTimeLimitCutsShortGoesOn) {
   }
 }
 
+bool has_ended_groups(const Blocks& blocks) {
+  const auto state = read(blocks);
+  return state && state->stopping.ended() != 0;
+}
+
+// The first state that is saved while the render goes on, before a group of pixels ends or after. Empty: none came.
+Blocks state_of_groups(RenderSession* session, bool ended) {
+  while (!session->wait(0.001)) {
+    Blocks blocks;
+    if (session->save(into(&blocks)) && read(blocks) && has_ended_groups(blocks) == ended) return blocks;
+  }
+  return {};
+}
+
+// The same from a render that may be too quick for it.
+Blocks state_of_groups(const RenderRequest& request, bool ended) {
+  for (int attempt = 0; attempt < 20; ++attempt) {
+    RenderSession session;
+    session.start(request);
+    if (Blocks blocks = state_of_groups(&session, ended); !blocks.empty()) return blocks;
+  }
+  return {};
+}
+
+// An adaptive render that ends at an error of two per cent.
+class AdaptiveRender {
+ public:
+  AdaptiveRender() {
+    request_.width = request_.height = 48;
+    request_.data_window = {0, 0, 48, 48};
+    RenderSession session;
+    session.start(request_);
+    session.wait(1e9);
+    whole_ = contents(*session.film());
+    samples_ = session.progress().samples_done;
+  }
+  const RenderRequest& request() const { return request_; }
+  void expect_the_same_from(const Blocks& blocks) const {
+    RenderRequest request = request_;
+    request.resumed = read(blocks);
+    ASSERT_TRUE(request.resumed);
+    RenderSession session;
+    session.start(request);
+    session.wait(1e9);
+    EXPECT_EQ(session.progress().state, SessionState::finished);
+    EXPECT_TRUE(contents(*session.film()) == whole_);
+    EXPECT_EQ(session.progress().samples_done, samples_);
+  }
+
+ private:
+  RenderRequest request_ = decided_request();
+  std::vector<std::byte> whole_;
+  uint64_t samples_ = 0;
+};
+
+TEST(RenderState, AnAdaptiveRenderGoesOnFromBeforeAGroupOfPixelsEndsAndFromAfter) {
+  const AdaptiveRender render;
+  for (const bool ended : {false, true}) {
+    const Blocks blocks = state_of_groups(render.request(), ended);
+    ASSERT_FALSE(blocks.empty()) << ended;
+    render.expect_the_same_from(blocks);
+  }
+}
+
+TEST(RenderState, AnAdaptiveRenderGoesOnAfterAStop) {
+  const AdaptiveRender render;
+  for (const bool ended : {false, true}) {
+    Blocks blocks;
+    for (int attempt = 0; attempt < 20 && blocks.empty(); ++attempt) {
+      RenderSession session;
+      session.start(render.request());
+      if (state_of_groups(&session, ended).empty()) continue;
+      session.stop();
+      if (!session.save(into(&blocks)) || has_ended_groups(blocks) != ended) blocks.clear();
+    }
+    ASSERT_FALSE(blocks.empty()) << ended;
+    render.expect_the_same_from(blocks);
+  }
+}
+
+TEST(RenderState, AnAdaptiveRenderGoesOnAfterATimeLimit) {
+  const AdaptiveRender render;
+  for (const bool ended : {false, true}) {
+    Blocks blocks;
+    RenderRequest request = render.request();
+    for (int attempt = 0; attempt < 20 && blocks.empty(); ++attempt) {
+      const auto before = read(state_of_groups(render.request(), ended));
+      ASSERT_TRUE(before) << ended;
+      request.resumed = before;
+      request.settings.time_limit = static_cast<float>(before->wall_seconds + 0.02);
+      RenderSession session;
+      session.start(request);
+      session.wait(1e9);
+      if (!session.save(into(&blocks)) || has_ended_groups(blocks) != ended) blocks.clear();
+    }
+    ASSERT_FALSE(blocks.empty()) << ended;
+    render.expect_the_same_from(blocks);
+  }
+}
+
 TEST(RenderState, AFinishedRenderGoesOnToMoreSamples) {
   RenderRequest request = request_of(3);
   const auto blocks = [&] {
