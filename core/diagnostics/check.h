@@ -3,6 +3,7 @@
 // the sample). CHECK is for rare questions, DCHECK for inner loops: release builds leave it out.
 #pragma once
 
+#include <locale>
 #include <sstream>
 #include <stdexcept>
 #include <string>
@@ -32,6 +33,7 @@ inline std::string_view from_root(std::string_view file) {
 template <class A, class B>
 [[noreturn]] void fail_comparison(const char* condition, const A& a, const B& b, std::string_view file, int line) {
   std::ostringstream values;
+  values.imbue(std::locale::classic());  // not the host's
   values.precision(9);
   values << ": " << a << " against " << b;
   fail(condition, values.str(), file, line);
