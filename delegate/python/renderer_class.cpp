@@ -353,7 +353,9 @@ py::class_<Renderer> renderer_class(py::module_& module) {
              return make_object<Renderer>(scene, report, settings);
            }),
            py::arg("scene") = py::none(), py::kw_only(), py::arg("report") = py::none(), py::call_guard<FreeReturned>(),
-           "report(severity, code, where, text) hears of faults; by default they are logged under 'alabaster'.")
+           "report(severity, code, where, text) hears of faults; by default they are logged under 'alabaster'. A "
+           "report that "
+           "holds the renderer keeps it for good: Python's collector does not see this circle.")
       .def("show", &Renderer::show, py::arg("scene"), "Draws another scene; None: none.")
       .def(
           "set", [](Renderer& r, const py::kwargs& settings) { r.set(settings); }, py::call_guard<FreeReturned>(),

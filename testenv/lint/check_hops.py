@@ -1,5 +1,6 @@
 #!/usr/bin/env python3
-"""Fails when a hop of the lists in README.md, "The tree", names a function or type that its file does not define.
+"""Fails when a hop of the lists in README.md, "The tree", names a function or type that its file does not define, or
+delegate/README.md, "Security, by promise", a test that there is not.
 
 A list is a line of bold text and the numbered items below it. An item begins with a file and what to find there, each in
 backticks: "1. `core/film/film.cpp` `FilmTile::add`: its part in the walk".
@@ -9,6 +10,8 @@ import re
 import sys
 
 LISTS = 4
+LEAST_TESTS = 30
+SECURITY = re.compile(r"^## Security, by promise$(.*?)^## ", re.M | re.S)
 SECTION = re.compile(r"^## The tree$(.*?)^## ", re.M | re.S)
 LIST = re.compile(r"^\*\*.*\n(?:.+\n)*?((?:\d+\. .+\n(?:   .+\n)*)+)", re.M)
 ITEM = re.compile(r"^\d+\. (.+)", re.M)
@@ -37,6 +40,17 @@ def faults(root, items):
             yield from (f"README.md: {file} does not define {n}" for n in names if not defines(text, n))
 
 
+def missing_tests(root):
+    """Names of the security table that no test has. A name is `Suite.Test`; it may end with "..." or "*", and others may follow that begin so."""
+    section = SECURITY.search((root / "delegate/README.md").read_text())
+    names = re.findall(r"`([A-Z]\w+\.\w*)(?:\.\.\.|\*)?`", section.group(1)) if section else []
+    tests = {".".join(test) for file in (root / "testenv/unit").rglob("*_test.cpp")
+             for test in re.findall(r"^TEST(?:_F|_P)?\((\w+), (\w+)\)", file.read_text(), re.M)}
+    if len(names) < LEAST_TESTS:
+        yield f'delegate/README.md: "Security, by promise" names {len(names)} tests'
+    yield from (f"delegate/README.md: there is no test {name}" for name in names if not any(t.startswith(name) for t in tests))
+
+
 def main():
     root = pathlib.Path(__file__).resolve().parents[2]
     section = SECTION.search((root / "README.md").read_text())
@@ -47,6 +61,7 @@ def main():
         items = ITEM.findall(text)
         hops += len(items)
         found += faults(root, items)
+    found += missing_tests(root)
     print("\n".join(found) if found else f"{hops} hops are where README.md says")
     return 1 if found else 0
 
