@@ -1,9 +1,12 @@
 #include "core/integrator/boundary.h"
 
+#include <algorithm>
 #include <limits>
 
 #include "core/integrator/direct_light.h"
 #include "core/integrator/path_record.h"
+#include "core/integrator/see_through.h"
+#include "core/scene/clear_bodies.h"
 
 namespace alabaster {
 namespace {
@@ -20,8 +23,10 @@ bool is_index_matched(const PathVertex& v) {
 
 Interior interior_of(const PathVertex& v) {
   const DisneyParameters& p = v.material;
-  Interior interior{v.triangle.instance, p.priority, p.ior};
+  const uint32_t own_number = v.triangle.instance & 0xff;  // alike bodies have different ones
+  Interior interior{v.triangle.instance, clear_priority(*v.instance, p.priority) + own_number, p.ior};
   interior.index_matched = is_index_matched(v);
+  interior.scatters = p.scatters() && p.metallic < 1;
   // KHR_materials_dispersion: blue's index less red's is (ior - 1) dispersion / 20.
   interior.spread = 0.025f * p.dispersion * (p.ior - 1);
   // Where light scatters inside, walks absorb it.
@@ -66,6 +71,7 @@ void cross_boundary(const PathVertex& v, bool inside, Interiors* interiors) {
 
 // The interiors on the other side of the surface.
 Interiors interiors_past(const PathVertex& v, Interiors interiors) {
+  if (v.past) return *v.past;
   cross_boundary(v, v.boundary.inside, &interiors);
   return interiors;
 }
@@ -102,9 +108,73 @@ class ClearSurfaces final : public HitFilter {
   const SceneSnapshot& scene_;
 };
 
+// Notes the surfaces of closed clear bodies other than `own`, one of each body, and stops at none.
+class CoincidentSurfaces final : public HitFilter {
+ public:
+  static constexpr uint32_t kMost = Interiors::kMost;
+
+  CoincidentSurfaces(const SceneSnapshot& scene, const Ray& ray, uint32_t own) : scene_(scene), ray_(ray), own_(own) {}
+  bool stops(const TriangleHit& hit) const noexcept override {
+    const Instance& instance = scene_.instance(hit.instance);
+    const DisneyMaterial& material = instance.material(hit.triangle);
+    const auto end = found_.begin() + count_;
+    const bool known = std::any_of(found_.begin(), end, [&](const auto& h) { return h.instance == hit.instance; });
+    if (known || hit.instance == own_ || count_ == kMost || !instance.prototype->mesh.closed) return false;
+    if (!material.transmits() || material.constants.thin) return false;
+    if (!(coverage_at(scene_, ray_.dir, hit, nullptr) < 1)) found_[count_++] = hit;
+    return false;
+  }
+  std::vector<TriangleHit> sorted() const {
+    std::vector<TriangleHit> all(found_.begin(), found_.begin() + count_);
+    std::sort(all.begin(), all.end(), [](const auto& a, const auto& b) { return a.instance < b.instance; });
+    return all;
+  }
+
+ private:
+  const SceneSnapshot& scene_;
+  const Ray& ray_;
+  const uint32_t own_;
+  mutable std::array<TriangleHit, kMost> found_;
+  mutable uint32_t count_ = 0;
+};
+
+// Sets v->past if surfaces of other bodies lie between the two origins of rays that leave this surface: the next ray
+// would miss them. *interiors, on the near side, then agree with them.
+void find_coincident(const PathContext& context, bool inside, PathVertex* v, Interiors* interiors) {
+  const Vec3f& near = v->departure.flat;
+  const Ray across{near, -v->hit.ng, length(beyond(*v) - near), v->triangle.time};
+  const CoincidentSurfaces surfaces(context.scene, across, v->triangle.instance);
+  ++context.counters.bounce_rays;
+  TriangleHit none;
+  context.scene.top->intersect(across, &none, &surfaces);
+  const std::vector<TriangleHit> hits = surfaces.sorted();
+  if (hits.empty()) return;
+  std::vector<Interior> entered;
+  for (const TriangleHit& hit : hits) {
+    const PathVertex other = make_vertex(context, across, hit);
+    const bool leaves = is_seen_from_inside(other);
+    if (leaves == interiors->contains(hit.instance)) {
+      if (!leaves) entered.push_back(interior_of(other));
+      continue;
+    }
+    if (leaves)
+      interiors->enter(interior_of(other));
+    else
+      interiors->leave(hit.instance), entered.push_back(interior_of(other));
+  }
+  v->past = *interiors;
+  for (const TriangleHit& hit : hits) v->past->leave(hit.instance);
+  cross_boundary(*v, inside, &*v->past);
+  for (const Interior& interior : entered) v->past->enter(interior);
+}
+
+bool is_same(const Interior* a, const Interior* b) {
+  return a && b ? a->instance == b->instance : a == b;
+}
+
 }  // namespace
 
-bool meet_boundary(PathVertex* v, PathState* path, float* u) {
+bool meet_boundary(const PathContext& context, PathVertex* v, PathState* path, float* u) {
   const DisneyParameters& p = v->material;
   Interiors& interiors = path->interiors;
   const uint32_t instance = v->triangle.instance;
@@ -116,18 +186,31 @@ bool meet_boundary(PathVertex* v, PathState* path, float* u) {
   const Interior own = interior_of(*v);
   // A surface that is left without having been entered belongs to an open mesh.
   if (inside && !interiors.contains(instance)) interiors.enter(own);
-  const Interior* const other = inside ? interiors.current_without(instance) : interiors.current();
-  const bool is_there = inside ? interiors.current()->instance == instance : !other || other->priority <= p.priority;
+  if (context.scene.clear_meetings.contains(v->hit.p)) [[unlikely]]
+    find_coincident(context, inside, v, &interiors);
+  // The media on this body's side and on the other one.
+  const Interior* within = &own;
+  const Interior* other = inside ? interiors.current_without(instance) : interiors.current();
+  bool is_there = inside ? interiors.current()->instance == instance : !other || other->priority <= own.priority;
+  if (v->past) [[unlikely]] {
+    within = inside ? interiors.current() : v->past->current();
+    other = inside ? v->past->current() : interiors.current();
+    is_there = !is_same(within, other);
+  }
   if (!is_there) {
-    cross_boundary(*v, inside, &interiors);
+    if (v->past)
+      interiors = *v->past;
+    else
+      cross_boundary(*v, inside, &interiors);
     path->go_on(beyond(*v), path->ray.dir);
     path->scatter_pdf = std::numeric_limits<float>::infinity();
     return false;
   }
-  const bool disperses = own.spread > 0 || (other && other->spread > 0);
+  const auto index = [](const Interior* at, int channel) { return at ? at->index(channel) : 1; };
+  const bool disperses = (within && within->spread > 0) || (other && other->spread > 0);
   if (disperses && p.spec_trans > 0 && has_several_channels(path->throughput)) choose_channel(u, &path->throughput);
   const int channel = channel_of(path->throughput);
-  const float eta = own.index(channel) / (other ? other->index(channel) : 1);
+  const float eta = index(within, channel) / index(other, channel);
   v->boundary = {inside ? 1 / eta : eta, inside, !v->instance->prototype->mesh.closed};
   return true;
 }

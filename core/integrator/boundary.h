@@ -10,7 +10,8 @@ namespace alabaster {
 /// False if the surface is not there, because an interior of higher priority is on both sides: the path's ray is sent
 /// on behind it, and knows that it entered or left. Sets vertex->boundary. For materials that transmit. Where they
 /// disperse light, a path of several channels keeps one, which `u` chooses; *u is a fresh number afterwards.
-bool meet_boundary(PathVertex* vertex, PathState* path, float* u);
+/// Surfaces of other closed clear bodies that lie on this one are crossed with it (PathVertex::past).
+bool meet_boundary(const PathContext& context, PathVertex* vertex, PathState* path, float* u);
 
 /// Samples direct light on both sides, then a lobe and the path's next ray. Empty: the path ends. Lobe::subsurface: it
 /// goes on below the surface, weighed for the entry. `split`, unless null, takes the layers at the first vertex.

@@ -14,11 +14,12 @@ namespace alabaster {
 
 struct Interior {
   uint32_t instance = 0;
-  uint32_t priority = 0;
+  uint32_t priority = 0;  // no two bodies have the same, but for rare ones
   float ior = 1;
   float spread = 0;            // of ior, between one channel and the next
   Rgb sigma_a{0.0f};           // absorption per world distance
   bool index_matched = false;  // diffuse light alone passes its surface: it has the index of the medium around it
+  bool scatters = false;       // light walks in it
 
   /// Index of refraction for a channel: red light is refracted least.
   float index(int channel) const { return ior + static_cast<float>(channel - 1) * spread; }
@@ -41,7 +42,7 @@ class Interiors {
     return empty() || *current() == *other.current();
   }
 
-  /// The one that is really there: of the highest priority, among equals the one that was entered last. Null: none, so
+  /// The one that is really there: of the highest priority. Null: none, so
   /// air. `instance`: as if it had been left.
   const Interior* current() const { return best(count_); }
   const Interior* current_without(uint32_t instance) const { return best(find(instance)); }

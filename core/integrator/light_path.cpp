@@ -140,7 +140,8 @@ std::optional<LightLanding> show_landing(const PathContext& context, const Pixel
   ++context.counters.bounce_rays;
   if (!ends_at(context, sampler, landed, dot(at.p - path.ray.org, path.ray.dir), &path, &hit)) return std::nullopt;
   const PathVertex x = find_vertex<kMode>(context, hit, &path);
-  if (x.material.transmits() || x.instance->holdout || goes_on_within_medium<kMode>(x, path)) return std::nullopt;
+  if (x.material.transmits() || x.instance->holdout || goes_on_within_medium<kMode>(context, x, path))
+    return std::nullopt;
 
   // Go on from there to where the light path began.
   const DisneyBsdf bsdf_x(x.material, x.frame.to_local(-path.ray.dir), context.settings.energy);
@@ -160,7 +161,7 @@ std::optional<LightLanding> show_landing(const PathContext& context, const Pixel
   ++context.counters.bounce_rays;
   if (!ends_at(context, sampler, way.begin.triangle, length(to_y), &second, &hit)) return std::nullopt;
   const PathVertex y = find_vertex<kMode>(context, hit, &second);
-  if (y.material.transmits() || goes_on_within_medium<kMode>(y, second)) return std::nullopt;
+  if (y.material.transmits() || goes_on_within_medium<kMode>(context, y, second)) return std::nullopt;
   if (way.light.left_to_lobes && (kMode == SubsurfaceMode::lambert || !y.material.scatters())) return std::nullopt;
 
   // Reflect the light there.

@@ -242,7 +242,7 @@ bool scatter(const PathContext& context, const PixelSampler& sampler, const Path
 template <SubsurfaceMode kMode, bool kMeshLights, bool kLayers>
 bool continue_path(const PathContext& context, const PixelSampler& sampler, const PathVertex& v,
                    const VertexNumbers& numbers, PathState* path, LayerSplit* split) {
-  if (goes_on_within_medium<kMode>(v, *path)) {
+  if (goes_on_within_medium<kMode>(context, v, *path)) {
     // The surface has no lobes on that side.
     if (kLayers && path->depth == 0) split->emission = path->radiance, split->scattered = true;
     return enter_below<kMode, kMeshLights, kLayers>(context, sampler, v, true, path, split);
@@ -282,6 +282,8 @@ void follow_path(const PathContext& context, const PixelSampler& sampler, PathSt
     TriangleHit hit;
     const float reach = path->ray.tmax;  // of a camera's ray, its far plane
     const bool found = intersect(context, sampler, path, &hit);
+    if (kMode == SubsurfaceMode::walk && found && !path->interiors.empty()) [[unlikely]]
+      find_own_wall(context, *path, &hit);
     const Mesh* const mesh = found ? &context.scene.instance(hit.instance).prototype->mesh : nullptr;
     if (found) path->ray.tmax = hit.t, prefetch_triangle(*mesh, hit.triangle);
 
@@ -300,7 +302,7 @@ void follow_path(const PathContext& context, const PixelSampler& sampler, PathSt
     // Find the surface and the material at the vertex.
     PathVertex vertex = find_vertex<kMode>(context, hit, path);
     if (record) record->meet_surface(*vertex.instance, hit, vertex.hit);
-    if (vertex.material.transmits() && !meet_boundary(&vertex, path, numbers.bsdf.data())) [[unlikely]] {
+    if (vertex.material.transmits() && !meet_boundary(context, &vertex, path, numbers.bsdf.data())) [[unlikely]] {
       if (record) record->sample_lobe(lobe_name(Lobe::straight), Rgb(1.0f), 1);
       path->ray.tmax = reach - hit.t;
       passed += hit.t;

@@ -84,6 +84,8 @@ struct PathVertex {
   bool mapped = false;  // the frame is tilted by a normal map
   DisneyParameters material;
   BoundarySide boundary;  // of a material that transmits, once meet_boundary() has set it
+  /// The interiors on the far side of a boundary where other bodies' surfaces lie on it. Empty: none do.
+  std::optional<Interiors> past = {};
 
   const Placement& placement() const { return moved ? *moved : *instance; }
   /// A lobe that a normal map tilts may lead into the surface, where it has no light to fetch.

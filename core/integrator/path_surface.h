@@ -28,8 +28,8 @@ inline bool keeps_footprints(const PathContext& context) {
 /// True if the path came to the vertex through the medium and goes on in it. A diffusion profile has no way through the
 /// medium, only ways into it.
 template <SubsurfaceMode kMode>
-bool goes_on_within_medium(const PathVertex& v, const PathState& path) {
-  if constexpr (kMode == SubsurfaceMode::walk) return is_within_medium(v, path);
+bool goes_on_within_medium(const PathContext& context, const PathVertex& v, const PathState& path) {
+  if constexpr (kMode == SubsurfaceMode::walk) return is_within_medium(context, v, path);
   return false;
 }
 
@@ -41,7 +41,8 @@ PathVertex find_vertex(const PathContext& context, const TriangleHit& hit, PathS
       make_vertex(context, path->ray, hit, context.settings.texture_filter * path->footprint.cone.width);
   if (context.settings.glossy_filter > 0 && path->depth > 0) [[unlikely]]
     vertex.material.least_roughness = std::sqrt(context.settings.glossy_filter * path->footprint.least_alpha());
-  if (path->hollows.contains(hit.instance) && crossing_at(*vertex.instance, path->ray.dir, hit) == Crossing::leaves)
+  if (path->hollows.contains(hit.instance) && crossing_at(*vertex.instance, path->ray.dir, hit) == Crossing::leaves &&
+      !is_in_union(context.scene, path->interiors, *vertex.instance))
     vertex.material.thin = true, vertex.material.flatness = 0;
   if (kMode == SubsurfaceMode::lambert)
     vertex.material.scatter_distance = Rgb(0.0f);

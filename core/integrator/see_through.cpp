@@ -41,13 +41,21 @@ bool is_culled(const Instance& instance, const TriangleHit& hit, const Vec3f& di
           is_found_behind(instance, hit, dir) == (instance.camera_cull == CameraCull::back));
 }
 
+bool is_in_union(const SceneSnapshot& scene, const Interiors& interiors, const Instance& member) {
+  if (!member.body || !member.body->is_union()) return false;
+  for (uint32_t i = 0; i < interiors.size(); ++i)
+    if (scene.instance(interiors[i].instance).body == member.body) return true;
+  return false;
+}
+
 float coverage_at(const SceneSnapshot& scene, const Vec3f& dir, const TriangleHit& hit, const Interiors* within) {
   const Instance& instance = scene.instance(hit.instance);
   if (!instance.see_through) return 1;
   const Mesh& mesh = instance.prototype->mesh;
   const DisneyMaterial& material = instance.material(hit.triangle);
   if (instance.single_sided && !material.is_translucent() && is_found_behind(instance, hit, dir)) return 0;
-  if (!material.is_partly_opaque() || (within && within->contains(hit.instance))) return 1;
+  if (!material.is_partly_opaque()) return 1;
+  if (within && (within->contains(hit.instance) || is_in_union(scene, *within, instance))) return 1;
   const Vec2f uv = mesh.uv_sets.empty() ? Vec2f(0, 0) : interpolated<Vec2f>(mesh.uv_sets.front(), mesh, hit);
   return material.coverage({mesh, hit, uv});
 }

@@ -11,8 +11,12 @@ namespace alabaster {
 /// True where a camera's ray along `dir` does not see the hit.
 bool is_culled(const Instance& instance, const TriangleHit& hit, const Vec3f& dir);
 
+/// True if one of the interiors is of the union that `member` belongs to: the ray is in its medium.
+bool is_in_union(const SceneSnapshot& scene, const Interiors& interiors, const Instance& member);
+
 /// The share of a hit that is there, 0 to 1, for a ray along `dir`. `within`: the interiors that the ray is in; null:
-/// none. Their own surfaces have coverage 1: light within a medium ignores opacity, as walks do.
+/// none. Their own surfaces, and those of their unions, have coverage 1: light within a medium ignores opacity, as
+/// walks do.
 float coverage_at(const SceneSnapshot& scene, const Vec3f& dir, const TriangleHit& hit, const Interiors* within);
 
 /// How a ray along `dir` crosses the surface of a solid that scatters or is clear, at a hit. `none`: other surfaces.

@@ -4,9 +4,11 @@
 #include "core/integrator/boundary.h"
 #include "core/integrator/direct_light.h"
 #include "core/integrator/path_record.h"
+#include "core/integrator/see_through.h"
 #include "core/integrator/shading_normal.h"
 #include "core/material/disney_layers.h"
 #include "core/sampling/warp.h"
+#include "core/scene/clear_bodies.h"
 #include "core/subsurface/body.h"
 #include "core/subsurface/normalized_diffusion.h"
 
@@ -75,15 +77,17 @@ struct ExitLayers {
   float leaving(const Vec3f& wi) const { return layers.leaving(wi, entered); }
 };
 
-/// The layers that the path passed where it entered.
-DisneyLayers::Entered layers_entered(const Leaving& leaving) {
+/// The layers that the path passed where it entered. A path that began within passed none: those of the `exit` are as
+/// if its light came from everywhere.
+DisneyLayers::Entered layers_entered(const Leaving& leaving, const DisneyLayers& exit) {
   const PathVertex& v = leaving.below.vertex;
-  const bool within = leaving.below.within || (v.boundary.inside && !v.boundary.open);
-  const auto layers = within ? std::nullopt : DisneyLayers::of(v.material);
+  if (leaving.below.within) return exit.from_within();
+  const bool inside = v.boundary.inside && !v.boundary.open;
+  const auto layers = inside ? std::nullopt : DisneyLayers::of(v.material);
   return layers ? layers->entered(v.frame.to_local(-leaving.came_along)) : DisneyLayers::Entered();
 }
 
-/// Empty: the material of the exit has none. `frame`: of the exit lobe; `entered()` gives ExitLayers'.
+/// Empty: the material of the exit has none. `frame`: of the exit lobe; `entered(layers)` gives ExitLayers'.
 template <class F>
 std::optional<ExitLayers> layers_at(const SubsurfaceExit& exit, const Instance& instance, const Placement& placement,
                                     const Frame& frame, const F& entered) {
@@ -96,8 +100,27 @@ std::optional<ExitLayers> layers_at(const SubsurfaceExit& exit, const Instance& 
   if (map || material.normal_map)
     p.coat_normal = frame.to_local(map ? mapped_normal(instance, placement, exit.hit, hit, *map) : hit.ns);
   const auto layers = DisneyLayers::of(p);
-  return layers ? std::optional(ExitLayers{*layers, entered()}) : std::nullopt;
+  return layers ? std::optional(ExitLayers{*layers, entered(*layers)}) : std::nullopt;
 }
+
+bool is_wall_of(const Interior& medium, const Instance& around, const TriangleHit& hit, const Instance& met) {
+  return hit.instance == medium.instance || (around.body && around.body->is_union() && met.body == around.body);
+}
+
+/// The surfaces of the body that an interior belongs to.
+class OwnWalls final : public HitFilter {
+ public:
+  OwnWalls(const SceneSnapshot& scene, const Interior& medium)
+      : scene_(scene), medium_(medium), around_(scene.instance(medium.instance)) {}
+  bool stops(const TriangleHit& hit) const noexcept override {
+    return is_wall_of(medium_, around_, hit, scene_.instance(hit.instance));
+  }
+
+ private:
+  const SceneSnapshot& scene_;
+  const Interior& medium_;
+  const Instance& around_;
+};
 
 /// The interiors on the outer side of an exit. The walk crosses no surface of the clear bodies that touch its own body,
 /// so they are found by a ray. The inside of an open surface cannot be found so: its interior stays as at the entry.
@@ -149,7 +172,8 @@ bool leave_surface(const PathContext& context, const PixelSampler& sampler, cons
                       : hit.ns;
   const Frame frame = frame_from_normal(n);
   const Departure departure = depart(mesh, placement.object_to_world, exit.hit, hit, hit.ns);
-  const auto layers = layers_at(exit, instance, placement, frame, [&] { return layers_entered(leaving); });
+  const auto layers =
+      layers_at(exit, instance, placement, frame, [&](const DisneyLayers& l) { return layers_entered(leaving, l); });
   const auto exit_lobe = [&](const Vec3f& wi) -> ScatterValue {
     const float cosine = dot(wi, frame.n);
     if (!(cosine > 0) || (normal_map && !(dot(wi, hit.ns) > 0))) return {};
@@ -204,7 +228,7 @@ std::optional<bool> leave_clear_surface(const PathContext& context, const PixelS
   path->throughput = exit.throughput;
   if (!leaving.below.within) path->throughput *= kMeanDiffuseTransmittance;
   if (PathRecord* record = context.record) record->leave_body(*v.instance, exit.hit, v.hit, path->throughput);
-  const bool is_there = meet_boundary(&v, path, numbers.bsdf.data());
+  const bool is_there = meet_boundary(context, &v, path, numbers.bsdf.data());
   path->throughput *= index_factor(leaving.index, path->interiors.indices());
   return !is_there || scatter_at_boundary(context, v, numbers, path, nullptr);
 }
@@ -235,6 +259,10 @@ bool scatter_below_surface(const PathContext& context, const PixelSampler& sampl
   const Leaving leaving{*exit, below, came_along, path->interiors.indices()};
   if (!path->interiors.empty() || !body.touched.empty()) [[unlikely]]
     path->interiors = interiors_beyond(context, *exit, body, *path);
+  // The walk came out of the union's medium, wherever holes had led into air.
+  if (body.is_union() && !path->hollows.empty()) [[unlikely]]
+    for (const auto& member : body.members)
+      while (path->hollows.contains(member.instance)) path->hollows.leave(member.instance);
   // A profile does not know from where the light comes to the boundary.
   if (kMode != SubsurfaceMode::diffusion)
     if (const auto left = leave_clear_surface(context, sampler, leaving, path)) return *left;
@@ -246,6 +274,20 @@ template bool scatter_below_surface<SubsurfaceMode::walk>(const PathContext&, co
 template bool scatter_below_surface<SubsurfaceMode::diffusion>(const PathContext&, const PixelSampler&,
                                                                const VertexBelow&, PathState*);
 
+void find_own_wall(const PathContext& context, const PathState& path, TriangleHit* hit) {
+  const Interior* const medium = path.interiors.current();
+  if (!medium || !medium->scatters || hit->instance == medium->instance) return;
+  const Instance& met = context.scene.instance(hit->instance);
+  const Instance& around = context.scene.instance(medium->instance);
+  const DisneyMaterial& material = met.material(hit->triangle);
+  if (!material.transmits() || material.constants.thin || is_wall_of(*medium, around, *hit, met)) return;
+  if (clear_priority(met, material.constants.priority) > medium->priority) return;
+  const OwnWalls walls(context.scene, *medium);
+  ++context.counters.bounce_rays;
+  TriangleHit wall;
+  if (context.scene.top->intersect(path.ray, &wall, &walls)) *hit = wall;
+}
+
 void drop_unresolved_distances(PathVertex* v) {
   const float depth = depth_below_surface(v->hit, v->placement().object_to_world);
   Rgb& distance = v->material.scatter_distance;
@@ -253,11 +295,12 @@ void drop_unresolved_distances(PathVertex* v) {
     if (!is_resolved(distance[c], depth)) distance[c] = 0;
 }
 
-bool is_within_medium(const PathVertex& v, const PathState& path) {
+bool is_within_medium(const PathContext& context, const PathVertex& v, const PathState& path) {
   const SubsurfaceBody* body = v.instance->body;
   if (!body || !v.material.scatters() || v.material.metallic == 1) return false;
   // In a union the first surface that is met may be one that the ray enters.
   if (body->is_union() && path.depth == 0) return body->contains(path.ray);
+  if (body->is_union() && is_in_union(context.scene, path.interiors, *v.instance)) return true;
   const uint8_t flags = body->members[v.instance->member].shells->flags(v.triangle.triangle);
   return !(flags & (MeshShells::kOpen | MeshShells::kInner)) &&
          body->leaves(v.instance->member, v.triangle, path.ray.dir);

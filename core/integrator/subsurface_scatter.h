@@ -54,6 +54,11 @@ void drop_unresolved_distances(PathVertex* vertex);
 
 /// True if the path's ray met the vertex from within its medium: on the inner side of a closed shell, whichever way the
 /// mesh winds. A camera may stand in there, and bodies may overlap that do not scatter as one.
-bool is_within_medium(const PathVertex& vertex, const PathState& path);
+bool is_within_medium(const PathContext& context, const PathVertex& vertex, const PathState& path);
+
+/// `*hit`: the surface that the path's ray has met. A ray in a medium that light walks in ignores clear bodies of a
+/// lower rank (rank_clear_bodies()), as walks do: `*hit` becomes the wall of the medium. Clear bodies of a higher rank
+/// are seen by rays that come in straight, and not by walks.
+void find_own_wall(const PathContext& context, const PathState& path, TriangleHit* hit);
 
 }  // namespace alabaster

@@ -14,6 +14,13 @@ inline Rgb sheen_hue(const DisneyParameters& p) {
   return lerp(Rgb(1.0f), tint(p.base_color), p.sheen_tint) * p.sheen_color;
 }
 
+/// The mean of f(cosine) over directions, as Lambert's law has it: by Gauss' three points of the squared cosine.
+template <class F>
+auto mean_of_cosines(const F& f) {
+  constexpr float kAside = 0.3872983f;  // sqrt(3/5) / 2
+  return (f(std::sqrt(0.5f - kAside)) + f(std::sqrt(0.5f + kAside))) * (5 / 18.0f) + f(std::sqrt(0.5f)) * (8 / 18.0f);
+}
+
 /// Directions lie on the side that the layers are on; w.z is the cosine to the surface.
 struct DisneyLayers {
   CharlieSheen fibres;  // with a roughness: in the place of Burley's sheen, and over all but the coat
@@ -41,6 +48,10 @@ struct DisneyLayers {
     const Rgb by_coat(fibres_pass * (1 - coat_passes));
     return fibrous() ? by_coat + fibres.color * ((1 - fibres_pass) / max_component(fibres.color)) : by_coat;
   }
+  /// held_back() of light in all directions, as Lambert's law has it.
+  Rgb mean_held_back() const {
+    return mean_of_cosines([&](float cosine) { return held_back(cosine); });
+  }
   /// The factor of lobes that reflect into all directions.
   float over_diffuse(const Vec3f& wo, const Vec3f& wi) const {
     return (fibrous() ? fibres.over(wo.z, wi.z) : 1) * (coated() ? coat.over_diffuse(wo, wi) : 1);
@@ -52,6 +63,11 @@ struct DisneyLayers {
   };
   Entered entered(const Vec3f& wo) const {
     return {fibrous() ? fibres.passed(wo.z) : 1, coated() ? coat.mean_passed() : 1};
+  }
+  /// Those over light that began below them: it comes from everywhere.
+  Entered from_within() const {
+    const auto passed = [&](float cosine) { return fibres.passed(cosine); };
+    return {fibrous() ? mean_of_cosines(passed) : 1, coated() ? coat.mean_passed() : 1};
   }
   /// The factor of light that leaves along `wi` where these layers are, of a weight passed(wo) where it entered. With
   /// that it is over_diffuse() where the layers are alike; where they differ it is reciprocal as well, and keeps

@@ -41,6 +41,8 @@ DisneyTransmissiveBsdf::DisneyTransmissiveBsdf(const DisneyParameters& p, const 
   const float share = dielectric * p.spec_trans;
   reflects_ = passes_ = share;
   diffuse_beyond_ = p.diff_trans_color * (dielectric * (1 - p.spec_trans) * 0.5f * p.diff_trans);
+  if (layered == Layered::far && !is_black(diffuse_beyond_))
+    if (const auto beyond = DisneyLayers::of(p)) diffuse_back_ = diffuse_beyond_ * beyond->mean_held_back();
   if (layered != Layered::both && near_.is_bounded() && !is_black(diffuse_beyond_) && has_layers(p))
     other_side_.emplace(layered == Layered::far ? p : without_layers(p), wo, energy);
   const Ggx ggx = disney_ggx(p.specular_roughness(), p.anisotropic);
@@ -55,7 +57,7 @@ DisneyTransmissiveBsdf::DisneyTransmissiveBsdf(const DisneyParameters& p, const 
     keep_boundary_albedo(p, side.eta);
   const float passed = near_.passed_layers(wo), near = near_.weight(),
               clear = passed * share * choice_weight(at_boundary([&](const auto&lobe) { return lobe.albedo(wo); })),
-              beyond = passed * choice_weight(diffuse_beyond_), total = near + clear + beyond;
+              beyond = passed * choice_weight(diffuse_beyond_ + diffuse_back_), total = near + clear + beyond;
   if (!(total > 0)) return;
   p_near_ = chance_of(near, total);
   p_beyond_ = chance_of(beyond, total);
@@ -93,6 +95,12 @@ void DisneyTransmissiveBsdf::keep_boundary_albedo(const DisneyParameters& p, flo
   }
 }
 
+float DisneyTransmissiveBsdf::chance_of_back() const {
+  if (is_black(diffuse_back_)) return 0;
+  const float back = choice_weight(diffuse_back_);
+  return back / (choice_weight(diffuse_beyond_) + back);
+}
+
 bool DisneyTransmissiveBsdf::scatters_beyond() const {
   return p_beyond_ > 0 || (p_clear_ > 0 && !at_boundary([](const auto& lobe) { return lobe.is_straight(); }));
 }
@@ -105,10 +113,15 @@ BsdfValue DisneyTransmissiveBsdf::evaluate(const Vec3f& wi, Rgb* specular) const
     sum = near_.evaluate(wi, specular);
     sum.pdf *= p_near_;
   }
+  const float back = chance_of_back();
   if (wi.z < 0 && p_beyond_ > 0) {
     sum.f = diffuse_beyond_ * (kInvPi * left_by_layers(wi, &DisneyLayers::over_diffuse));
     if (near_.is_bounded()) sum.f *= kept_beyond(wi);
-    sum.pdf = p_beyond_ * -wi.z * kInvPi;
+    sum.pdf = p_beyond_ * (1 - back) * -wi.z * kInvPi;
+  }
+  if (wi.z > 0 && back > 0) [[unlikely]] {
+    sum.f += diffuse_back_ * kInvPi * (near_.is_bounded() ? near_.kept_towards(wi).base : Rgb(1.0f));
+    sum.pdf += p_beyond_ * back * wi.z * kInvPi;
   }
   if (p_clear_ > 0) {
     const BsdfValue value = at_boundary([&](const auto& lobe) { return lobe.evaluate(wo_, wi); });
@@ -145,7 +158,8 @@ std::optional<BsdfSample> DisneyTransmissiveBsdf::sample(float u_lobe, const Vec
   } else if (p_beyond_ > 0) {
     sample.lobe = Lobe::diffuse_transmission;
     const Vec3f up = sample_cosine_hemisphere(u);
-    wi = {up.x, up.y, -up.z};
+    const bool back = spread(std::max(0.0f, u_lobe - p_near_ - p_clear_), p_beyond_) < chance_of_back();
+    wi = {up.x, up.y, back ? up.z : -up.z};
   }
   if (!wi) return std::nullopt;
   const BsdfValue value = evaluate(*wi, specular);

@@ -10,7 +10,8 @@
 //
 // Coat, fibres and film lie on both sides of a sheet and on the outer side of a solid. Light that passes is dimmed by
 // those of both sides: by DisneyLayers' factors where both have some, else by the share that the layers of the one side
-// let through. A pair of directions has one factor, so f stays reciprocal.
+// let through. A pair of directions has one factor, so f stays reciprocal. Light that the layers of a solid do not let
+// out comes back to its inside.
 //
 // The clear boundary does not get back the light that rough facets lose between them, whatever the energy model.
 #pragma once
@@ -53,6 +54,9 @@ class DisneyTransmissiveBsdf {
   /// The share that is kept of light that is scattered from wi, on the far side, to wo.
   Rgb kept_beyond(const Vec3f& wi) const;
 
+  /// Probability that the diffuse lobe beyond is sampled as the light that comes back.
+  float chance_of_back() const;
+
   void keep_boundary_albedo(const DisneyParameters& parameters, float eta);
 
   /// f(lobe) of the clear boundary: the solid one or the sheet.
@@ -70,6 +74,7 @@ class DisneyTransmissiveBsdf {
   DisneyThinDielectric sheet_;
   float reflects_ = 0, passes_ = 0;  // shares of the clear boundary's two lobes: alike but for widened sheets
   Rgb diffuse_beyond_{0.0f};         // colour of the diffuse light on the other side
+  Rgb diffuse_back_{0.0f};           // colour of the part that the layers on the other side do not let out
   // Probabilities of the three parts; sum to one, or are all zero.
   float p_near_ = 0, p_clear_ = 0, p_beyond_ = 0;
 };

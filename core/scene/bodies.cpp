@@ -75,6 +75,8 @@ class BodyPlanner {
         cancel_(cancel) {}
 
   bool plan() {
+    snapshot_.clear_meetings = clear_.meetings();
+    rank_clear_bodies(&snapshot_);
     std::map<std::string, std::vector<uint32_t>> sets;
     for (uint32_t i = 0; i < drawn_.size(); ++i) {
       if (scattering_slots(*drawn_[i]).empty()) continue;

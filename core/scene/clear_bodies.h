@@ -9,6 +9,15 @@ namespace alabaster {
 
 bool has_clear_interior(const Instance& instance);
 
+/// Sets Instance::clear_rank of all clear bodies, by which overlaps are decided: the largest clear_priority() is there.
+/// Bodies that light walks in come before other clear ones, because walks do not see those. Among either, `priority`
+/// decides, then whether a clear body lies within the box of one that light walks in, then which is smaller. The order
+/// in which light enters bodies must not count: light that goes the other way would find another scene.
+void rank_clear_bodies(SceneSnapshot* snapshot);
+inline uint32_t clear_priority(const Instance& instance, uint32_t priority) {
+  return instance.clear_rank + (priority << 23);
+}
+
 /// Bounds of an instance that stands alone, over the whole shutter.
 Bounds bounds_in_render_space(const Instance& instance);
 
@@ -23,6 +32,9 @@ class ClearBoxes {
 
   /// Bounds of all boxes that overlap `box`, without those of the instances `left_out`. Empty: none.
   Bounds that_meet(const Bounds& box, const std::vector<uint32_t>& left_out) const;
+
+  /// Bounds of where two bodies may touch or overlap. Empty: no two do.
+  Bounds meetings() const;
 
  private:
   struct Box {

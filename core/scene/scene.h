@@ -105,6 +105,7 @@ struct Instance : Placement {
   int32_t prim_id = 0, instance_id = 0;
   const SubsurfaceBody* body = nullptr;  // where light goes below this surface; null: no material of it scatters
   uint32_t member = 0;                   // of the body
+  uint32_t clear_rank = 0;               // among clear bodies: see rank_clear_bodies()
   bool see_through = false;              // rays may pass some hits: partly opaque, single-sided, or culled
   bool single_sided = false;             // as far as it shows: a closed mesh is seen from its front alone
   CameraCull camera_cull = CameraCull::none;
@@ -148,6 +149,7 @@ struct SceneSnapshot {
   float radius = 0;  // of a sphere about the render-space origin that holds all geometry
   SceneFeatures features;
   Bounds clear_bodies;                // of all instances that have an interior which light may go through
+  Bounds clear_meetings;              // where the boxes of two of them overlap or touch
   std::vector<Instance> instances;    // those that stand alone, and have the first indices
   std::vector<InstanceArray> arrays;  // in the order of their indices; addresses stay
   std::shared_ptr<const InstancedScene> top;

@@ -25,7 +25,15 @@ Vec3f sample_entry_lobe(const Vec3f& ns_inward, const Vec2f& u) {
   return frame_from_normal(ns_inward).to_world(sample_cosine_hemisphere(u));
 }
 
-WalkBeginning begin_walk(const SubsurfaceBody& body, const SubsurfaceEntry& entry, const Affine& to_body,
+// World distance of SubsurfaceBody::below() from the surface. A union is traced through one more transform, and its
+// walks begin deeper.
+float depth_of_beginning(const SubsurfaceBody& body, const SubsurfaceEntry& entry, const SubsurfaceBody::Maps& maps) {
+  if (!body.is_union()) [[likely]]
+    return depth_below_surface(entry.hit, maps.to_body);
+  return surface_point(*body.members[entry.member].mesh, entry.triangle, maps.to_body, maps.to_object).offset;
+}
+
+WalkBeginning begin_walk(const SubsurfaceBody& body, const SubsurfaceEntry& entry, const SubsurfaceBody::Maps& maps,
                          const Vec2f& u) {
   // The paper's weights go on from the path's throughput, here relative to its largest channel.
   const Rgb relative = entry.throughput * (1 / max_component(entry.throughput));
@@ -35,7 +43,7 @@ WalkBeginning begin_walk(const SubsurfaceBody& body, const SubsurfaceEntry& entr
   const Vec3f inward = -entry.hit.ng, lobe = sample_entry_lobe(-entry.ns, u);
   return {body.below(entry),
           {mirrored_into(inward, lobe), inward, throughput},
-          depth_below_surface(entry.hit, to_body),
+          depth_of_beginning(body, entry, maps),
           lobe};
 }
 
@@ -96,7 +104,7 @@ std::optional<SubsurfaceExit> RandomWalk::carry(const SubsurfaceBody& body, cons
   const float time = entry.triangle.time;
   std::optional<SubsurfaceBody::Maps> moved;
   const SubsurfaceBody::Maps& maps = body.members[entry.member].at(entry.triangle, &moved);
-  WalkBeginning beginning = begin_walk(body, entry, maps.to_body, {numbers.first()[0], numbers.first()[1]});
+  WalkBeginning beginning = begin_walk(body, entry, maps, {numbers.first()[0], numbers.first()[1]});
   WalkSettings used = settings;
   const bool looks_for_light = settings.guiding && body.lit && entry.medium->worthwhile.guiding && !entry.within;
   if (const LitSurface* const lit = looks_for_light ? body.lit->get() : nullptr; lit && !lit->faces_light(entry.hit.ng))

@@ -92,6 +92,42 @@ TEST(EntryWithoutASurface, ABlendOfEntryAndClearBoundaryLosesNothing) {
   }
 }
 
+// Layers let a white body look as bright to a camera within it as they let it look from outside.
+TEST(EntryWithoutASurface, LayersKeepNoMoreFromWithinThanFromOutside) {
+  for (const bool coated : {true, false}) {
+    SceneBuilder b;
+    DisneyParameters p = white_body(0.2f);
+    p.coat = coated ? 1.0f : 0.0f, p.sheen = coated ? 0.0f : 1.0f;
+    p.coat_roughness = 0.3f, p.sheen_roughness = 0.5f;
+    add(&b, b.prototype(testing::sphere_mesh(1, 32, true)), p);
+    b.add(testing::constant_dome(1, true));
+    const auto scene = b.snapshot();
+    PathTracer within(scene, {0.3, 0.2, 0.1}, {0, 0, 1}), outside(scene, {0, 0, 5}, {0.1, 0.2, 0});
+    const auto green = [](const FilmSample& s) { return double(s.color.g); };
+    EXPECT_GT(testing::look(&within, 128, green).mean(), testing::look(&outside, 128, green).mean() - 0.03) << coated;
+  }
+}
+
+// Short walks in a union come out as Lambert's law has it: the way from the surface to where a walk begins counts.
+TEST(Union, SmallScatterDistancesAreLambert) {
+  testing::RunningStatistics seen[2];
+  for (const bool walks : {false, true}) {
+    SceneBuilder b;
+    const auto ball = b.prototype(testing::sphere_mesh(1, 32, true));
+    DisneyParameters p = white_body(6e-5f);
+    p.base_color = Rgb(0.6f);
+    add(&b, ball, p, Matrix4d(), "one");
+    add(&b, ball, p, scaled_by(0.6) * moved_by(1.2, 0.4, 0.3), "one");
+    b.add(testing::constant_dome(1, false));
+    PathTracer tracer(b.snapshot(), {0.4, 0.2, 5}, {0.1, 0.1, 0});
+    tracer.settings.subsurface = walks ? SubsurfaceMode::walk : SubsurfaceMode::lambert;
+    seen[walks] = testing::look(&tracer, 1024, [](const FilmSample& s) { return double(s.color.g); });
+    EXPECT_EQ(tracer.counters.walk_lost, 0u);
+  }
+  const double error = std::hypot(seen[0].standard_error(), seen[1].standard_error()) / seen[0].mean();
+  EXPECT_NEAR(seen[1].mean() / seen[0].mean(), 1, 2e-3 + 4 * error) << error;
+}
+
 constexpr SubsurfaceMode kModes[] = {SubsurfaceMode::lambert, SubsurfaceMode::walk, SubsurfaceMode::reference,
                                      SubsurfaceMode::diffusion};
 
@@ -151,6 +187,21 @@ TEST(Holes, MembersOfAUnionMayHaveHoles) {
                   {"before the other", {0.6, 0.1, 6}, {0.5, 0.1, 0}},
                   {"the other", {-0.5, 0, 6}, {-0.5, 0, 0}}},
                  {.runs = 128, .slack = 3e-3, .sees_background = true}, "a union");
+}
+
+// Light within the medium of a union passes the walls of all members, and sees no holes in them.
+TEST(Holes, MembersOfACloudyUnionMayHaveHoles) {
+  SceneBuilder b;
+  const auto ball = b.prototype(testing::sphere_mesh(1, 48, true));
+  DisneyParameters p = clear_body(1.5f, 0.4f);
+  p.opacity = 0.5f;
+  add(&b, ball, p, Matrix4d(), "one");
+  add(&b, ball, p, scaled_by(0.6) * moved_by(-0.5, -0.45, 0.55), "one");
+  expect_furnace(b,
+                 {{"where they overlap", {1.2, 2.4, 8}, {-0.4, -0.4, 0.6}},
+                  {"the small one", {0, 0, 8}, {-0.85, -0.7, 0.6}},
+                  {"the large one", {0, 0, 8}, {0.5, 0.3, 0}}},
+                 {.runs = 256, .slack = 3e-3, .sees_background = true}, "a cloudy union");
 }
 
 TEST(Holes, ClearAndCloudyBodiesMayHaveHoles) {

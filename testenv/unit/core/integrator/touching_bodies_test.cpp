@@ -15,6 +15,7 @@ using testing::expect_furnace;
 using testing::FurnaceTest;
 using testing::moved_by;
 using testing::PathTracer;
+using testing::RunningStatistics;
 using testing::scaled_by;
 using testing::SceneBuilder;
 using testing::Sight;
@@ -134,6 +135,67 @@ TEST(TouchingBodies, ADropWhollyInside) {
   add(&b, ball, clear_body(1.5f), scaled_by(0.3) * moved_by(0.1, 0, 0.3));
   expect_furnace(b, {{"outside", {0, 0, 5}}, {"in the drop", {0.1, 0, 0.25}, {0, 0.1, 0.2}, 2.25}},
                  {.runs = 64, .sees_background = true}, "wholly inside");
+}
+
+// Two boxes share a face: a ray that leaves the one goes on behind the face of the other. The camera sees that face
+// between two clear bodies, and a drop that lies flat on a cloudy block.
+TEST(TouchingBodies, FacesThatCoincide) {
+  struct Pair {
+    const char* what;
+    DisneyParameters left, right;
+  };
+  DisneyParameters prior = clear_body(1.5f);
+  prior.priority = 1;
+  const Pair pairs[] = {{"of one index", clear_body(1.5f), clear_body(1.5f)},
+                        {"of two", clear_body(1.33f), clear_body(1.5f)},
+                        {"of two priorities", clear_body(1.33f), prior},
+                        {"clear and cloudy", clear_body(1.33f), clear_body(1.5f, 0.3f)},
+                        {"cloudy", clear_body(1.5f, 0.3f), clear_body(1.5f, 0.3f)},
+                        {"clear and opaque", clear_body(1.5f), white_body(0.3f)}};
+  for (const Pair& of : pairs) {
+    SceneBuilder b;
+    const auto box = b.prototype(testing::box_mesh({0.7f, 0.8f, 0.6f}));
+    add(&b, box, of.left, moved_by(-0.7, 0, 0));
+    add(&b, box, of.right, moved_by(0.7, 0, 0));
+    expect_furnace(b,
+                   {{"near the face", {1, 2, 5}, {0.1, 0.1, 0}},
+                    {"through the face", {-5, 1.5, 3}, {0, 0.05, 0.02}},
+                    {"aside", {5, 2, 4}, {0.9, 0.3, 0.2}}},
+                   {.runs = 64, .slack = 4e-3, .sees_background = true}, of.what);
+  }
+}
+
+// A face that is turned and moved coincides but for rounding.
+TEST(TouchingBodies, FacesThatCoincideButForRounding) {
+  SceneBuilder b;
+  const Matrix4d turn = Matrix4d().setAxisAngle(normalize(Vec3d(1, 2, 3)), 0.7) * moved_by(0.3, -0.2, 0.1);
+  add(&b, b.prototype(testing::box_mesh({0.7f, 0.8f, 0.6f})), clear_body(1.5f), moved_by(-0.7, 0, 0) * turn);
+  add(&b, b.prototype(testing::box_mesh({1, 1, 1})), clear_body(1.4f),
+      Matrix4d().setScale(Vec3d(0.3, 0.8, 0.6)) * moved_by(0.3, 0, 0) * turn);
+  expect_furnace(
+      b, {{"near the face", {1, 2, 5}, {0.35, -0.15, 0.1}}, {"through the face", {-5, 1.5, 3}, {0.3, -0.2, 0.1}}},
+      {.runs = 64, .slack = 4e-3, .sees_background = true}, "turned");
+}
+
+// A member of a union that lies in another one changes nothing: a ray that has entered a cloudy body, and meets the
+// member's wall, walks on from where it entered.
+TEST(TouchingBodies, AMemberWhollyWithinAnotherChangesNothing) {
+  const auto green = [](const FilmSample& s) { return double(s.color.g); };
+  RunningStatistics seen[2];
+  for (const bool has_member : {false, true}) {
+    SceneBuilder b;
+    DisneyParameters cloudy = clear_body(1.3f, 1.0f);
+    cloudy.base_color = Rgb(0.5f);
+    const auto ball = b.prototype(testing::sphere_mesh(1, 64, true));
+    add(&b, ball, cloudy, Matrix4d(), "one");
+    if (has_member) add(&b, ball, cloudy, scaled_by(0.9), "one");
+    b.add(testing::constant_dome(1, true));
+    PathTracer tracer(b.snapshot(), {0.5, 0.7, 5}, {0.1, 0.2, 0});
+    seen[has_member] = testing::look(&tracer, 256, green);
+  }
+  EXPECT_LT(std::abs(seen[1].mean() - seen[0].mean()),
+            4 * std::hypot(seen[0].standard_error(), seen[1].standard_error()))
+      << seen[0].mean() << " and " << seen[1].mean();
 }
 
 class ListedPlaces final : public InstancePlaces {

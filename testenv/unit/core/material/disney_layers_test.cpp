@@ -188,6 +188,28 @@ TEST(DisneyLayers, SmoothGlassUnderLayersLosesNothing) {
       }
 }
 
+// Diffuse light that comes to the layers from inside a solid, and does not pass them, goes back in.
+TEST(DisneyLayers, SolidsThatDiffuseLightPassesLoseNothingBelowLayers) {
+  Rng rng(81, 5);
+  for (const int layers : {1, 2, 3})
+    for (const float degrees : {0.0f, 60.0f, 85.0f}) {
+      DisneyParameters p = white_sheet(2);
+      p.thin = false;
+      p.coat = layers & 1 ? 1.0f : 0.0f, p.sheen = layers & 2 ? 1.0f : 0.0f;
+      p.coat_roughness = 0.3f, p.sheen_roughness = 0.5f;
+      const DisneyTransmissiveBsdf bsdf(p, along(degrees), {1, true}, EnergyModel::burley2015);
+      const auto seen = seen_of(bsdf, rng);
+      EXPECT_NEAR(seen.mean(), 1, 3e-3 + 4 * seen.standard_error()) << layers << " at " << degrees;
+      // Samples and evaluation are of one function.
+      RunningStatistics evaluated;
+      for (int i = 0; i < 20000; ++i) {
+        const Vec3f wi = sample_cosine_hemisphere(uniform2(rng));
+        evaluated.add(double(bsdf.evaluate(wi).f.g + bsdf.evaluate(below(wi)).f.g) * double(kPi));
+      }
+      EXPECT_NEAR(evaluated.mean(), seen.mean(), 1e-3 + 4 * (evaluated.standard_error() + seen.standard_error()));
+    }
+}
+
 DisneyParameters filmed(float metallic, float specular, float ior) {
   DisneyParameters p;
   p.base_color = Rgb(0.6f, 0.3f, 0.1f);
