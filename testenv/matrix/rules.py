@@ -25,7 +25,7 @@ EXEMPT = [
     Exemption(r"^opaque body \+ fibre sheen \+ clearcoat$", "furnace, as Lambert", 2.0,
               "subsurface does not yield to clearcoat as diffuse does (delegate/README.md, Energy)"),
     Exemption(r"^opaque body \+ fibre sheen \+ inner shell$", "furnace, as Lambert", 2.5,
-              "walks cross the cavity, whose fibres keep light that Lambert's law does not send there (delegate/README.md, Energy)"),
+              "walks cross the cavity, whose fibres keep light; Lambert's law sends none there (delegate/README.md, Energy)"),
 ]
 
 # Rows that fail and should not, a scene and a check in a line. They are run and printed, and do not fail the run.
