@@ -4,6 +4,7 @@
 #include <sys/mman.h>
 
 #include <algorithm>
+#include <atomic>
 #include <cstring>
 #include <filesystem>
 #include <latch>
@@ -113,6 +114,8 @@ class ImageLibrary {
   }
 
   const ImageFunctions* load(std::string* fault) {
+    if (const ImageFunctions* const loaded = functions_)
+      return loaded;  // without the lock, which a fork may leave taken
     const std::lock_guard lock(mutex_);
     if (functions_) return functions_;
     const std::string file = candidates().front();
@@ -152,7 +155,7 @@ class ImageLibrary {
 
   std::mutex mutex_;
   void* handle_ = nullptr;
-  const ImageFunctions* functions_ = nullptr;
+  std::atomic<const ImageFunctions*> functions_{nullptr};
 };
 
 }  // namespace

@@ -1,5 +1,7 @@
 #include "delegate/api/types.h"
 
+#include <pthread.h>
+
 #include <charconv>
 #include <cmath>
 #include <mutex>
@@ -18,7 +20,13 @@ struct TokenTable {
   std::unordered_set<std::string> strings;
 };
 TokenTable& token_table() {
-  static auto* table = new TokenTable;
+  static auto* table = [] {
+    auto* made = new TokenTable;
+    // A child that is forked while another thread holds the lock could never take it.
+    const auto unlock = [] { token_table().mutex.unlock(); };
+    pthread_atfork([] { token_table().mutex.lock(); }, unlock, unlock);
+    return made;
+  }();
   return *table;
 }
 

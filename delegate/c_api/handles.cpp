@@ -64,6 +64,25 @@ DiagnosticSink sink_of(const std::shared_ptr<Reports>& reports) {
   return [reports](const Diagnostic& diagnostic) { (*reports)(diagnostic); };
 }
 
+SceneLock::SceneLock(SceneData& data) : data_(data) {
+  data.check_process();
+  const pid_t process = getpid();
+  SceneData::Callers callers = data.callers;
+  do {
+    if (callers.threads > 0 && callers.process != process)
+      refuse_in_child("the call in which the scene was at the fork");
+  } while (!data.callers.compare_exchange_weak(callers, {process, callers.threads + 1}));
+  data.mutex.lock();
+}
+
+SceneLock::~SceneLock() {
+  data_.mutex.unlock();
+  SceneData::Callers callers = data_.callers;
+  const pid_t process = getpid();  // a child that is forked within the call cannot unlock
+  while (callers.process == process && !data_.callers.compare_exchange_weak(callers, {process, callers.threads - 1})) {
+  }
+}
+
 void refuse_while_recording(const DelegateData& data, const char* function) {
   if (data.records)
     throw bad_argument(std::string(function) +
@@ -114,18 +133,18 @@ void DelegateData::show(const std::shared_ptr<SceneData>& shown) {
   if (shown != scene) {
     ShownMark mark(shown.get());
     if (scene) {
-      const std::lock_guard lock(scene->mutex);
+      const SceneLock lock(*scene);
       scene->scene.Depopulate();
       scene->shown_in = 0;
     }
     scene = shown;
     mark.keep();
     if (!scene) return;
-    const std::lock_guard lock(scene->mutex);
+    const SceneLock lock(*scene);
     scene->scene.Populate(index.get());
   }
   if (!scene) return;
-  const std::lock_guard lock(scene->mutex);
+  const SceneLock lock(*scene);
   if (!scene->scene.PopulateRest())
     throw Failure(ALABASTER_OUT_OF_MEMORY, "memory ran out for the scene's prims: show it again");
 }

@@ -8,6 +8,7 @@
 #include <atomic>
 #include <cstring>
 #include <mutex>
+#include <optional>
 #include <set>
 #include <span>
 #include <stdexcept>
@@ -196,11 +197,16 @@ class Process {
 // callback of record may call the library. An edit of a shown scene calls into its delegate, and so needs the scene's
 // lock to keep others out of both.
 struct SceneData {
-  /// Fails in a process that was forked from one in which a delegate draws the scene, or while a thread was in a call.
+  /// The threads that hold the lock or wait for it, and their process.
+  struct Callers {
+    pid_t process;
+    int32_t threads;
+  };
+
+  /// Fails in a process that was forked from one in which a delegate draws the scene.
   void check_process() const {
-    const auto is_another = [](pid_t process) { return process != 0 && process != getpid(); };
-    if (is_another(shown_in)) refuse_in_child("the scene's delegate");
-    if (is_another(called_in)) refuse_in_child("the call in which the scene was at the fork");
+    const pid_t process = shown_in;
+    if (process != 0 && process != getpid()) refuse_in_child("the scene's delegate");
   }
 
   std::recursive_mutex mutex;
@@ -209,28 +215,20 @@ struct SceneData {
   description::SceneFile loaded;
   std::set<std::string> loaded_texts;  // those of every load: another thread may still read them
   std::atomic<pid_t> shown_in{0};      // the process of the delegate that draws it; 0: none does
-  std::atomic<pid_t> called_in{0};     // the process of the thread that holds a SceneLock; 0: none does
-  int calls = 0;                       // of that thread: one within the other
+  std::atomic<Callers> callers{Callers{0, 0}};
 };
 
-/// Held by the one thread that calls into a scene.
+/// Held by the one thread that calls into a scene. Fails in a process that was forked while another thread held it or
+/// waited for it: the lock is never free there.
 class SceneLock {
  public:
-  explicit SceneLock(SceneData& data) : data_(data) {
-    data.check_process();
-    lock_ = std::unique_lock(data.mutex);
-    ++data.calls;
-    data.called_in = getpid();
-  }
-  ~SceneLock() {
-    if (--data_.calls == 0) data_.called_in = 0;
-  }
+  explicit SceneLock(SceneData& data);
+  ~SceneLock();
   SceneLock(const SceneLock&) = delete;
   SceneLock& operator=(const SceneLock&) = delete;
 
  private:
   SceneData& data_;
-  std::unique_lock<std::recursive_mutex> lock_;
 };
 
 struct DelegateData {
@@ -258,13 +256,13 @@ class HostLock {
     data.process.check("the delegate");
     delegate_ = std::unique_lock(data.mutex);
     scene_ = data.scene;
-    if (scene_) scene_lock_ = std::unique_lock(scene_->mutex);
+    if (scene_) scene_lock_.emplace(*scene_);
   }
 
  private:
   std::unique_lock<std::recursive_mutex> delegate_;
   std::shared_ptr<SceneData> scene_;  // outlives its lock
-  std::unique_lock<std::recursive_mutex> scene_lock_;
+  std::optional<SceneLock> scene_lock_;
 };
 
 struct BufferData {

@@ -205,6 +205,30 @@ class Ends(unittest.TestCase):
                 print(os.waitstatus_to_exitcode(os.waitpid(child, 0)[1]))
             """, "0\n" * 5)
 
+    def test_a_fork_while_other_threads_edit_a_scene(self):
+        """Locks that threads hold at the fork, or are about to take, are never free in the child."""
+        self.assert_ends("""
+            import signal
+            busy, idle = square(), square()
+            def work():
+                while True: busy.set_visible("/square", True)
+            for _ in range(2): threading.Thread(target=work, daemon=True).start()
+            for _ in range(150):
+                child = os.fork()
+                if child == 0:
+                    signal.alarm(10)  # ends a child that waits
+                    idle.set_visible("/square", True)
+                    try:
+                        busy.set_visible("/square", True)
+                    except alabaster.ArgumentError as error:
+                        assert "forked" in str(error)
+                    os._exit(7)
+                end = os.waitstatus_to_exitcode(os.waitpid(child, 0)[1])
+                if end != 7:
+                    break
+            print(end)
+            """, "7\n")
+
     def test_a_progress_callback_forks(self):
         done = run("""
             def progress(_, children=[]):
