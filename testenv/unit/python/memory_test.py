@@ -106,5 +106,5 @@ class Memory(unittest.TestCase):
             draw(alabaster.Renderer(square(), samples=1))
             if i == 19:
                 settled = allocated()
-        # What malloc keeps for threads grows by up to 42 kB on a busy machine.
+        # Malloc keeps up to 42 kB more for threads on a busy machine.
         self.assertLess(allocated() - settled, 1 << 16)
