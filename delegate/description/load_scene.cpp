@@ -39,8 +39,7 @@ bool draws_anything(const host::RetainedSceneDelegate& scene) {
 
 class Loader {
  public:
-  Loader(host::RetainedSceneDelegate* scene, const DiagnosticSink& sink, SceneFile* result)
-      : schema_(expanded_schema("render_description")), sink_(sink) {
+  Loader(host::RetainedSceneDelegate* scene, const DiagnosticSink& sink, SceneFile* result) : sink_(sink) {
     state_.scene = scene;
     state_.sink = &sink_;
     state_.result = result;
@@ -133,7 +132,7 @@ class Loader {
     JsonDocument document;
     std::string problem;
     if (!parse_json(json, file, &document, &problem)) return fail("description.json", file, problem);
-    if (!check_schema(document, schema_, sink_)) return false;
+    if (!check_description(document, sink_)) return false;
     limit_memory(document.value, false);
     const std::filesystem::path folder = std::filesystem::path(file).parent_path();
     return apply(document, folder.empty() ? "." : folder.string());
@@ -149,7 +148,7 @@ class Loader {
     JsonDocument document;
     std::string problem;
     if (!override_document(assignment, &document, &problem)) return fail("override", assignment, problem);
-    return check_schema(document, schema_, sink_) && apply(document, "");
+    return check_description(document, sink_) && apply(document, "");
   }
 
   bool replace_domes(const std::string& dome) {
@@ -159,7 +158,7 @@ class Loader {
     for (const Path& path : old) state_.scene->Remove(path);
     if (!is_utf8(dome)) return fail("dome", dome, "It is not UTF-8, as names of files in a scene are.");
     const JsonDocument document = dome_document(dome);
-    return check_schema(document, schema_, sink_) && apply(document, "");
+    return check_description(document, sink_) && apply(document, "");
   }
 
   // Takes the requested camera as it is, because the description's changes were meant for another one.
@@ -172,7 +171,6 @@ class Loader {
     return apply(document, "");
   }
 
-  const nlohmann::json schema_;
   const DiagnosticSink& sink_;
   LoadState state_;
   bool limit_is_given_ = false;  // by an override

@@ -1,6 +1,7 @@
 #include "delegate/description/schema_check.h"
 
 #include <algorithm>
+#include <map>
 #include <set>
 
 #include "delegate/description/name_match.h"
@@ -13,21 +14,27 @@ namespace {
 
 using nlohmann::json;
 
-void expand(json* node, const json& root) {
+using Schemas = std::map<std::string, json>;  // by their names, each parsed once
+
+const json& parsed_schema(const std::string& name, Schemas* parsed) {
+  const auto found = parsed->find(name);
+  return found != parsed->end() ? found->second : parsed->emplace(name, json::parse(SchemaText(name))).first->second;
+}
+
+void expand(json* node, const json& root, Schemas* parsed) {
   if (node->is_object() && node->contains("$ref")) {
     const std::string target = (*node)["$ref"];
     const size_t hash = target.find('#');
     const std::string file = target.substr(0, hash);
     const json::json_pointer pointer(hash == std::string::npos ? "" : target.substr(hash + 1));
-    const json other = file.empty() ? json() : json::parse(SchemaText(file.substr(0, file.rfind('.'))));
-    const json& document = file.empty() ? root : other;
+    const json& document = file.empty() ? root : parsed_schema(file.substr(0, file.rfind('.')), parsed);
     json replacement = document.at(pointer);
-    expand(&replacement, document);
+    expand(&replacement, document, parsed);
     *node = std::move(replacement);
     return;
   }
   if (node->is_structured())
-    for (json& child : *node) expand(&child, root);
+    for (json& child : *node) expand(&child, root, parsed);
 }
 
 // A schema and, recursively, all its alternatives.
@@ -124,8 +131,7 @@ constexpr size_t kMostMessages = 100;
 
 class Checker {
  public:
-  Checker(const JsonDocument& document, const json& schema, const DiagnosticSink& sink)
-      : document_(document), schema_(schema), sink_(sink) {}
+  Checker(const JsonDocument& document, const DiagnosticSink& sink) : document_(document), sink_(sink) {}
 
   bool run() {
     find_unknown_keys(document_.value, schema_, "");
@@ -165,7 +171,7 @@ class Checker {
   // The validator names a violation and everything that contains it, and every alternative that failed. This keeps the
   // innermost place, but none deeper than the alternatives' own.
   void report_violations() {
-    std::vector<Violation> found = find_violations(document_.value, schema_);
+    std::vector<Violation> found = find_violations(document_.value);
     std::set<Steps> choices, insides;  // insides: places that contain another violation
     for (const Violation& v : found) {
       if (is_choice(v)) choices.insert(v.steps);
@@ -222,7 +228,7 @@ class Checker {
   }
 
   const JsonDocument& document_;
-  const json& schema_;
+  const json& schema_ = description_schema();
   const DiagnosticSink& sink_;
   bool clean_ = true;
   size_t faults_ = 0;
@@ -231,15 +237,21 @@ class Checker {
 }  // namespace
 
 json expanded_schema(const std::string& name) {
-  const json root = json::parse(SchemaText(name));
+  Schemas parsed;
+  const json& root = parsed_schema(name, &parsed);
   json expanded = root;
   for (const char* key : {"$id", "$schema", "definitions"}) expanded.erase(key);
-  expand(&expanded, root);
+  expand(&expanded, root, &parsed);
   return expanded;
 }
 
-bool check_schema(const JsonDocument& document, const json& schema, const DiagnosticSink& sink) {
-  return Checker(document, schema, sink).run();
+const json& description_schema() {
+  static const auto* schema = new json(expanded_schema("render_description"));
+  return *schema;
+}
+
+bool check_description(const JsonDocument& document, const DiagnosticSink& sink) {
+  return Checker(document, sink).run();
 }
 
 const char* SchemaText(const std::string& name) {

@@ -1,3 +1,4 @@
+#include <memory>
 #include <valijson/adapters/nlohmann_json_adapter.hpp>
 #include <valijson/schema.hpp>
 #include <valijson/schema_parser.hpp>
@@ -21,17 +22,20 @@ std::vector<std::string> steps_of(const std::vector<std::string>& context) {
   return steps;
 }
 
+std::unique_ptr<valijson::Schema> validators_schema() {
+  auto schema = std::make_unique<valijson::Schema>();
+  valijson::SchemaParser().populateSchema(valijson::adapters::NlohmannJsonAdapter(description_schema()), *schema);
+  return schema;
+}
+
 }  // namespace
 
-std::vector<Violation> find_violations(const nlohmann::json& value, const nlohmann::json& schema) {
-  valijson::Schema parsed;
-  const valijson::adapters::NlohmannJsonAdapter schema_adapter(schema);
-  valijson::SchemaParser().populateSchema(schema_adapter, parsed);
+std::vector<Violation> find_violations(const nlohmann::json& description) {
+  static const valijson::Schema* schema = validators_schema().release();  // lives as long as description_schema()
   valijson::ValidationResults results;
-  const valijson::adapters::NlohmannJsonAdapter value_adapter(value);
+  const valijson::adapters::NlohmannJsonAdapter adapter(description);
   std::vector<Violation> violations;
-  if (valijson::Validator(valijson::Validator::kStrongTypes).validate(parsed, value_adapter, &results))
-    return violations;
+  if (valijson::Validator(valijson::Validator::kStrongTypes).validate(*schema, adapter, &results)) return violations;
   for (const auto& error : results) violations.push_back({steps_of(error.context), error.description});
   return violations;
 }

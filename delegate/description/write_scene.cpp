@@ -336,7 +336,7 @@ class SceneWriter {
           if (document.value[entry].contains(key)) fault = " of " + document.value[entry][key].get<std::string>();
       fault = pointer + fault + ": " + d.text;
     };
-    if (!check_schema(document, expanded_schema("render_description"), sink))
+    if (!check_description(document, sink))
       throw std::runtime_error("the scene has a value that descriptions must not have, " + fault);
   }
 

@@ -1,6 +1,9 @@
 // Scenes loaded from descriptions, compared with values worked out by hand.
 #include <algorithm>
 #include <cmath>
+#include <ctime>
+#include <functional>
+#include <nlohmann/json.hpp>
 
 #include "delegate/api/render_delegate.h"
 #include "testenv/unit/delegate/description/scene_fixture.h"
@@ -47,6 +50,25 @@ TEST_F(LoadSceneTest, BareModelIsFramedAndLit) {
     widest = std::max(widest, used);
   }
   EXPECT_NEAR(widest, 0.86, 1e-6);  // the margin
+}
+
+double cpu_ms_of(const std::function<void()>& work) {
+  const std::clock_t begin = std::clock();
+  for (int i = 0; i < 20; ++i) work();
+  return double(std::clock() - begin) * 1000 / CLOCKS_PER_SEC;
+}
+
+// Hosts load many files, or one after each edit.
+TEST_F(LoadSceneTest, TheSchemaIsReadForTheFirstFileAlone) {
+  write("small.json", R"({"gltf": [{"file": "patch.gltf"}]})");
+  load("small.json");
+  const double loads = cpu_ms_of([&] { load("small.json", with_overrides({"samples=4", "seed=3"})); });
+  ASSERT_TRUE(errors().empty()) << errors();
+  const double reads = cpu_ms_of([] {
+    for (const char* name : {"render_description", "render_settings", "camera", "lights", "disney_material"})
+      EXPECT_FALSE(nlohmann::json::parse(SchemaText(name)).empty());
+  });
+  EXPECT_LT(loads, reads);
 }
 
 TEST_F(LoadSceneTest, ModelsOwnCameraAndLightAreKept) {
