@@ -3,6 +3,7 @@
 #include <filesystem>
 #include <limits>
 
+#include "core/files/input_file.h"
 #include "core/files/real_path.h"
 #include "core/texture/texture.h"
 #include "core/texture/udim.h"
@@ -71,15 +72,17 @@ std::string Reader::resolve(const std::string& pointer, const std::string& file)
 AssetPath Reader::asset(const std::string& pointer, const std::string& file) const {
   const std::string resolved = resolve(pointer, file);
   if (resolved.empty()) return {};
-  std::error_code error;
-  if (!std::filesystem::is_regular_file(resolved, error)) {
-    if (*state_.sink)
-      (*state_.sink)({Severity::error, "asset.missing", place(pointer),
-                      "There is no file '" + resolved + "'. Relative paths start at " +
-                          (folder_.empty() ? "the working folder." : "the folder of the description.")});
-    return {};
-  }
-  return {file, resolved, nullptr, within_};
+  const InputFile opened(resolved, within_);
+  if (opened) return {file, resolved, nullptr, within_};
+  if (!*state_.sink) return {};
+  if (opened.fault() == InputFile::Fault::missing)
+    (*state_.sink)({Severity::error, "asset.missing", place(pointer),
+                    "There is no file '" + resolved + "'. Relative paths start at " +
+                        (folder_.empty() ? "the working folder." : "the folder of the description.")});
+  else
+    (*state_.sink)(
+        {Severity::error, "asset.unreadable", place(pointer), "'" + resolved + "': " + opened.reason() + "."});
+  return {};
 }
 
 AssetPath Reader::image(const std::string& pointer, const std::string& file) const {
@@ -90,8 +93,11 @@ AssetPath Reader::image(const std::string& pointer, const std::string& file) con
   source.may_be_set = !udim_tiles(found.resolved).empty();
   if (!source.may_be_set) found = asset(pointer, file);
   if (found.resolved.empty()) return found;
-  std::string problem;
-  if (is_image(source, [&](const alabaster::Diagnostic& d) { problem = d.text; })) return found;
+  const auto [known, is_new] = state_.image_faults.try_emplace({found.resolved, found.within});
+  std::string& problem = known->second;  // an image may be named often, and is opened once
+  if (is_new && !is_image(source, [&](const alabaster::Diagnostic& d) { problem = d.text; }) && problem.empty())
+    problem = "it is no image";
+  if (problem.empty()) return found;
   if (*state_.sink)
     (*state_.sink)({Severity::error, "asset.unreadable", place(pointer), "'" + found.resolved + "': " + problem + "."});
   return {};

@@ -2,6 +2,7 @@
 // all values; the readers check the rest (names, indices, contradictions).
 #pragma once
 
+#include <map>
 #include <optional>
 
 #include "core/memory/memory_budget.h"
@@ -42,6 +43,7 @@ struct LoadState {
   RenderSettingsDescription settings;
   StudioChoice studio = StudioChoice::when_dark;
   std::vector<ProductPlan> products;
+  std::map<std::pair<std::string, std::string>, std::string> image_faults;  // by path and folder; empty: it is an image
   std::shared_ptr<MemoryBudget> memory;  // of loading: the description, and the models one after the other
   MemoryReservation held;                // by what is loaded already
 };

@@ -62,8 +62,13 @@ class ImageLightTranslator {
     const size_t texels = cube.size * cube.size;
     // The faces, the image, and the image encoded, twice while it grows.
     hold_more(&document_.memory, texels * (6 + 8) * sizeof(Rgb) + 2 * texels * 8 * 3 * sizeof(Half), light_.element);
-    for (size_t f = 0; f < 6; ++f)
-      if (!read_face(f, &cube.faces[f])) return refused_;
+    for (size_t f = 0; f < 6; ++f) {
+      const auto begin = light_.faces.begin(), end = begin + std::ptrdiff_t(f), same = std::find(begin, end, *end);
+      if (same != end)
+        cube.faces[f] = cube.faces[size_t(same - begin)];
+      else if (!read_face(f, &cube.faces[f]))
+        return refused_;
+    }
     return encode(to_lat_long(cube), 4 * cube.size);
   }
 

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cstring>
 #include <filesystem>
+#include <map>
+#include <string_view>
 
 #include "core/files/input_file.h"
 #include "core/texture/udim.h"
@@ -44,12 +46,22 @@ class ImageLoader {
       if (image.contains("uri")) return unusable("has both a uri and a bufferView; remove one");
       return unusable("has neither a uri nor a bufferView; add one");
     }
-    if (image.contains("bufferView")) return from_view(root_["bufferViews"][image["bufferView"].get<size_t>()]);
-    const std::string uri = image["uri"].get<std::string>();
-    return is_data_uri(uri) ? from_data(uri) : from_file(uri);
+    if (image.contains("bufferView")) {
+      const auto view = image["bufferView"].get<size_t>();
+      return once(&views_[view], [&] { return from_view(root_["bufferViews"][view]); });
+    }
+    const auto& uri = image["uri"].get_ref<const std::string&>();
+    return is_data_uri(uri) ? once(&data_[uri], [&] { return from_data(uri); }) : from_file(uri);
   }
 
  private:
+  // Images of the same bytes share them, so that the renderer decodes them once.
+  template <class Read>
+  static AssetPath once(AssetPath* known, const Read& read) {
+    if (!known->bytes) *known = read();
+    return *known;
+  }
+
   AssetPath unusable(const std::string& text) {
     report_.warning("image", element_, text);
     return {name_, "", nullptr};
@@ -115,6 +127,9 @@ class ImageLoader {
   Document& document_;
   bool allows_webp_ = false;
   std::string element_, name_;  // of the image that is loaded
+  // The images so far, by buffer view and by data URI; those without bytes cannot be used.
+  std::map<size_t, AssetPath> views_;
+  std::map<std::string_view, AssetPath> data_;
 };
 
 }  // namespace

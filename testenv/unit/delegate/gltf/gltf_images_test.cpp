@@ -1,4 +1,6 @@
 // Which image a texture uses, and which kinds are refused.
+#include <set>
+
 #include "testenv/unit/delegate/gltf/gltf_builder.h"
 
 namespace alabaster::hd::gltf::testing {
@@ -44,6 +46,30 @@ TEST(GltfImages, WebPComesBeforeTheTexturesOwnSource) {
   const Loaded undeclared = pictures({{"source", 0}}).load();
   EXPECT_EQ(image_of(undeclared), "made.glb#images[0]");
   EXPECT_TRUE(undeclared.says(Severity::warning, "images[1] is WebP, which needs EXT_texture_webp"));
+}
+
+// The renderer decodes an image once for each vector of bytes.
+TEST(GltfImages, ImagesOfTheSameBytesShareThem) {
+  GltfBuilder b = pictures({{"source", 0}});
+  const Json view = b.json["images"][0], data = {{"uri", "data:image/png;base64,iVBORw0KGgoAAAAA"}};
+  b.json["images"] = Json::array();
+  for (int i = 0; i < 20; ++i) b.json["images"].push_back(i % 2 == 0 ? view : data);
+  for (size_t i = 0; i < 20; ++i) {
+    b.json["textures"][i] = {{"source", i}};
+    b.json["materials"][i] = {{"pbrMetallicRoughness", {{"baseColorTexture", {{"index", i}}}}}};
+  }
+  const Loaded loaded = b.load();
+  ASSERT_TRUE(loaded.summary.ok) << loaded.said();
+  std::set<const void*> images;
+  size_t named = 0;
+  for (const auto& [path, material] : loaded.scene->GetMaterials())
+    for (const auto& [id, node] : material.nodes)
+      if (const auto file = node.parameters.find("file"); file != node.parameters.end()) {
+        images.insert(file->second.get_or(AssetPath()).bytes.get());
+        ++named;
+      }
+  EXPECT_EQ(named, 20u);
+  EXPECT_EQ(images.size(), 2u);
 }
 
 TEST(GltfImages, BasisUniversalIsRefusedByNameUnlessThereIsAnotherImage) {
