@@ -39,8 +39,7 @@ SubdivTags read_tags(const AlabasterSubdivTags* given, ValueReader& reader) {
 }  // namespace
 
 void read_primvar(const AlabasterPrimvar& in, ValueReader& reader, host::MeshDescription* mesh) {
-  const Token name(text_or(in.name, ""));
-  if (name.empty()) throw bad_argument("a primvar has no name");
+  const Token name(name_of(in.name, "primvar"));
   if (in.interpolation < ALABASTER_CONSTANT || in.interpolation > ALABASTER_INSTANCE)
     throw bad_argument("primvar '" + name.str() + "': there is no interpolation " + std::to_string(in.interpolation));
   host::PrimvarValue& primvar = mesh->primvars[name];
@@ -85,7 +84,8 @@ host::InstancerDescription read_instancer(const AlabasterInstancer* given, Value
   for (const auto& [name, primvar] : primvars.primvars) instancer.primvars[name] = primvar.value;
   instancer.primvarSamples = std::move(primvars.primvarSamples);
   for (const AlabasterPrototype& prototype : items(in.prototypes, in.prototype_count, "prototypes"))
-    instancer.indices[Path(text_or(prototype.id, ""))] = reader.ints(prototype.indices, "indices of a prototype");
+    instancer.indices[Path(name_of(prototype.id, "prototype"))] =
+        reader.ints(prototype.indices, "indices of a prototype");
   instancer.transformSamples = reader.transforms(in.motion);
   return instancer;
 }
@@ -93,14 +93,14 @@ host::InstancerDescription read_instancer(const AlabasterInstancer* given, Value
 MaterialNetwork read_material(const Path& id, const AlabasterMaterial* given, ValueReader& reader) {
   const auto in = sized(given, "material");
   MaterialNetwork network;
-  const auto node_path = [&](const char* name) { return id.append(text_or(name, "")); };
+  const auto node_path = [&](const char* name) { return id.append(name_of(name, "node")); };
   for (const AlabasterNode& given_node : items(in.nodes, in.node_count, "nodes")) {
     MaterialNode& node = network.nodes[node_path(given_node.name)];
     node.nodeTypeId = text_or(given_node.type, "");
     node.parameters = reader.parameters({given_node.parameters, given_node.parameter_count}, "parameters of a node");
     for (const AlabasterConnection& connection :
          items(given_node.connections, given_node.connection_count, "connections of a node")) {
-      node.inputConnections[text_or(connection.input, "")].push_back(
+      node.inputConnections[name_of(connection.input, "connected input")].push_back(
           {node_path(connection.node), text_or(connection.output, "")});
     }
   }

@@ -219,6 +219,8 @@ Value scalar_of(const AlabasterValue& in) {
 
 Value read_value(const AlabasterValue& in, std::shared_ptr<const void> owner) {
   if (in.type == ALABASTER_NONE) return {};
+  if (in.is_array < ALABASTER_SCALAR || in.is_array > ALABASTER_EDITED_ARRAY)
+    throw bad_argument("there is no is_array " + std::to_string(in.is_array));
   if (in.is_array && in.count == 0) {
     static constexpr double kNothing = 0;
     AlabasterValue empty = in;
@@ -230,6 +232,11 @@ Value read_value(const AlabasterValue& in, std::shared_ptr<const void> owner) {
 }
 
 }  // namespace
+
+std::string name_of(const char* name, const char* what) {
+  if (!name || !*name) throw bad_argument(std::string("a ") + what + " has no name");
+  return name;
+}
 
 ValueReader::Loan::~Loan() {
   if (!is_taken) return;
@@ -274,7 +281,7 @@ std::map<Token, Value> ValueReader::parameters(const ParameterList& in, const ch
 Dictionary ValueReader::dictionary(const ParameterList& in, const char* name) {
   Dictionary read;
   for (const AlabasterParameter& one : items(in.first, in.count, name))
-    read[text_or(one.name, "")] = value(one.value, text_or(one.name, "").c_str());
+    read[name_of(one.name, "parameter")] = value(one.value, one.name);
   return read;
 }
 

@@ -61,6 +61,8 @@ class ValueReader {
 };
 
 Matrix4d matrix_of(const double* matrix);  // null: identity
+/// The name of a `what` ("parameter"): null and "" throw bad_argument().
+std::string name_of(const char* name, const char* what);
 
 /// A value of ours as hosts read it; it must outlive this.
 class ValueView {

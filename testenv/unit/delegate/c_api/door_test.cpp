@@ -75,6 +75,37 @@ TEST_F(Door, WrongCallsSayWhatIsWrong) {
   EXPECT_TRUE(says("4096 bytes"));
 }
 
+TEST_F(Door, WhatHasNoNameIsRefused) {
+  const auto said = [](AlabasterStatus status) {
+    return status == ALABASTER_INVALID_ARGUMENT ? std::string(api().last_error()) : "accepted";
+  };
+  for (const char* none : {static_cast<const char*>(nullptr), ""}) {
+    const float one = 1;
+    const AlabasterParameter parameter = {none, number(one)};
+    const AlabasterLight light = {sizeof light, "rectLight", nullptr, &parameter, 1, 0};
+    EXPECT_EQ(said(api().set_light(scene_, "/l", &light)), "a parameter has no name");
+    AlabasterConnection connection = {none, "b", "rgb"};
+    AlabasterNode node = {"a", "AlabasterDisney", nullptr, 0, &connection, 1};
+    const AlabasterMaterial material = {sizeof material, &node, 1, nullptr, nullptr};
+    EXPECT_EQ(said(api().set_material(scene_, "/m", &material)), "a connected input has no name");
+    connection = {"baseColor", none, "rgb"};
+    EXPECT_EQ(said(api().set_material(scene_, "/m", &material)), "a node has no name");
+    node.name = none, node.connection_count = 0;
+    EXPECT_EQ(said(api().set_material(scene_, "/m", &material)), "a node has no name");
+    const int32_t first[] = {0};
+    const AlabasterPrototype prototype = {none, array(ALABASTER_INT, first, 1)};
+    AlabasterInstancer instancer = {};
+    instancer.size = sizeof instancer, instancer.prototypes = &prototype, instancer.prototype_count = 1;
+    EXPECT_EQ(said(api().set_instancer(scene_, "/i", &instancer)), "a prototype has no name");
+  }
+  const float one = 1;
+  AlabasterValue value = number(one);
+  for (const int32_t wrong : {-1, 3}) {
+    value.is_array = wrong;
+    EXPECT_NE(said(api().set_parameter(scene_, "/dome", "intensity", &value)).find("is_array"), std::string::npos);
+  }
+}
+
 TEST_F(Door, AHostThatKnowsLessOfAStructIsServed) {
   AlabasterProgress progress = {};
   progress.size = offsetof(AlabasterProgress, seconds);  // an older header ended here
