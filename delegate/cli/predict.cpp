@@ -74,6 +74,7 @@ class ProbeRenders {
     // follow.
     const double few = 32, many = 4 * few;
     if (!render({kPilotPixels, few / 2, 0.2 * kProbeSeconds, false})) return false;
+    if (!is_measured()) return true;
     const Probe& pilot = probes_.front();
     const double cost = pilot.cpu / (pilot.pixels * pilot.samples) / threads();
     const double left = 0.9 * (kProbeSeconds - watch.wall());
@@ -90,6 +91,8 @@ class ProbeRenders {
   const hd::RenderSettingsDescription& full() const { return full_; }
   const hd::Dictionary& stats() const { return stats_; }
   const hd::RenderSettingsDescription& last() const { return last_; }
+  /// False: the noise of the last probe is not known.
+  bool is_measured() const { return stats_.contains("error.relativeRmse"); }
   /// Bytes of a frame of `pixels` pixels like the last: the films (a second one holds the pixels that end early), and
   /// for each AOV the buffer (shown and being resolved) and the product (bytes and numbers).
   double frame_bytes(double pixels, int films) const {
@@ -115,10 +118,11 @@ class ProbeRenders {
   }
 
   // Noise needs two samples per pixel: a probe of a slow scene whose time is too short for them is repeated with more.
+  // Where more do not help, the picture's mean is not finite.
   bool render(Plan plan) {
-    constexpr double kLongest = 600;
+    constexpr double kLongest = 600, kEnough = 4;
     while (render_once(plan)) {
-      if (stats_.contains("error.relativeRmse") || plan.seconds >= kLongest) return true;
+      if (is_measured() || plan.seconds >= kLongest || probes_.back().samples >= kEnough) return true;
       probes_.pop_back();
       plan.seconds *= 4;
     }
@@ -243,6 +247,12 @@ int print_prediction(SceneSession* session, Console* console, const Preparation&
     return kInterrupted;
   }
   if (!done) return kRender;
+  if (!renders.is_measured()) {
+    console->error("--predict",
+                   "The mean of the picture is not finite, so that its noise has no measure; find lights, "
+                   "emissions or exposures that are too large.");
+    return kRender;
+  }
   const hd::RenderSettingsDescription &full = renders.full(), &last = renders.last();
   std::printf("predicted for %s %% relative RMSE at %dx%d, from a probe of %.1f s at %dx%d:\n",
               amount_text(100 * target).c_str(), full.width, full.height, watch.wall(), last.width, last.height);

@@ -19,9 +19,9 @@ struct Fault {
 
 Fault request_fault(const RenderSettingsDescription& d) {
   const Rect2i window = d.window();
-  if (d.width < 1 || d.height < 1 || d.width > 65536 || d.height > 65536)
+  if (d.width < 1 || d.height < 1 || d.width > kMostPixels || d.height > kMostPixels)
     return {"record.resolution", "width and height must be from 1 to 65536"};
-  const auto fits = [](int first, int last) { return first < last && int64_t(last) - first <= 65536; };
+  const auto fits = [](int first, int last) { return first < last && int64_t(last) - first <= kMostPixels; };
   const bool square_enough = d.pixelAspectRatio >= 1e-6f && d.pixelAspectRatio <= 1e6f;  // OpenEXR's limits
   if (!fits(window.minX, window.maxX) || !fits(window.minY, window.maxY) || !square_enough)
     return {"record.framing",

@@ -31,6 +31,9 @@ struct ProductPlan {
 /// `denoise` set, AOV denoised stands beside color in an EXR and in its place in other files.
 std::vector<RenderVar> WantedVars(const RenderProduct& product);
 
+/// Pixels that a picture has a side, at most.
+inline constexpr int64_t kMostPixels = 65536;
+
 /// Why a file of the plan's kind cannot hold the pixels of `window`, and what to do about it; empty if it can.
 std::string window_fault(const ProductPlan& plan, const Rect2i& window);
 

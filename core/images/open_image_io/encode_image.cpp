@@ -123,9 +123,9 @@ std::string encode_image(const ImageDescription& image, const RowSource& rows, s
   file.reserve(spec.image_bytes(true) + spec.image_bytes(true) / 64);
   OIIO::Filesystem::IOVecOutput memory(file);
   const auto output = OIIO::ImageOutput::create(name);
-  if (!output) return "OpenImageIO cannot write this format: " + OIIO::geterror();
+  if (!output) return "OpenImageIO cannot write this format: " + failure_text(OIIO::geterror());
   output->set_ioproxy(&memory);
-  if (!output->open(name, spec)) return output->geterror();
+  if (!output->open(name, spec)) return failure_text(output->geterror());
   const int rows_at_once = int(std::clamp(kStripBytes / rows.row_bytes(), size_t(1), size_t(spec.height)));
   std::vector<uint8_t> strip(rows.row_bytes() * size_t(rows_at_once));
   for (int y = 0; y < spec.height; y += rows_at_once) {
@@ -133,9 +133,9 @@ std::string encode_image(const ImageDescription& image, const RowSource& rows, s
     rows.encode(y, end, strip.data());
     const bool good = output->write_scanlines(
         spec.y + y, spec.y + end, 0, image.kind == FileKind::exr ? OIIO::TypeUnknown : spec.format, strip.data());
-    if (!good) return output->geterror();
+    if (!good) return failure_text(output->geterror());
   }
-  return output->close() ? std::string() : output->geterror();
+  return output->close() ? std::string() : failure_text(output->geterror());
 }
 
 }  // namespace alabaster

@@ -12,6 +12,12 @@ namespace alabaster {
 inline constexpr size_t kMostRowBytes = size_t(64) << 20;
 inline constexpr int kRowsAtOnce = 64;
 
+/// OpenImageIO's text of a failure, or another one where that is empty: it is where threads are short.
+inline std::string failure_text(const std::string& error) {
+  if (!error.empty()) return error;
+  return "OpenImageIO gives no reason; raise the limits of the process on threads, memory and files (ulimit -a)";
+}
+
 std::unique_ptr<ImageInput> open_image(const ImageSource& source, ImageFault& fault);
 /// Decoded by libpng itself: OpenImageIO's reader lets it print its errors.
 std::unique_ptr<ImageInput> open_png(const ImageSource& source, ImageFault& fault);

@@ -91,7 +91,7 @@ class Input final : public ImageInput {
     }
     OIIO::ImageSpec spec;
     if (!input_->open(name, spec, request)) {
-      fault = {"texture.damaged", input_->geterror() + "; export or copy the image again"};
+      fault = {"texture.damaged", failure_text(input_->geterror()) + "; export or copy the image again"};
       return false;
     }
     // After a damaged strip, the TIFF reader's tasks write to a variable that is gone; this attribute of the input's

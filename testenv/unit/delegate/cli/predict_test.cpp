@@ -87,6 +87,15 @@ TEST_F(PredictTest, AnInterruptedProbeCleansUp) {
   EXPECT_EQ(program.out().find("predicted for"), std::string::npos) << program.out();
 }
 
+TEST_F(PredictTest, APictureThatIsNotFiniteHasNoPrediction) {
+  std::ofstream(folder_ / "bright.json") << R"({
+    "gltf": [{"file": "patch.gltf"}], "camera": {"exposure": 28},
+    "lights": [{"name": "sky", "type": "domeLight", "intensity": 1e30}]})";
+  EXPECT_EQ(run({"info", "bright.json", "--predict", "0.1", "--size", "32x24"}), 4);
+  EXPECT_NE(err_.find("The mean of the picture is not finite"), std::string::npos) << err_;
+  EXPECT_EQ(out_.find("predicted for"), std::string::npos) << out_;
+}
+
 TEST_F(PredictTest, SaysWhatARenderNeedsToBeAllowed) {
   const std::vector<std::string> probe{"info", "patch.gltf", "--size", "32x24", "--predict"};
   auto ask = [&](const char* error) {

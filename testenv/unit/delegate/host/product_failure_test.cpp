@@ -97,6 +97,11 @@ TEST_F(ProductFile, MorePixelsThanAFormatHoldsAreRefusedBeforeAndAfterRendering)
       EXPECT_FALSE(write(p, image));
       EXPECT_NE(text().find("write an .exr or .tif file"), std::string::npos) << text();
     }
+  for (const char* name : {"a.exr", "a.tif", "a.png", "a.jpg"}) {
+    reports_.clear();
+    EXPECT_FALSE(CheckProductSize(product(name), {INT32_MIN, 0, INT32_MAX, 10}, sink_));
+    EXPECT_NE(text().find("4294967295 x 10; render it smaller or in crops"), std::string::npos) << text();
+  }
   EXPECT_TRUE(CheckProductSize(product("a.exr"), {0, 0, 65536, 65536}, sink_));
   EXPECT_TRUE(CheckProductSize(product("a.tif"), {0, 0, 65536, 65536}, sink_));
   EXPECT_TRUE(listing().empty());
