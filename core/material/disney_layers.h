@@ -14,11 +14,11 @@ inline Rgb sheen_hue(const DisneyParameters& p) {
   return lerp(Rgb(1.0f), tint(p.base_color), p.sheen_tint) * p.sheen_color;
 }
 
-/// The mean of f(cosine) over directions, as Lambert's law has it: by Gauss' three points of the squared cosine.
+/// The mean of f(cosine) over directions, as Lambert's law has it: by the Gauss-Jacobi rule of three points, which is
+/// exact for Schlick's weight.
 template <class F>
 auto mean_of_cosines(const F& f) {
-  constexpr float kAside = 0.3872983f;  // sqrt(3/5) / 2
-  return (f(std::sqrt(0.5f - kAside)) + f(std::sqrt(0.5f + kAside))) * (5 / 18.0f) + f(std::sqrt(0.5f)) * (8 / 18.0f);
+  return f(0.2123405382f) * 0.1396539598f + f(0.5905331356f) * 0.4584822128f + f(0.9114120405f) * 0.4018638274f;
 }
 
 /// Directions lie on the side that the layers are on; w.z is the cosine to the surface.

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <bit>
+#include <cmath>
 
 namespace alabaster {
 
@@ -13,13 +14,24 @@ bool has_clear_interior(const Instance& instance) {
 namespace {
 
 // In [0, 2^14): larger for smaller ones.
-uint32_t smallness(float extent) {
-  return 0x3fff - (std::bit_cast<uint32_t>(extent) >> 17);
+uint32_t smallness(float volume) {
+  return 0x3fff - (std::bit_cast<uint32_t>(volume) >> 17);
+}
+
+// Of the box of a mesh in its own space, so that a scene that is turned as a whole keeps its order.
+float volume_of_box(const Mesh& mesh) {
+  const Vec3f e = mesh.bounds.extent();
+  return e.x * e.y * e.z;
+}
+
+float volume_of_box(const Instance& instance) {
+  const Affine& m = instance.object_to_world;
+  return volume_of_box(instance.prototype->mesh) * std::abs(dot(m.x, cross(m.y, m.z)));
 }
 
 // Bit 31, below it the eight of the priority, then bit 22; the last eight are left to tell alike bodies apart.
-uint32_t rank(bool scatters, bool within_one, float extent) {
-  return uint32_t(scatters || within_one) << 31 | uint32_t(within_one) << 22 | smallness(extent) << 8;
+uint32_t rank(bool scatters, bool within_one, float volume) {
+  return uint32_t(scatters || within_one) << 31 | uint32_t(within_one) << 22 | smallness(volume) << 8;
 }
 
 bool light_walks_in(const Instance& instance) {
@@ -42,13 +54,14 @@ void rank_clear_bodies(SceneSnapshot* snapshot) {
     const bool within_one = !scatters && std::any_of(walked_in.begin(), walked_in.end(), [&](const Bounds& b) {
       return b.contains(box.lower) && b.contains(box.upper);
     });
-    instance.clear_rank = rank(scatters, within_one, length(box.extent()));
+    instance.clear_rank = rank(scatters, within_one, volume_of_box(instance));
   }
-  for (InstanceArray& array : snapshot->arrays)
-    if (has_clear_interior(array.look))
-      array.look.clear_rank =
-          rank(light_walks_in(array.look), false,
-               length(array.look.prototype->mesh.bounds.extent()) * array.placed->plan.least_stretch());
+  for (InstanceArray& array : snapshot->arrays) {
+    if (!has_clear_interior(array.look)) continue;
+    const float stretch = array.placed->plan.least_stretch();
+    array.look.clear_rank = rank(light_walks_in(array.look), false,
+                                 volume_of_box(array.look.prototype->mesh) * stretch * stretch * stretch);
+  }
 }
 
 Bounds bounds_in_render_space(const Instance& instance) {
