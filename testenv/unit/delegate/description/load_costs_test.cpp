@@ -1,0 +1,63 @@
+// What loading a scene costs in files and time.
+#include <OpenImageIO/imageio.h>
+
+#include <ctime>
+#include <functional>
+#include <nlohmann/json.hpp>
+#include <random>
+
+#include "testenv/unit/delegate/description/scene_fixture.h"
+
+namespace alabaster::hd::description {
+namespace {
+
+class LoadCosts : public SceneFiles {};
+
+/// The bytes that this process has read so far.
+uint64_t bytes_read() {
+  std::ifstream in("/proc/self/io");
+  std::string name;
+  uint64_t bytes = 0;
+  return in >> name >> bytes && name == "rchar:" ? bytes : 0;
+}
+
+TEST_F(LoadCosts, AnImageThatIsNamedOftenIsOpenedOnce) {
+  constexpr int kSide = 512, kLights = 40;
+  std::vector<uint8_t> noise(size_t(kSide) * kSide * 3);
+  std::minstd_rand random(3);
+  for (uint8_t& byte : noise) byte = uint8_t(random() >> 8);
+  const std::string file = folder_ / "noise.png";
+  const auto out = OIIO::ImageOutput::create(file);
+  ASSERT_TRUE(out && out->open(file, OIIO::ImageSpec(kSide, kSide, 3, OIIO::TypeUInt8)) &&
+              out->write_image(OIIO::TypeUInt8, noise.data()) && out->close());
+  std::string lights;
+  for (int i = 0; i < kLights; ++i)
+    lights += (i ? "," : "") + std::string(R"({"name": "l)") + std::to_string(i) +
+              R"(", "type": "rectLight", "texture:file": "noise.png"})";
+  const uint64_t before = bytes_read();
+  if (before == 0) GTEST_SKIP() << "the kernel counts no bytes that are read";
+  ASSERT_TRUE(describe(R"({"models": [{"file": "patch.gltf"}], "lights": [)" + lights + "]}").ok) << errors();
+  EXPECT_LT(bytes_read() - before, 8 * std::filesystem::file_size(file));
+}
+
+double cpu_ms_of(const std::function<void()>& work) {
+  const std::clock_t begin = std::clock();
+  for (int i = 0; i < 20; ++i) work();
+  return double(std::clock() - begin) * 1000 / CLOCKS_PER_SEC;
+}
+
+// Hosts load many files, or one after each edit.
+TEST_F(LoadCosts, TheSchemaIsReadForTheFirstFileAlone) {
+  write("small.json", R"({"gltf": [{"file": "patch.gltf"}]})");
+  load("small.json");
+  const double loads = cpu_ms_of([&] { load("small.json", with_overrides({"samples=4", "seed=3"})); });
+  ASSERT_TRUE(errors().empty()) << errors();
+  const double reads = cpu_ms_of([] {
+    for (const char* name : {"render_description", "render_settings", "camera", "lights", "disney_material"})
+      EXPECT_FALSE(nlohmann::json::parse(SchemaText(name)).empty());
+  });
+  EXPECT_LT(loads, reads);
+}
+
+}  // namespace
+}  // namespace alabaster::hd::description
