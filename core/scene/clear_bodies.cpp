@@ -18,7 +18,7 @@ uint32_t smallness(float volume) {
   return 0x3fff - (std::bit_cast<uint32_t>(volume) >> 17);
 }
 
-// Of the box of a mesh in its own space, so that a scene that is turned as a whole keeps its order.
+// The volume of the mesh's box in its own space: a scene that is turned as a whole keeps its order.
 float volume_of_box(const Mesh& mesh) {
   const Vec3f e = mesh.bounds.extent();
   return e.x * e.y * e.z;

@@ -23,6 +23,7 @@ void end_workers() {
   Dl_info info{};
   if (tbb::finalize(handle, std::nothrow)) {
     g_workers_of = 0;
+    if (g_delegates > 0) g_workers_of = getpid();  // another thread has made one meanwhile, which counted it before
     return;
   }
   if (!dladdr(reinterpret_cast<const void*>(&TBB_runtime_version), &info)) return;
@@ -37,7 +38,23 @@ bool may_use_workers() {
   return g_workers_of.compare_exchange_strong(none, self) || none == self;
 }
 
+/// Counts a delegate from before it is made, unless making it fails.
+class Counted {
+ public:
+  Counted() { ++g_delegates; }
+  ~Counted() {
+    if (!made_) --g_delegates;
+  }
+  Counted(const Counted&) = delete;
+  Counted& operator=(const Counted&) = delete;
+  void keep() { made_ = true; }
+
+ private:
+  bool made_ = false;
+};
+
 hd::RenderDelegate* create(const hd::DelegateOptions& options, const DiagnosticSink& sink) {
+  Counted counted;
   if (!may_use_workers()) {
     report(sink, Severity::error, "delegate.fork", "TBB",
            "this process was forked from one that has renderers, and lacks the threads of TBB; begin it with exec "
@@ -59,7 +76,7 @@ hd::RenderDelegate* create(const hd::DelegateOptions& options, const DiagnosticS
   delegate->GetSupportedRprimTypes();
   delegate->GetSupportedSprimTypes();
   delegate->GetSupportedBprimTypes();
-  ++g_delegates;
+  counted.keep();
   return delegate.release();
 }
 

@@ -1,4 +1,4 @@
-// What loading a scene costs in files and time.
+// Costs of loading a scene: files that are read, and time.
 #include <OpenImageIO/imageio.h>
 
 #include <ctime>
