@@ -30,7 +30,9 @@ class ViewerFurnace:
 
     @staticmethod
     def asks(scenery):
-        return not (scenery.kind != "opaque body" and scenery.any("cut") and scenery.any("inner shell"))  # two indices
+        # Clear bodies that are cut show two indices beside others, and where they are hollow.
+        hollow = scenery.kind != "opaque body" and scenery.any("inner shell")
+        return not (scenery.any("cut") and (hollow or len(scenery.kinds) > 1))
 
     @staticmethod
     def draw(scenery, mode="walk"):
