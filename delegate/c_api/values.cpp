@@ -280,8 +280,10 @@ std::map<Token, Value> ValueReader::parameters(const ParameterList& in, const ch
 
 Dictionary ValueReader::dictionary(const ParameterList& in, const char* name) {
   Dictionary read;
-  for (const AlabasterParameter& one : items(in.first, in.count, name))
-    read[name_of(one.name, "parameter")] = value(one.value, one.name);
+  for (const AlabasterParameter& one : items(in.first, in.count, name)) {
+    const std::string own_name = name_of(one.name, "parameter");
+    read[own_name] = value(one.value, own_name.c_str());
+  }
   return read;
 }
 

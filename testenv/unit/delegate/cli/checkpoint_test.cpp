@@ -5,14 +5,11 @@
 #include <span>
 
 #include "core/digest/digest.h"
-#include "testenv/support/checkpoint_file.h"
 #include "testenv/unit/delegate/cli/run_program.h"
 #include "testenv/unit/delegate/description/scene_fixture.h"
 
 namespace alabaster::cli {
 namespace {
-
-using testing::ended_groups;
 
 class CheckpointTest : public hd::description::SceneFiles {
  protected:
@@ -180,40 +177,6 @@ TEST_F(CheckpointTest, AKilledRenderOfAPresetGoesOnToTheSameBytes) {
     ASSERT_EQ(run({"merge", "whole", "-o", "merged.exr", "--aov", "normal", "--aov", "depth", "--aov", "specular"}), 0);
     EXPECT_EQ(pixels("merged.exr"), pixels("whole.exr")) << preset;
     for (const char* file : {"c", "whole"}) std::filesystem::remove(folder_ / file);
-  }
-}
-
-// Pixels that have ended are kept beside the film while the others are traced on.
-TEST_F(CheckpointTest, AnAdaptiveRenderThatIsKilledAfterPixelsHaveEndedGoesOnToTheSameBytes) {
-  const std::vector<std::vector<std::string>> settings = {
-      {"--quality", "preview"}, {"--quality", "draft"}, {"--target-error", "0.05", "--set", "adaptive=true"}};
-  for (const auto& one : settings) {
-    std::vector<std::string> all{"render", "patch.gltf", "--size", "40x28", "--threads", "1"};
-    all.insert(all.end(), one.begin(), one.end());
-    const auto with = [&](std::vector<std::string> more) {
-      more.insert(more.begin(), all.begin(), all.end());
-      return more;
-    };
-    uint32_t ended = 0;
-    int code = 0;
-    for (int attempt = 0; attempt < 20 && code != -1; ++attempt) {
-      std::filesystem::remove(folder_ / "c");
-      Program program(folder_, with({"-o", "x.exr", "--checkpoint", "c", "--checkpoint-interval", "0.001"}));
-      ended = 0;
-      for (int wait = 0; wait < 60000 && !ended && !exists("x.exr"); ++wait) {
-        std::this_thread::sleep_for(std::chrono::milliseconds(1));
-        ended = ended_groups(folder_ / "c");
-      }
-      program.send(SIGKILL);
-      code = program.wait();
-      std::filesystem::remove(folder_ / "x.exr");
-    }
-    ASSERT_EQ(code, -1) << "it was never killed in time";
-    ASSERT_NE(ended, 0u);
-    ASSERT_EQ(run(with({"-o", "x.exr", "--checkpoint", "c", "--resume"})), 0) << said_;
-    ASSERT_EQ(run(with({"-o", "whole.exr"})), 0) << said_;
-    EXPECT_EQ(pixels("x.exr"), pixels("whole.exr")) << one.back();
-    std::filesystem::remove(folder_ / "c");
   }
 }
 

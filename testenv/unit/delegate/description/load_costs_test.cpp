@@ -36,7 +36,7 @@ TEST_F(LoadCosts, AnImageThatIsNamedOftenIsOpenedOnce) {
               R"(", "type": "rectLight", "texture:file": "noise.png"})";
   const uint64_t before = bytes_read();
   if (before == 0) GTEST_SKIP() << "the kernel counts no bytes that are read";
-  ASSERT_TRUE(describe(R"({"models": [{"file": "patch.gltf"}], "lights": [)" + lights + "]}").ok) << errors();
+  ASSERT_TRUE(describe(R"({"gltf": [{"file": "patch.gltf"}], "lights": [)" + lights + "]}").ok) << errors();
   EXPECT_LT(bytes_read() - before, 8 * std::filesystem::file_size(file));
 }
 
