@@ -100,7 +100,7 @@ Bounds ClearBoxes::that_meet(const Bounds& box, const std::vector<uint32_t>& lef
 
 Bounds ClearBoxes::meetings() const {
   // Faces that coincide but for rounding count as touching.
-  const auto wider = [](Bounds box) {
+  const auto wider = [](const Bounds& box) {
     const Vec3f by(0x1p-16f * std::max(max_abs_component(box.lower), max_abs_component(box.upper)));
     return Bounds{box.lower - by, box.upper + by};
   };
