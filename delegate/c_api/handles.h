@@ -198,7 +198,7 @@ class Process {
 // lock to keep others out of both.
 struct SceneData {
   /// The threads that hold the lock or wait for it, and their process.
-  struct Callers {
+  struct alignas(8) Callers {  // so that one instruction exchanges both
     pid_t process;
     int32_t threads;
   };

@@ -112,7 +112,7 @@ std::string name_from(StructuredInput& in) {
   }
   for (int parts = 1 + in.choice(3); parts > 0; --parts) {
     const int chosen = in.choice(int(std::size(kNames)) + 1);
-    name += chosen < int(std::size(kNames)) ? kNames[chosen] : in.text(in.choice(12));
+    name += chosen < int(std::size(kNames)) ? kNames[chosen] : in.text(size_t(in.choice(12)));
     if (parts > 1) name += "/";
   }
   return name;
