@@ -27,7 +27,8 @@ void expand(json* node, const json& root, Schemas* parsed) {
     const size_t hash = target.find('#');
     const std::string file = target.substr(0, hash);
     const json::json_pointer pointer(hash == std::string::npos ? "" : target.substr(hash + 1));
-    const json& document = file.empty() ? root : parsed_schema(file.substr(0, file.rfind('.')), parsed);
+    const std::string name = file.substr(0, file.rfind('.'));
+    const json& document = file.empty() ? root : parsed_schema(name, parsed);
     json replacement = document.at(pointer);
     expand(&replacement, document, parsed);
     *node = std::move(replacement);
