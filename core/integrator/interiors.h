@@ -42,8 +42,7 @@ class Interiors {
     return empty() || *current() == *other.current();
   }
 
-  /// The one that is really there: of the highest priority. Null: none, so
-  /// air. `instance`: as if it had been left.
+  /// The interior of the highest priority; null in air. `instance`: as if it had been left.
   const Interior* current() const { return best(count_); }
   const Interior* current_without(uint32_t instance) const { return best(find(instance)); }
 

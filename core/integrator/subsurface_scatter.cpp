@@ -259,7 +259,7 @@ bool scatter_below_surface(const PathContext& context, const PixelSampler& sampl
   const Leaving leaving{*exit, below, came_along, path->interiors.indices()};
   if (!path->interiors.empty() || !body.touched.empty()) [[unlikely]]
     path->interiors = interiors_beyond(context, *exit, body, *path);
-  // The walk came out of the union's medium, wherever holes had led into air.
+  // The walk has left the union's medium, so the path is in no hollow of its members any more.
   if (body.is_union() && !path->hollows.empty()) [[unlikely]]
     for (const auto& member : body.members)
       while (path->hollows.contains(member.instance)) path->hollows.leave(member.instance);

@@ -153,8 +153,8 @@ bool RenderSession::Render::prepare(std::optional<TileRenderer>* renderer) {
   }
 }
 
-// Cancels what does not look at the clock itself, once the time of the render is over. Without a thread for it, that
-// ends by itself.
+// Cancels preparation and walks, which do not check the clock, once the time limit has passed. If no thread can be
+// started for it, they run to their end.
 std::jthread RenderSession::Render::watch_time() {
   if (!(time_limit > 0)) return {};
   const std::chrono::duration<double> left(time_limit + kFirstSampleGrace - seconds_since(started));

@@ -152,7 +152,7 @@ TEST_F(DiskTest, WhereNothingCanBeKeptTheErrorPromisesNothing) {
   EXPECT_HAS(outcome.err, "out/a.exr: No such file or directory; check the folder");
 }
 
-TEST_F(DiskTest, AFolderOfSomebodyElseIsSaidBefore) {
+TEST_F(DiskTest, AFolderWithoutWritePermissionIsReportedBeforeTheRender) {
   if (geteuid() != 0) GTEST_SKIP() << "only the superuser can run the program as another user";
   fs::create_directory(folder_ / "theirs");
   fs::permissions(folder_ / "theirs", fs::perms(0755));
@@ -168,7 +168,8 @@ TEST_F(DiskTest, AFolderOfSomebodyElseIsSaidBefore) {
     std::vector<std::string> arguments{"render", "patch.gltf", "--size", "16x12", "--spp", "1"};
     arguments.insert(arguments.end(), output.begin(), output.end());
     const Outcome outcome = run(arguments, become_nobody);
-    if (outcome.code == kNoNamespace) GTEST_SKIP() << "user nobody may not execute the program in its folder";
+    if (outcome.code == kNoNamespace)
+      GTEST_SKIP() << "the folder of the program is closed to other users; build it in one that they can read";
     EXPECT_EQ(outcome.code, 5) << outcome.err;
     EXPECT_HAS(outcome.err, "cannot be written to (Permission denied)");
   }
