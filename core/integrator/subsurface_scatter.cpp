@@ -260,9 +260,10 @@ bool scatter_below_surface(const PathContext& context, const PixelSampler& sampl
   if (!path->interiors.empty() || !body.touched.empty()) [[unlikely]]
     path->interiors = interiors_beyond(context, *exit, body, *path);
   // The walk has left the union's medium, so the path is in no hollow of its members any more.
-  if (body.is_union() && !path->hollows.empty()) [[unlikely]]
+  if (body.is_union() && !path->hollows.empty()) [[unlikely]] {
     for (const auto& member : body.members)
       while (path->hollows.contains(member.instance)) path->hollows.leave(member.instance);
+  }
   // A profile does not know from where the light comes to the boundary.
   if (kMode != SubsurfaceMode::diffusion)
     if (const auto left = leave_clear_surface(context, sampler, leaving, path)) return *left;
