@@ -17,7 +17,8 @@ DomeLight::DomeLight(const LightDescription& description, const Vec3d& /*render_
   const auto& texture = description.texture;
   if (is_black(radiance_) || !texture || texture->width() <= 0 || texture->height() <= 0) return;
   image_ = share_light_image(texture, radiance_, LightImage::Shape::lat_long, images);
-  radiance_ = image_->mean();
+  image_scale_ = radiance_;
+  radiance_ = image_->mean(image_scale_);
 }
 
 namespace {
@@ -44,7 +45,7 @@ std::optional<LightSample> DomeLight::sample(const Vec3f& /*p*/, const Vec2f& u,
   const double colatitude = kPiDouble * place.v, longitude = 2 * kPiDouble * (0.5 - place.u);
   const double sine = std::sin(colatitude), cosine = std::cos(colatitude);
   s.wi = to_float(x_ * (sine * std::sin(longitude)) + y_ * cosine + z_ * (sine * std::cos(longitude)));
-  const LightImage::Look look = image_->look(place);
+  const LightImage::Look look = image_->look(place, image_scale_);
   s.pdf = static_cast<float>(look.density);
   s.radiance = look.radiance;
   if (is_black(s.radiance) || !(s.pdf > 0) || !std::isfinite(s.pdf)) return std::nullopt;
@@ -61,7 +62,7 @@ std::optional<LightHit> DomeLight::intersect(const Ray& ray, const Vec3f& n) con
   const double v = std::atan2(across, y) / kPiDouble;
   LightHit hit;
   hit.t = kInfinity;
-  const LightImage::Look look = image_->look({u, v});
+  const LightImage::Look look = image_->look({u, v}, image_scale_);
   hit.radiance = look.radiance;
   hit.pdf = static_cast<float>(look.density);
   if (is_black(hit.radiance)) return std::nullopt;

@@ -10,11 +10,6 @@ float clean(float channel) {
   return std::isinf(channel) ? kLargestHalf : channel;
 }
 
-Rgb relative(const Rgb& scale) {
-  const float largest = max_component(scale);
-  return {scale.r / largest, scale.g / largest, scale.b / largest};
-}
-
 // The measure of rows: v, or 1 - cos(colatitude), which is even in solid angle and precise at the upper pole.
 double measure(double v, bool lat_long) {
   const double s = std::sin(0.5 * kPiDouble * v);
@@ -42,8 +37,13 @@ Rgb LightImage::texel(int x, int y) const {
   return {clean(c.r), clean(c.g), clean(c.b)};
 }
 
-LightImage::LightImage(std::shared_ptr<const Texture> texture, const Rgb& scale, Shape shape, const CancelToken& cancel)
-    : texture_(std::move(texture)), scale_(scale), tint_(relative(scale)), shape_(shape) {
+Rgb LightImage::tint_of(const Rgb& scale) {
+  const float largest = max_component(scale);
+  return {scale.r / largest, scale.g / largest, scale.b / largest};
+}
+
+LightImage::LightImage(std::shared_ptr<const Texture> texture, const Rgb& tint, Shape shape, const CancelToken& cancel)
+    : texture_(std::move(texture)), tint_(tint), shape_(shape) {
   const int width = texture_->width(), height = texture_->height();
   for (int y = 0; y <= height + 1; ++y)
     row_bounds_.push_back(measure(std::clamp(y - 0.5, 0.0, 1.0 * height) / height, wraps()));
@@ -71,7 +71,7 @@ LightImage::LightImage(std::shared_ptr<const Texture> texture, const Rgb& scale,
     std::swap(above, here);
     if (y + 1 == height) here = above;
   }
-  for (int i = 0; i < 3; ++i) mean_[i] = static_cast<float>(mean[i]) * scale_[i];
+  for (int i = 0; i < 3; ++i) mean_[i] = static_cast<float>(mean[i]);
   distribution_ = Distribution2D(weights, columns(), rows(), cancel);
 }
 
@@ -93,12 +93,13 @@ LightImage::Cell LightImage::cell(size_t column, size_t row) const {
 
 std::shared_ptr<const LightImage> share_light_image(const std::shared_ptr<const Texture>& texture, const Rgb& scale,
                                                     LightImage::Shape shape, const LightImages& images) {
+  const Rgb tint = LightImage::tint_of(scale);
   for (const auto& image : images.known)
-    if (image->is_of(texture.get(), scale, shape)) return image;
+    if (image->is_of(texture.get(), tint, shape)) return image;
   MemoryReservation memory(images.memory, MemoryUse::lights, LightImage::build_bytes(*texture),
                            "the light of an image of " + std::to_string(texture->width()) + " x " +
                                std::to_string(texture->height()) + " pixels");
-  const auto image = std::make_shared<LightImage>(texture, scale, shape, images.cancel);
+  const auto image = std::make_shared<LightImage>(texture, tint, shape, images.cancel);
   image->hold(std::move(memory));
   return image;
 }
@@ -123,7 +124,7 @@ LightImage::Place LightImage::sample(const Vec2f& u) const {
   return {left < 0 ? left + 1 : left, inverse_measure(at.top + t * at.height, wraps())};
 }
 
-LightImage::Look LightImage::look(const Place& place) const {
+LightImage::Look LightImage::look(const Place& place, const Rgb& scale) const {
   const int width = texture_->width(), height = texture_->height();
   const double x = place.u * width + 0.5, y = place.v * height + 0.5;
   const auto column = static_cast<size_t>(std::clamp(x, 0.0, 1.0 * width));
@@ -131,7 +132,7 @@ LightImage::Look LightImage::look(const Place& place) const {
   const Rgb c[4] = {texel(at.x0, at.y0), texel(at.x1, at.y0), texel(at.x0, at.y1), texel(at.x1, at.y1)};
   const double s = x - static_cast<double>(column);
   const auto across = static_cast<float>(s), down = static_cast<float>(y - static_cast<double>(at.row));
-  Look look{scale_ * lerp(lerp(c[0], c[1], across), lerp(c[2], c[3], across), down)};
+  Look look{scale * lerp(lerp(c[0], c[1], across), lerp(c[2], c[3], across), down)};
   if (is_black(look.radiance)) return look;
 
   float brightness[4];

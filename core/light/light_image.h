@@ -11,9 +11,10 @@
 
 namespace alabaster {
 
-/// An image filtered bilinearly, and a density over it that is bilinear too, proportional to the luminance: light of
-/// one colour over its density is the same at all places, so an image of a sun gives no noise of its own. Negative and
-/// NaN texels count as black, infinite ones as the largest half float. The texture's own wrap modes do not count.
+/// An image filtered bilinearly, and a density over it that is bilinear too, proportional to the luminance under a
+/// tint: light of one colour over its density is the same at all places, so an image of a sun gives no noise of its
+/// own. Negative and NaN texels count as black, infinite ones as the largest half float. The texture's own wrap modes
+/// do not count. Lights of any brightness share it; each multiplies it by its own scale.
 ///
 /// Places are (u to the right, v DOWN) in the unit square.
 class LightImage {
@@ -22,8 +23,10 @@ class LightImage {
     flat,     // clamped at its edges; densities per unit square
     lat_long  // wraps around in u, is clamped at the poles; densities per solid angle
   };
-  /// The image times `scale`. The texture has texels. Throws BuildCancelled.
-  LightImage(std::shared_ptr<const Texture> texture, const Rgb& scale, Shape shape, const CancelToken& cancel = {});
+  /// `tint`: of the density (tint_of). The texture has texels. Throws BuildCancelled.
+  LightImage(std::shared_ptr<const Texture> texture, const Rgb& tint, Shape shape, const CancelToken& cancel = {});
+  /// Over its largest channel, which is positive.
+  static Rgb tint_of(const Rgb& scale);
   /// Bytes that the constructor takes at most.
   static size_t build_bytes(const Texture& texture);
   /// Keeps what counts its memory.
@@ -39,13 +42,13 @@ class LightImage {
     Rgb radiance;
     double density = 0;  // with which sample() gives this place; positive wherever there is radiance
   };
-  Look look(const Place& place) const;
+  Look look(const Place& place, const Rgb& scale) const;
   Place sample(const Vec2f& u) const;
   /// By area, or over the sphere.
-  const Rgb& mean() const { return mean_; }
+  Rgb mean(const Rgb& scale) const { return mean_ * scale; }
   const Texture* texture() const { return texture_.get(); }
-  bool is_of(const Texture* texture, const Rgb& scale, Shape shape) const {
-    return texture_.get() == texture && scale_ == scale && shape_ == shape;
+  bool is_of(const Texture* texture, const Rgb& tint, Shape shape) const {
+    return texture_.get() == texture && tint_ == tint && shape_ == shape;
   }
   /// On the heap, without the texture, which others may share.
   size_t memory_bytes() const {
@@ -68,7 +71,7 @@ class LightImage {
   float brightness(int x, int y) const { return luminance(texel(x, y) * tint_); }
 
   std::shared_ptr<const Texture> texture_;
-  Rgb scale_, tint_;  // tint: scale over its largest channel
+  Rgb tint_;
   Shape shape_;
   Rgb mean_{0.0f};
   std::vector<double> row_bounds_;  // of cells, in the measure of rows
@@ -83,7 +86,7 @@ struct LightImages {
   std::shared_ptr<MemoryBudget> memory = nullptr;
 };
 
-/// The known one that is made of the same, or a new one: its density takes 0.2 s for 4096 x 2048 texels. Throws
+/// The known one of that texture, tint and shape, or a new one: its density takes 0.2 s for 4096 x 2048 texels. Throws
 /// MemoryRefused and BuildCancelled.
 std::shared_ptr<const LightImage> share_light_image(const std::shared_ptr<const Texture>& texture, const Rgb& scale,
                                                     LightImage::Shape shape, const LightImages& images);

@@ -50,7 +50,8 @@ PlaneLight::PlaneLight(const LightDescription& description, const Vec3d& render_
   if (disk_ || is_black(radiance_) || !texture || texture->width() <= 0 || texture->height() <= 0) return;
   image_ = share_light_image(texture, radiance_, LightImage::Shape::flat, images);
   plain_ = false;
-  radiance_ = image_->mean();
+  image_scale_ = radiance_;
+  radiance_ = image_->mean(image_scale_);
 }
 
 bool PlaneLight::is_sampled_by_area(const Vec3d& to_center, double height) const {
@@ -143,7 +144,7 @@ std::optional<LightSample> PlaneLight::sample_as(const View& from, const Vec2f& 
       at = {drawn.x, drawn.y};
     } else if (shows) {
       const LightImage::Place place = image_->sample(u);
-      look = image_->look(place);
+      look = image_->look(place, image_scale_);
       at = {1 - 2 * place.u, 1 - 2 * place.v};
     }
     const Vec3d to_light = to_center + x_ * (half_width_ * at.x) + y_ * (half_height_ * at.y);
@@ -182,7 +183,8 @@ std::optional<LightHit> PlaneLight::intersect(const Ray& ray, const Vec3f& n) co
   const double speed = length(direction), distance = t * speed;
   LightHit hit;
   hit.t = static_cast<float>(t);
-  const LightImage::Look look = image_ ? image_->look(place->image_place()) : LightImage::Look{radiance_, 1};
+  const LightImage::Look look =
+      image_ ? image_->look(place->image_place(), image_scale_) : LightImage::Look{radiance_, 1};
   hit.radiance = shaped(look.radiance, shaping_, direction * (-1 / speed));
   hit.pdf = static_cast<float>(pdf_of({center_ - origin, height, n}, *place, look.density, distance));
   if (!(hit.t > 0) || !std::isfinite(hit.t) || !(hit.pdf > 0) || !std::isfinite(hit.pdf)) return std::nullopt;

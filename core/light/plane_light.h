@@ -79,6 +79,7 @@ class PlaneLight {
   double area_ = 0;
   Rgb radiance_{0.0f};  // of an image: its mean
   std::shared_ptr<const LightImage> image_;
+  Rgb image_scale_{0.0f};
   std::shared_ptr<const LightShaping> shaping_;
 };
 

@@ -39,15 +39,19 @@ class LightCompiler {
 
   bool run() {
     std::vector<std::shared_ptr<const LightImage>> images;
+    const auto keep_image = [&](const Light& light) {
+      auto image = image_of(light);
+      if (image && std::find(images.begin(), images.end(), image) == images.end()) images.push_back(std::move(image));
+    };
     if (sources_.last)
-      for (const Light& light : sources_.last->lights.lights())
-        if (auto image = image_of(light)) images.push_back(std::move(image));
+      for (const Light& light : sources_.last->lights.lights()) keep_image(light);
     std::vector<Light> lights;
     LightSet::Traits traits;
     std::vector<uint32_t> light_links;
     for (const auto& d : sources_.description.lights) {
       if (!is_usable(d, sources_.sink, &snapshot_->left_out)) continue;
       lights.push_back(make_light(d, snapshot_->origin, {images, sources_.cancel, memory_of(*sources_.device)}));
+      keep_image(lights.back());
       traits.visible_to_camera.push_back(d.visible_to_camera);
       traits.shadow_links.push_back(d.shadow_link);
       light_links.push_back(d.light_link);

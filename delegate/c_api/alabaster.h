@@ -1,14 +1,15 @@
-/* The stable door of libhdAlabaster: C99, and no type of C++, of its standard library or of Imath. A program that was
-   built against this header runs with every library of the same ALABASTER_API_VERSION or above. All functions are
+/* The stable interface of libhdAlabaster: C99, and no type of C++, of its standard library or of Imath. A program that
+   was built against this header runs with every library of the same ALABASTER_API_VERSION or above. All functions are
    members of a table: const AlabasterApi* api = alabaster_api(ALABASTER_API_VERSION); null: the library is older.
 
-   Handles are opaque. Whoever makes one destroys it, in any order: what others still need stays until they are gone.
-   Null may be destroyed.
+   Handles are opaque and owned by the host, which destroys them in any order: the library keeps what other handles
+   still need. Null may be destroyed.
 
    Structs that begin with `size` grow at their end: set it to sizeof the struct and everything unused to zero, as
    `AlabasterMesh mesh = {sizeof mesh};` does. Zero and null mean the default. Structs without it stand in arrays and
-   never change. A count without its array is refused, as is a `size` that the struct has in no version:
-   INVALID_ARGUMENT. Strings are UTF-8, end with a zero byte and are copied during the call.
+   never change. INVALID_ARGUMENT is returned for a count without its array, for a `size` that the struct has in no
+   version, and for a primvar, parameter, node, input or prototype without a name. Strings are UTF-8, end with a zero
+   byte and are copied during the call.
 
    Every function that can fail returns a status. api->last_error() then says why, for the calling thread, until its
    next call that fails. Faults of a scene go to the diagnostics callback.

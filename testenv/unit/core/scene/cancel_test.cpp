@@ -56,7 +56,7 @@ TEST(Cancel, EveryStretchAsksAndIsWholeTheNextTime) {
       {"distance grid", [&](const CancelToken& cancel) { return interior.distances(mesh, cancel) != nullptr; }},
       {"image of a light",
        [&](const CancelToken& cancel) {
-         return LightImage(texture, Rgb(1.0f), LightImage::Shape::lat_long, cancel).mean().r == 1;
+         return LightImage(texture, Rgb(1.0f), LightImage::Shape::lat_long, cancel).mean(Rgb(1.0f)).r == 1;
        }},
       {"density of an image",
        [&](const CancelToken& cancel) {

@@ -130,6 +130,27 @@ TEST_F(Edited, LightsThatComeAndGoAndShineElsewhere) {
   expect_as_fresh();
 }
 
+TEST_F(Edited, LightsOfOneImageShareItsDensityAtAnyBrightness) {
+  LightDescription panel;
+  panel.texture = b_.description.lights[0].texture;
+  panel.light_to_world[3][2] = 6;
+  b_.add(panel);
+  panel.intensity = 3;
+  panel.light_to_world[3][0] = 2;
+  b_.add(panel);
+  panel.color = Rgb(0.5f, 1, 1);
+  panel.light_to_world[3][0] = 4;
+  b_.add(panel);
+  b_.description.lights[0].exposure = 1;
+  compile();
+  EXPECT_EQ(dome_image(*now_), dome_image(*before_)) << "a brighter dome";
+  const auto& lights = now_->lights.lights();
+  EXPECT_EQ(image_of(lights[3]), image_of(lights[2])) << "panels of one snapshot";
+  EXPECT_NE(image_of(lights[4]), image_of(lights[2])) << "another tint has another density";
+  EXPECT_NE(image_of(lights[2]), image_of(lights[0])) << "a panel is no dome";
+  expect_as_fresh();
+}
+
 // The copy of a textured emissive mesh must not point into the snapshot that it was made for.
 TEST_F(Edited, AGlowingMeshOutlivesTheSnapshotThatItWasMadeFor) {
   auto textured = std::make_shared<DisneyMaterial>();
