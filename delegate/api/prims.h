@@ -135,6 +135,7 @@ struct RenderPassState {
   bool operator==(const RenderPassState&) const = default;
 };
 
+/// A render that Stop ended stays `stopped` after Restart, until the next Execute begins it again.
 enum class PassState { idle, preparing, rendering, paused, stopped, converged, failed };
 
 /// Execute never renders in the calling thread: it compares scene number, settings, camera, framing and bindings with

@@ -89,10 +89,11 @@ typedef struct AlabasterApi {
   AlabasterStatus (*command)(AlabasterDelegate*, const char* name, const AlabasterParameter* arguments, size_t count,
                              AlabasterVisit visit, void* user); /* "dumpScene", "flush", ...: render_delegate.h */
   AlabasterStatus (*stop)(AlabasterDelegate*); /* blocks until nothing runs; nothing renders until restart */
-  AlabasterStatus (*restart)(AlabasterDelegate*);
+  AlabasterStatus (*restart)(AlabasterDelegate*); /* passes may be started again; those that ran stay stopped */
   AlabasterStatus (*pause)(AlabasterDelegate*);
   AlabasterStatus (*resume)(AlabasterDelegate*);
-  /* Renders to files and waits: OK, DEGRADED, INTERRUPTED or a failure. `visit`, if any, gets each file written. */
+  /* Renders to files and waits: OK, DEGRADED, INTERRUPTED or a failure. `visit`, if any, gets each file written. A
+     pause from before ends. */
   AlabasterStatus (*record)(AlabasterDelegate*, const AlabasterRecordOptions*, AlabasterVisit visit, void* user);
 
   /* Passes. start syncs what has changed in the scene, begins to render if anything differs from what is running, and

@@ -299,6 +299,7 @@ class Recording {
       return;
     }
     const RenderPassState state = pass_state();
+    delegate_->Resume();  // a render that waits for its end would wait for that of a pause, too
     pass->Execute(state);
     double told = 0;
     checkpoints_.begin();

@@ -188,6 +188,24 @@ void add_scene(py::module_& module) {
 }  // namespace alabaster::python
 
 namespace {
+// The base of all classes that pybind11 makes, also those of other modules.
+newfunc make_pybind11_object = nullptr;
+
+// pybind11 2.10 throws through CPython where the base itself is called, as pickle does (copyreg._reduce_ex).
+PyObject* refuse_the_base(PyTypeObject* type, PyObject* arguments, PyObject* keywords) {
+  if (type != reinterpret_cast<PyTypeObject*>(py::detail::get_internals().instance_base))
+    return make_pybind11_object(type, arguments, keywords);
+  PyErr_SetString(PyExc_TypeError, "objects of alabaster cannot be pickled, copied or made from their base class");
+  return nullptr;
+}
+
+void guard_the_base() {
+  auto* base = reinterpret_cast<PyTypeObject*>(py::detail::get_internals().instance_base);
+  if (base->tp_new == &refuse_the_base) return;
+  make_pybind11_object = base->tp_new;
+  base->tp_new = &refuse_the_base;
+}
+
 constexpr const char* kNotMain = "alabaster runs in Python's main interpreter alone, and this is a sub-interpreter";
 
 bool is_main_interpreter() {
@@ -202,6 +220,7 @@ PYBIND11_MODULE(_alabaster, module) {
   module.def("_check_interpreter", [] {
     if (!is_main_interpreter()) throw py::import_error(kNotMain);
   });
+  guard_the_base();
   module.doc() = "Path-traced subsurface scattering: scenes, renders, pixels.";
   add_exceptions(module);
   add_scene(module);

@@ -103,6 +103,7 @@ class Renderer : public NeverImplicit {
     return render;
   }
   std::unique_ptr<Render> render(const FrameChanges& frame, const py::object& progress) {
+    run([](const AlabasterApi& api, AlabasterDelegate* delegate) { return api.resume(delegate); });
     auto render = start(frame);
     render->wait(py::none(), progress);
     return render;
@@ -388,14 +389,14 @@ void add_control(py::class_<Renderer>& renderer) {
             const py::object progress = take_progress(frame);
             return r.render(frame_changes(frame), progress);
           },
-          py::call_guard<FreeReturned>(), "Like start, and waits: progress as for Render.wait.")
+          py::call_guard<FreeReturned>(), "Like start, and waits: progress as for Render.wait. A pause from before ends.")
       .def("record", &Renderer::record, py::kw_only(), py::arg("settings") = "", py::arg("aovs") = py::tuple(),
            py::arg("keep_going") = false, py::arg("progress") = py::none(),
            "Renders to files (.exr, .png, .tif, .jpg; without names, to those of the render settings), waits, and "
            "returns those that were written. aovs are further layers of the .exr files.")
       .def(
           "stop", [](Renderer& r) { r.run([](const AlabasterApi& api, AlabasterDelegate* d) { return api.stop(d); }); },
-          "Stops what runs, until the next start, update, record or restart.")
+          "Stops what runs, until the next start, update or record. Renders that ran stay stopped until their update.")
       .def("restart",
            [](Renderer& r) { r.run([](const AlabasterApi& api, AlabasterDelegate* d) { return api.restart(d); }); })
       .def("pause",

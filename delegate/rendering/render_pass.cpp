@@ -384,7 +384,7 @@ PassState PassControl::state() const {
   if (failed_) return PassState::failed;
   if (converged_) return PassState::converged;
   if (!active_) return PassState::idle;
-  if (cancelled_) return PassState::preparing;
+  if (cancelled_) return PassState::stopped;  // until the next Execute, whatever Restart has done
   switch (session_->progress().state) {
     case SessionState::paused:
       return PassState::paused;

@@ -5,8 +5,10 @@
 """
 import array
 import ast
+import copy
 import inspect
 import pathlib
+import pickle
 import re
 import signal
 import shutil
@@ -422,6 +424,20 @@ class Control(unittest.TestCase):
                          lambda: scene.set_parameter("/settings", name, value)):
                 with self.assertRaisesRegex(ValueError, f"'{name}' has been removed; {instead}"):
                     what()
+
+
+class Pickling(unittest.TestCase):
+    def test_objects_are_neither_pickled_nor_made_from_their_base(self):
+        renderer = alabaster.Renderer(square(), samples=1)
+        render = draw(renderer)
+        for made in [square(), renderer, render, render["color"], alabaster.Primvar([1.0])]:
+            for protocol in range(pickle.HIGHEST_PROTOCOL + 1):
+                with self.assertRaises(TypeError):
+                    pickle.dumps(made, protocol)
+            with self.assertRaises(TypeError):
+                copy.deepcopy(made)
+            with self.assertRaises(TypeError):
+                type(made).__base__()
 
 
 class TargetError(unittest.TestCase):

@@ -101,6 +101,15 @@ TEST(FrameRecorder, EachCameraAndSizeOfTheProductsIsAPictureOnce) {
   EXPECT_FALSE(stage.index->Has("/settings/buffer_color"));
 }
 
+TEST(FrameRecorder, APauseFromBeforeEnds) {
+  const Folder folder;
+  Stage stage;
+  stage.add_basic_scene();
+  stage.scene.SetRenderSettings("/settings", settings_for(folder.path + "/a.png", 1));
+  stage.delegate->Pause();
+  EXPECT_EQ(RecordFrame(stage.index.get(), &stage.scene, "/settings", {}).status, RecordStatus::done);
+}
+
 TEST(FrameRecorder, PicturesOfSeveralCamerasHaveNoCheckpoint) {
   const Folder folder;
   Stage stage;

@@ -327,6 +327,17 @@ TEST(BackgroundControl, IsLegalBeforeTheFirstRender) {
   EXPECT_TRUE(s.finish());
 }
 
+TEST(BackgroundControl, WhatWasStoppedStaysSoUntilItIsExecutedAgain) {
+  Shot s(kEndless);
+  s.pass->Execute(s.state);
+  s.stage.delegate->Stop();
+  s.stage.delegate->Restart();
+  EXPECT_EQ(s.pass->GetState(), PassState::stopped);
+  EXPECT_TRUE(s.pass->WaitForConvergence(5)) << "nothing runs";
+  s.pass->Execute(s.state);
+  EXPECT_EQ(s.pass->GetState(), PassState::rendering);
+}
+
 TEST(BackgroundControl, AHoldOutlastsARestartAndUndoesNoStop) {
   Shot s(kEndless);
   RenderDelegate& delegate = *s.stage.delegate;
