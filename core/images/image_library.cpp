@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <atomic>
+#include <cstdarg>
 #include <cstring>
 #include <filesystem>
 #include <latch>
@@ -106,6 +107,23 @@ void end_log4cplus_threads(void* library) {
   if (end) end();
 }
 
+bool are_of_one_library(const void* a, const void* b) {
+  Dl_info of_a{}, of_b{};
+  return dladdr(a, &of_a) && dladdr(b, &of_b) && of_a.dli_fbase == of_b.dli_fbase;
+}
+
+/// libtiff's own handlers print. OpenImageIO 2.4 replaces them, 2.5 leaves them for what it does not take itself. A
+/// host's handlers stay.
+void silence_libtiff(void* library) {
+  using Handler = void (*)(const char* module, const char* format, va_list arguments);
+  for (const char* const name : {"TIFFSetErrorHandler", "TIFFSetWarningHandler"}) {
+    const auto set = reinterpret_cast<Handler (*)(Handler)>(dlsym(library, name));
+    if (!set) continue;
+    const Handler before = set(nullptr);
+    if (before && !are_of_one_library(reinterpret_cast<void*>(before), reinterpret_cast<void*>(set))) set(before);
+  }
+}
+
 class ImageLibrary {
  public:
   // OpenImageIO itself stays (open_image_io/entry.cpp).
@@ -133,6 +151,7 @@ class ImageLibrary {
     void* handle = dlopen(file.c_str(), RTLD_NOW | RTLD_LOCAL);
     if (!handle) return refuse(loader_error(), fault);
     if (is_logging_ours) end_log4cplus_threads(handle);
+    silence_libtiff(handle);
     const auto entry = reinterpret_cast<ImageLibraryEntry*>(dlsym(handle, kImageLibraryEntry));
     functions_ = entry ? entry(kImageInterface) : nullptr;
     if (!functions_) {

@@ -1,5 +1,7 @@
 #include "core/light/light_image.h"
 
+#include <tbb/parallel_for.h>
+
 namespace alabaster {
 namespace {
 
@@ -48,31 +50,48 @@ LightImage::LightImage(std::shared_ptr<const Texture> texture, const Rgb& tint, 
   for (int y = 0; y <= height + 1; ++y)
     row_bounds_.push_back(measure(std::clamp(y - 0.5, 0.0, 1.0 * height) / height, wraps()));
 
-  const auto w = static_cast<size_t>(width);
-  std::vector<float> above(w), here(w), weights;
-  weights.reserve(columns() * rows());
-  double mean[3] = {0, 0, 0};
-  for (int y = 0; y <= height; ++y) {
+  std::vector<float> brightness;
+  mean_ = sum_texels(&brightness, cancel);
+  std::vector<double> widths(columns());  // of cells, in texels
+  for (size_t column = 0; column < columns(); ++column) widths[column] = cell(column, 0).width * width;
+  const auto weigh_row = [&](size_t row, std::span<float> weights) {
+    const Cell first = cell(0, row);
+    const double tall = first.height * height;
+    const float* const above = brightness.data() + static_cast<size_t>(first.y0) * static_cast<size_t>(width);
+    const float* const below = brightness.data() + static_cast<size_t>(first.y1) * static_cast<size_t>(width);
+    auto x0 = static_cast<size_t>(first.x0);
+    for (size_t column = 0; column < weights.size(); ++column) {
+      const size_t x1 = std::min(column, static_cast<size_t>(width) - 1);
+      const double corners = (1.0 * above[x0] + above[x1]) + (1.0 * below[x0] + below[x1]);
+      weights[column] = static_cast<float>(0.25 * corners * widths[column] * tall);
+      x0 = x1;
+    }
+  };
+  distribution_ = Distribution2D(columns(), rows(), weigh_row, cancel);
+}
+
+Rgb LightImage::sum_texels(std::vector<float>* brightness, const CancelToken& cancel) const {
+  const auto width = static_cast<size_t>(texture_->width()), height = static_cast<size_t>(texture_->height());
+  brightness->resize(width * height);
+  std::vector<std::array<double, 3>> rows(height);
+  tbb::parallel_for(size_t(0), height, [&](size_t y) {
     cancel.check();
-    const double top = measure(1.0 * y / height, wraps()), bottom = measure((y + 1.0) / height, wraps());
-    const double share = (bottom - top) / (measure(1, wraps()) * width);
-    for (int x = 0; x < width && y < height; ++x) {
-      const Rgb c = texel(x, y);
-      here[static_cast<size_t>(x)] = luminance(c * tint_);
-      for (int i = 0; i < 3; ++i) mean[i] += c[i] * share;
+    float* const row = brightness->data() + y * width;
+    std::array<double, 3>& sum = rows[y];
+    for (size_t x = 0; x < width; ++x) {
+      const Rgb c = texel(static_cast<int>(x), static_cast<int>(y));
+      row[x] = luminance(c * tint_);
+      for (size_t i = 0; i < 3; ++i) sum[i] += static_cast<double>(c[static_cast<int>(i)]);
     }
-    if (y == 0) above = here;
-    for (size_t column = 0; column < columns(); ++column) {
-      const Cell at = cell(column, static_cast<size_t>(y));
-      const auto x0 = static_cast<size_t>(at.x0), x1 = static_cast<size_t>(at.x1);
-      const double corners = (1.0 * above[x0] + above[x1]) + (1.0 * here[x0] + here[x1]);
-      weights.push_back(static_cast<float>(0.25 * corners * (at.width * width) * (at.height * height)));
-    }
-    std::swap(above, here);
-    if (y + 1 == height) here = above;
+  });
+  double mean[3] = {0, 0, 0};
+  for (size_t y = 0; y < height; ++y) {
+    const double top = measure(1.0 * static_cast<double>(y) / static_cast<double>(height), wraps());
+    const double bottom = measure((static_cast<double>(y) + 1.0) / static_cast<double>(height), wraps());
+    const double share = (bottom - top) / (measure(1, wraps()) * static_cast<double>(width));
+    for (size_t i = 0; i < 3; ++i) mean[i] += rows[y][i] * share;
   }
-  for (int i = 0; i < 3; ++i) mean_[i] = static_cast<float>(mean[i]);
-  distribution_ = Distribution2D(weights, columns(), rows(), cancel);
+  return {static_cast<float>(mean[0]), static_cast<float>(mean[1]), static_cast<float>(mean[2])};
 }
 
 LightImage::Cell LightImage::cell(size_t column, size_t row) const {

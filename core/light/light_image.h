@@ -3,6 +3,7 @@
 
 #include <memory>
 #include <span>
+#include <vector>
 
 #include "core/color/rgb.h"
 #include "core/memory/memory_budget.h"
@@ -64,6 +65,8 @@ class LightImage {
     double top = 0, height = 0;          // in the measure of rows
   };
   Cell cell(size_t column, size_t row) const;
+  /// The mean of the texels, and the luminance of each under the tint.
+  Rgb sum_texels(std::vector<float>* brightness, const CancelToken& cancel) const;
   bool wraps() const { return shape_ == Shape::lat_long; }
   size_t columns() const { return static_cast<size_t>(texture_->width()) + (wraps() ? 0 : 1); }
   size_t rows() const { return static_cast<size_t>(texture_->height()) + 1; }

@@ -1,5 +1,7 @@
 #include "core/sampling/distribution.h"
 
+#include <tbb/parallel_for.h>
+
 #include <algorithm>
 #include <bit>
 #include <cmath>
@@ -96,23 +98,32 @@ float Distribution1D::pdf(float x) const {
   return probability(cell_of(x)) * static_cast<float>(size());
 }
 
-Distribution2D::Distribution2D(const std::vector<float>& weights, size_t width, size_t height,
-                               const CancelToken& cancel) {
-  std::vector<double> sums(height);
-  rows_.reserve(height);
-  for (size_t y = 0; y < height; ++y) {
+Distribution2D::Distribution2D(size_t width, size_t height, const FillRow& fill, const CancelToken& cancel) {
+  rows_.resize(height);
+  tbb::parallel_for(size_t(0), height, [&](size_t y) {
     cancel.check();
-    const auto begin = weights.begin() + static_cast<std::ptrdiff_t>(y * width);
-    rows_.emplace_back(std::vector<float>(begin, begin + static_cast<std::ptrdiff_t>(width)));
-    sums[y] = rows_.back().sum();
-  }
+    std::vector<float> row(width);
+    fill(y, row);
+    rows_[y] = Distribution1D(row);
+  });
+  double largest = 0;
+  for (const Distribution1D& row : rows_) largest = std::max(largest, row.sum());
   // Relative to the largest: a sum of floats may leave their range.
-  const double largest = sums.empty() ? 0 : *std::max_element(sums.begin(), sums.end());
-  std::vector<float> marginal(height, 0.0f);
-  for (size_t y = 0; y < height && largest > 0; ++y)
-    marginal[y] = sums[y] > 0 ? std::max(static_cast<float>(sums[y] / largest), std::numeric_limits<float>::min()) : 0;
+  std::vector<float> marginal;
+  marginal.reserve(height);
+  for (const Distribution1D& row : rows_) {
+    const double sum = row.sum();
+    marginal.push_back(sum > 0 ? std::max(static_cast<float>(sum / largest), std::numeric_limits<float>::min()) : 0);
+  }
   marginal_ = Distribution1D(marginal);
 }
+
+Distribution2D::Distribution2D(const std::vector<float>& weights, size_t width, size_t height,
+                               const CancelToken& cancel)
+    : Distribution2D(
+          width, height,
+          [&](size_t y, std::span<float> row) { std::copy_n(weights.data() + y * width, width, row.begin()); },
+          cancel) {}
 
 Distribution2D::Cell Distribution2D::sample(const Vec2f& u) const {
   const auto y = marginal_.sample(u.y);

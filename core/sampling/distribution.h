@@ -7,6 +7,8 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <functional>
+#include <span>
 #include <vector>
 
 #include "core/diagnostics/cancel.h"
@@ -48,10 +50,14 @@ class Distribution1D {
   double sum_ = 0;
 };
 
-/// Rows are marginal, columns conditional; `weights` is row-major, row 0 at y = 0.
+/// Rows are marginal, columns conditional.
 class Distribution2D {
  public:
   Distribution2D() = default;
+  /// Writes the weights of row y. Called once a row, by several threads.
+  using FillRow = std::function<void(size_t y, std::span<float> row)>;
+  Distribution2D(size_t width, size_t height, const FillRow& fill, const CancelToken& cancel = {});
+  /// `weights` is row-major, row 0 at y = 0.
   Distribution2D(const std::vector<float>& weights, size_t width, size_t height, const CancelToken& cancel = {});
 
   struct Cell {
