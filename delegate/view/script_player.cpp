@@ -25,6 +25,25 @@ ImVec2 on_picture(const PicturePanel& picture, double x, double y) {
   return {at.x, at.y};
 }
 
+// ImGui 1.89 and later have keys as events, and their backend reads the modifiers from the real keyboard.
+#if IMGUI_VERSION_NUM >= 18910
+void hold_control(GLFWwindow* /*window*/, bool down) {
+  ImGui::GetIO().AddKeyEvent(ImGuiMod_Ctrl, down);
+}
+
+void press_with_control(GLFWwindow* /*window*/, int letter, bool down) {
+  ImGui::GetIO().AddKeyEvent(ImGuiKey(int(ImGuiKey_A) + letter - GLFW_KEY_A), down);
+}
+#else
+void hold_control(GLFWwindow* window, bool down) {
+  ImGui_ImplGlfw_KeyCallback(window, GLFW_KEY_LEFT_CONTROL, 0, down ? GLFW_PRESS : GLFW_RELEASE, 0);
+}
+
+void press_with_control(GLFWwindow* window, int letter, bool down) {
+  ImGui_ImplGlfw_KeyCallback(window, letter, 0, down ? GLFW_PRESS : GLFW_RELEASE, GLFW_MOD_CONTROL);
+}
+#endif
+
 }  // namespace
 
 void ScriptPlayer::fail(const ScriptAction& action, const std::string& text) {
@@ -139,18 +158,24 @@ void ScriptPlayer::apply(const InputStep& step, const Stage& stage) {
   if (step.mouse) mouse_ = *step.mouse;
   if (step.press) held_[size_t(*step.press)] = true;
   if (step.release) held_[size_t(*step.release)] = false;
-  if (step.control) ImGui_ImplGlfw_KeyCallback(stage.window, GLFW_KEY_LEFT_CONTROL, 0, GLFW_PRESS, GLFW_MOD_CONTROL);
   if (step.wheel != 0) ImGui_ImplGlfw_ScrollCallback(stage.window, 0, step.wheel);
-  if (step.key != 0) ImGui_ImplGlfw_KeyCallback(stage.window, step.key, 0, GLFW_PRESS, 0);
+  press_key(step, stage, true);
   for (const char c : step.text) ImGui_ImplGlfw_CharCallback(stage.window, static_cast<unsigned char>(c));
+}
+
+void ScriptPlayer::press_key(const InputStep& step, const Stage& stage, bool down) {
+  if (step.key == 0) return;
+  if (step.control) return press_with_control(stage.window, step.key, down);
+  ImGui_ImplGlfw_KeyCallback(stage.window, step.key, 0, down ? GLFW_PRESS : GLFW_RELEASE, 0);
 }
 
 void ScriptPlayer::feed(const Stage& stage) {
   ImGuiIO& io = ImGui::GetIO();
-  std::fill(std::begin(io.KeysDown), std::end(io.KeysDown), false);
-  ImGui_ImplGlfw_KeyCallback(stage.window, GLFW_KEY_LEFT_CONTROL, 0, GLFW_RELEASE, 0);
+  press_key(std::exchange(last_, {}), stage, false);
+  hold_control(stage.window, !steps_.empty() && steps_.front().control);
   if (!steps_.empty()) {
     apply(steps_.front(), stage);
+    last_ = std::move(steps_.front());
     steps_.pop_front();
     if (steps_.empty()) rest_ = kRest;
   } else if (rest_ > 0) {

@@ -53,6 +53,7 @@ class ScriptPlayer {
   bool start_on_widget(const ScriptAction& action, const Stage& stage);
   bool is_over(const ScriptAction& wait, const Stage& stage);
   void apply(const InputStep& step, const Stage& stage);
+  void press_key(const InputStep& step, const Stage& stage, bool down);
   void drag(int button, ImVec2 from, ImVec2 to);
   void click(ImVec2 at, bool control = false);
   void fail(const ScriptAction& action, const std::string& text);
@@ -60,6 +61,7 @@ class ScriptPlayer {
   Script script_;
   size_t next_ = 0;
   std::deque<InputStep> steps_;
+  InputStep last_;     // whose key is down
   double begun_ = -1;  // of the action that waits
   int rest_ = 0;       // pictures until the next action
   ImVec2 mouse_{-1, -1};

@@ -109,11 +109,11 @@ for schema in disney_material lights camera render_settings render_description q
 done
 # The headers installed are those of the contract, and each compiles on its own.
 headers=$(cd "$scratch/prefix/include/alabaster" && find . -name '*.h' | sort)
+imath=$(pkg-config --cflags Imath 2>/dev/null | sed 's/-I */-isystem /g')
 test "$(echo "$headers" | wc -l)" -ge 14
 for header in $headers; do
   echo "#include \"$header\"" | c++ -std=c++20 -pedantic -Wall -Wextra -Werror -fsyntax-only -x c++ \
-    -I "$scratch/prefix/include/alabaster" \
-    $(pkg-config --cflags Imath 2>/dev/null | sed 's/-I */-isystem /g' || echo -isystem /usr/include/Imath) -
+    -I "$scratch/prefix/include/alabaster" ${imath:--isystem /usr/include/Imath} -
 done
 
 # A prefix that is relative: Blender runs elsewhere, so the add-on names the module's folder from the root on.
