@@ -81,6 +81,7 @@ def of_frames(files, render, every):
     yield render("motion", "frames", "--frames", "6:10:2", "--fps", "12", "--shutter", "-0.25:0.25", "-o", "f.##.png", output="f.##.exr")
     yield render("lights", "view", "--view", "Raw", "--exposure", "1.5", output="a.png")
     yield render("nested", "studio", "--studio", "on")
+    yield render("bare", "soft dome", "--studio", "off")
     yield render("nested", "other dome", "--dome", "0.2,0.5,0.9,2")
 
 
