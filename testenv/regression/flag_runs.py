@@ -49,7 +49,7 @@ class Outcome(NamedTuple):
 
 
 class Runs:
-    """Runs of one program, each with a copy of the scenes' folder, which the program starts in."""
+    """Runs of one program, each in a copy of the folder of the run before, at first of the scenes'."""
 
     def __init__(self, program, scenes, scratch, environment):
         self.program, self.scenes, self.scratch, self.known = program, scenes, scratch, {}
@@ -58,9 +58,9 @@ class Runs:
     def __call__(self, *steps):
         """The Outcome of the last of `steps`, each a tuple of arguments. Equal steps run once."""
         if steps not in self.known:
+            before = self(*steps[:-1]).folder if len(steps) > 1 else self.scenes
             folder = self.scratch / str(len(self.known))
-            shutil.copytree(self.scenes, folder)
-            for step in steps:
-                done = subprocess.run([self.program, *step], cwd=folder, capture_output=True, text=True, env=self.environment)
+            shutil.copytree(before, folder)
+            done = subprocess.run([self.program, *steps[-1]], cwd=folder, capture_output=True, text=True, env=self.environment)
             self.known[steps] = Outcome(done.returncode, done.stdout, done.stderr, folder)
         return self.known[steps]
