@@ -13,6 +13,7 @@ import json
 import os
 import pathlib
 import shutil
+import struct
 import subprocess
 import sys
 import tempfile
@@ -61,6 +62,19 @@ def screen(width=1600, height=1000, dots_per_inch=None):
         server.wait()
 
 
+def as_ppm(file):
+    """By way of a TGA: oiiotool 2.5 writes a PPM upside down."""
+    copy = file.with_suffix(".converted.tga")
+    subprocess.run(["oiiotool", str(file), "--ch", "R,G,B", "-d", "uint8", "--compression", "none", "-o", str(copy)], check=True)
+    data = copy.read_bytes()
+    width, height, _, descriptor = struct.unpack_from("<HHBB", data, 12)
+    begin, size = 18 + data[0], 3 * width
+    rows = [data[begin + size * y:begin + size * (y + 1)] for y in range(height)]
+    pixels = bytearray(b"".join(rows if descriptor & 0x20 else reversed(rows)))
+    pixels[0::3], pixels[2::3] = pixels[2::3], pixels[0::3]
+    return b"P6\n%d %d\n255\n" % (width, height) + bytes(pixels)
+
+
 class Window:
     """Runs `alabaster view` in a folder. `display`: None for none."""
 
@@ -91,11 +105,7 @@ class Window:
     def picture(self, name):
         """A picture of the folder."""
         file = self.folder / name
-        if file.suffix != ".ppm":
-            copy = file.with_suffix(".converted.ppm")
-            subprocess.run(["oiiotool", str(file), "--ch", "R,G,B", "-d", "uint8", "-o", str(copy)], check=True)
-            file = copy
-        return story.Picture(file.read_bytes())
+        return story.Picture(file.read_bytes() if file.suffix == ".ppm" else as_ppm(file))
 
 
 def why_not(build):
