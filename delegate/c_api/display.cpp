@@ -1,4 +1,6 @@
 // Pixels in the caller's memory, as a screen shows them.
+#include <limits>
+
 #include "delegate/c_api/functions.h"
 #include "delegate/c_api/handles.h"
 #include "delegate/host/display_transform.h"
@@ -45,6 +47,8 @@ AlabasterStatus buffer_show(AlabasterBuffer* handle, AlabasterMemory* out) {
       throw bad_argument("there is no format " + std::to_string(in.format));
     PixelMemory memory{in.pixels, in.row_bytes, {in.width, in.height}, Format(in.format), in.y_up == 0,
                        nullptr,   in.shown};
+    if (in.height > 0 && in.row_bytes > std::numeric_limits<size_t>::max() / size_t(in.height))
+      throw bad_argument("row_bytes times height is more than memory can hold");
     if (in.display) memory.transform = in.display->transform.get();
     const bool shown = buffer.ResolveTo(&memory);
     const bool differs = memory.size != Vec2i(in.width, in.height);

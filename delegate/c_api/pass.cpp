@@ -46,6 +46,9 @@ Path frame_pass(const AlabasterFrame& in, const host::RetainedSceneDelegate& sce
   const int width = in.width > 0 ? in.width : settings.width, height = in.height > 0 ? in.height : settings.height;
   Rect2i window = {in.window.min_x, in.window.min_y, in.window.max_x, in.window.max_y};
   if (window.empty()) window = in.width > 0 || in.height > 0 ? Rect2i{0, 0, width, height} : settings.window();
+  constexpr int kReach = 1 << 20;  // pixels from the origin; the differences of edges are whole numbers then
+  for (const int edge : {window.minX, window.minY, window.maxX, window.maxY})
+    if (edge < -kReach || edge > kReach) throw bad_argument("the window exceeds 2^20 pixels");
   // Buffers are as large as the window; the display window is moved so that it starts at their corner.
   const Vec2f corner(float(window.minX), float(window.minY));
   state.camera = in.camera ? Path(in.camera) : settings.camera;

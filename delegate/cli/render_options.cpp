@@ -62,7 +62,10 @@ hd::description::LoadOptions load_options(const RenderArguments& a) {
     settings["targetError"] = settings["timeLimit"] = "0";  // the samples of an even frame
     settings["denoise"] = "false";
   }
-  const bool decided = a.pixel.empty() && (!settings["targetError"].empty() || !settings["timeLimit"].empty());
+  const auto is_set = [&](const char* name) {  // 0 is none; what is no number is refused where it is read
+    return !settings[name].empty() && parse_nonnegative(settings[name]) != 0.0;
+  };
+  const bool decided = is_set("targetError") || is_set("timeLimit");
   if (decided && settings["samples"].empty()) settings["samples"] = std::to_string(most_samples(a));
   for (const auto& [name, value] : settings) add(name, value);
   options.overrides.insert(options.overrides.end(), a.overrides.begin(), a.overrides.end());

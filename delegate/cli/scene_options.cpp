@@ -35,6 +35,7 @@ void add_repeated(CLI::App* command, const char* flags, std::vector<std::string>
   command->add_option(flags, *values, help)
       ->type_name(type)
       ->expected(1)
+      ->allow_extra_args(false)  // or "--" after a value would end the values alone, and not the options
       ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
 }
 

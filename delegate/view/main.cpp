@@ -2,10 +2,10 @@
 #include <CLI/CLI.hpp>
 #include <cstdio>
 #include <filesystem>
-#include <fstream>
 #include <iostream>
 #include <sstream>
 
+#include "core/files/input_file.h"
 #include "delegate/cli/control_characters.h"
 #include "delegate/cli/exit_codes.h"
 #include "delegate/cli/scene_options.h"
@@ -23,12 +23,12 @@ struct Arguments {
 // Reads the script; an exit code.
 int load_script(const std::string& file, Script* script, cli::Console* console) {
   if (file.empty()) return cli::kDone;
-  std::ifstream stream(file);
-  std::ostringstream text;
-  text << stream.rdbuf();
-  if (!stream || text.str().empty())
-    return console->usage_error(file, "The script could not be read, or is empty. Check the name.");
-  *script = read_script(text.str());
+  const InputFile input(file);
+  std::string text;
+  if (!input) return console->usage_error(file, "The script cannot be read: " + input.reason() + ".");
+  if (!input.read(&text) || text.empty())
+    return console->usage_error(file, "The script could not be read to its end, or is empty.");
+  *script = read_script(text);
   if (!script->problem.empty()) return console->usage_error(file, script->problem + ".");
   return cli::kDone;
 }

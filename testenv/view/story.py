@@ -289,7 +289,8 @@ def refusals(window):
     for arguments, code, text in (
             ([scene], 4, "could not be opened"), (["missing.json"], 3, "missing.json"), (["bad.json"], 3, "lights"),
             ([scene, "--script", "bad.txt"], 2, "line 1: there is no action 'fly'"),
-            ([scene, "--script", "missing.txt"], 2, "could not be read"), ([], 2, "file is required"), (["--help"], 0, "--script"),
+            ([scene, "--script", "missing.txt"], 2, "cannot be read"),
+            ([scene, "--script", "/dev/zero"], 2, "cannot be read"), ([], 2, "file is required"), (["--help"], 0, "--script"),
             ([scene, "--ocio", "missing.ocio"], 3, "missing.ocio"), ([scene, "--fly"], 2, "--fly"),
             ([scene, "--time", "soon"], 2, "'soon' is not a time"), ([scene, "--camera", "lost"], 2, "camera lost"),
             ([scene, "--set", "materials/red.rouhgness=1"], 2, "roughness"), ([scene, "--variant", "lost"], 2, "lost")):

@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <fstream>
 #include <functional>
+#include <limits>
 #include <regex>
 #include <set>
 #include <sstream>
@@ -160,6 +161,24 @@ TEST_F(DoorCounts, BeyondAnyMemoryAreRefused) {
   const float one[3] = {};
   EXPECT_EQ(set_quad(array(ALABASTER_FLOAT3, one, ~size_t(0) / 8)), ALABASTER_INVALID_ARGUMENT);
   EXPECT_NE(std::string(api().last_error()).find("points"), std::string::npos) << api().last_error();
+}
+
+TEST_F(DoorCounts, WindowsAndRowsThatOverflowAreRefused) {
+  constexpr int kLeast = std::numeric_limits<int>::min(), kMost = std::numeric_limits<int>::max();
+  auto frame = sized<AlabasterFrame>();
+  frame.window = {kLeast, kLeast, kMost, kMost};
+  int32_t width = 0, height = 0;
+  EXPECT_EQ(api().frame_size(delegate_, &frame, &width, &height), ALABASTER_INVALID_ARGUMENT);
+  EXPECT_NE(std::string(api().last_error()).find("2^20"), std::string::npos) << api().last_error();
+
+  AlabasterBuffer* buffer = nullptr;
+  ASSERT_EQ(api().buffer_create(delegate_, 2, 2, ALABASTER_FLOAT32_4, &buffer), ALABASTER_OK);
+  std::vector<float> pixels(16);
+  auto memory = sized<AlabasterMemory>();
+  memory.pixels = pixels.data(), memory.row_bytes = std::numeric_limits<size_t>::max();
+  memory.width = memory.height = 2, memory.format = ALABASTER_FLOAT32_4;
+  EXPECT_EQ(api().buffer_show(buffer, &memory), ALABASTER_INVALID_ARGUMENT);
+  api().buffer_destroy(buffer);
 }
 
 TEST_F(DoorCounts, SizesThatNoHeaderHasAreRefused) {

@@ -108,7 +108,7 @@ TEST_F(Farm, AnOpenJobDescriptionHasTheTasksAndAMergeThatWaitsForThem) {
 TEST_F(Farm, ANameIsDataThroughTheWholeFarm) {
   const std::string scene = "-$(touch PWNED)`touch PWNED`'\"%j {{Task.Param.Part}} #SBATCH --wrap;\xff.gltf";
   std::filesystem::copy_file(folder_ / "patch.gltf", folder_ / scene);
-  ASSERT_EQ(run({"render", "-o", "alone.exr", "--size", "8x8", "--spp", "4", "--", scene}).code, 0);
+  ASSERT_EQ(run({"render", "--size", "8x8", "--spp", "4", "-o", "alone.exr", "--", scene}).code, 0);
   const Outcome wrote =
       run({"farm", "--output=-o.exr", "--size", "8x8", "--spp", "4", "--tasks", "2", "--engine", "slurm", "--", scene});
   ASSERT_EQ(wrote.code, 0) << wrote.err;

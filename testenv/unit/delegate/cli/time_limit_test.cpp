@@ -38,6 +38,15 @@ TEST_F(TimeLimitTest, ATimeLimitEndsAnyFrameAndWhatItLacksIsTold) {
   EXPECT_GT(without, 0);
 }
 
+TEST_F(TimeLimitTest, NoneLeavesTheSamplesAsTheyAre) {
+  for (const char* flag : {"--time-limit", "--target-error"}) {
+    const auto done =
+        run_program(folder_, {"render", "patch.gltf", "--size", "2x2", flag, "0", "-o", "a.exr", "--stats", "s.json"});
+    ASSERT_EQ(done.code, 0) << done.err;
+    EXPECT_EQ(nlohmann::json::parse(std::ifstream(folder_ / "s.json"))["samples"]["perPixel"], 64) << flag;
+  }
+}
+
 TEST_F(TimeLimitTest, HelpAndSchemaSayTheSameOfTheTimeLimit) {
   const auto in_one_line = [](const std::string& text) {
     std::istringstream words(text);
