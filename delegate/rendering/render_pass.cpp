@@ -12,7 +12,6 @@
 namespace alabaster::hd::rendering {
 
 namespace {
-
 constexpr const char* kFreeCamera = "free camera";  // in reports
 
 // The memory of the session for a frame of these inputs, that of the denoiser, and each bound buffer twice: as shown
@@ -368,14 +367,20 @@ bool PassControl::wait(double seconds) {
   if (!active_ || failed_ || is_converged()) return true;
   const std::chrono::duration<double> spent = std::chrono::steady_clock::now() - start;
   if (!session_->wait(seconds - spent.count())) return false;
-  see_finish();
+  const std::string failure = see_end();
+  if (!failure.empty())
+    alabaster::report(core_->param->sink(), alabaster::Severity::error, "pass.failed", "render", failure);
   return true;
 }
 
-// The host has been told that the render is over.
-void PassControl::see_finish() {
+std::string PassControl::see_end() {
   const std::lock_guard lock(control_);
-  if (active_ && !stale_ && !cancelled_ && session_->progress().state == SessionState::finished) finish_seen_ = true;
+  if (!active_ || stale_ || cancelled_) return {};
+  const RenderProgress progress = session_->progress();
+  if (progress.state == SessionState::finished) finish_seen_ = true;
+  if (progress.state != SessionState::failed || failed_) return {};
+  fail(progress.error);
+  return progress.error;
 }
 
 PassState PassControl::state() const {

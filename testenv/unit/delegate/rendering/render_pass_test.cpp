@@ -313,6 +313,21 @@ TEST(RenderPass, TheSettingsPrimGivesCameraAndSettingsAndTheHostOverrides) {
   EXPECT_EQ(s.pass->GetState(), PassState::converged);
 }
 
+TEST(RenderPass, AFailureIsToldOnceItHasBeenWaitedFor) {
+  Shot s;
+  host::CameraDescription away = s.stage.scene.GetCameras().at("/camera");
+  away.transform[3][0] = 1e30;
+  s.stage.scene.SetCamera("/camera", away);
+  s.stage.index->SyncAll();
+  s.stage.wait_for_scene();
+  s.pass->Execute(s.state);
+  EXPECT_TRUE(s.pass->WaitForConvergence(20));
+  EXPECT_EQ(s.pass->GetState(), PassState::failed);
+  const Dictionary stats = s.stage.delegate->GetRenderStats();
+  ASSERT_TRUE(stats.contains("error"));
+  EXPECT_NE(stats.at("error").text_or("").find("no ray of the camera"), std::string::npos);
+}
+
 TEST(BackgroundControl, IsLegalBeforeTheFirstRender) {
   Shot s;
   s.stage.delegate->Pause();
