@@ -3,6 +3,8 @@
 // of samples taken. frame_error.md has the theory, the assumptions and the worst cases that were measured.
 #pragma once
 
+#include <algorithm>
+#include <cmath>
 #include <vector>
 
 #include "core/convergence/pixel_group.h"
@@ -27,6 +29,8 @@ struct FrameError {
   double low = 0, high = 0;
   /// False: the interval is so wide that it tells no more than that the error is at least `low`, or no noise is found.
   bool is_bounded() const { return known && low > 0 && high <= kWidestInterval * low; }
+  /// The error with the doubt about it: noise that the estimate may lack counts as noise of its own.
+  double with_doubt() const { return std::hypot(relative_rmse, std::max(0.0, high - relative_rmse)); }
 };
 
 /// Row-major, y-down.

@@ -20,15 +20,16 @@ void GroupStopping::update(const Film& film, const NoiseImage& noise, double tar
 
 uint32_t GroupStopping::decide(const std::array<FrameError, kPixelGroups>& errors, double target) {
   uint32_t ending = 0;
+  double squares = 0;
   for (int g = 0; g < kPixelGroups; ++g) {
     // A frame of a few pixels may lack the other group: there a group ends by its own error.
     const FrameError& other = errors[static_cast<size_t>(stopping_group(g))];
     const FrameError& error = other.known ? other : errors[static_cast<size_t>(g)];
-    // Noise that the estimate may lack counts as noise of its own. An empty group has no error; one that is not finite
-    // goes on.
-    const double doubt = std::max(0.0, error.high - error.relative_rmse);
-    if (std::hypot(error.relative_rmse, doubt) <= target) ending |= 1u << g;
+    // An empty group has no error; one that is not finite goes on.
+    if (error.with_doubt() <= target) ending |= 1u << g;
+    squares += error.relative_rmse * error.relative_rmse;
   }
+  error_ = std::sqrt(squares / kPixelGroups);
   ending &= ~ended_;
   ended_ |= ending;
   return ending;

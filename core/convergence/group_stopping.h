@@ -33,6 +33,8 @@ class GroupStopping {
     ended_ = ended, kept_ = kept, kept_film_ = std::move(kept_film), shows_ended_ = false;
   }
 
+  /// Root mean square of the groups' errors, without their doubt, at the last decide(); 0: none.
+  double error() const { return error_; }
   bool all_ended() const { return ended_ == kAllPixelGroups; }
   /// Groups that have not ended, and those whose errors end them.
   uint32_t groups_to_trace() const;
@@ -41,6 +43,7 @@ class GroupStopping {
   bool show_ended(Film* film);
 
  private:
+  double error_ = 0;
   uint32_t ended_ = 0, kept_ = 0;    // groups
   std::shared_ptr<Film> kept_film_;  // the pixels of `kept_`
   bool shows_ended_ = false;

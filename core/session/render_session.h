@@ -45,6 +45,7 @@ struct RenderProgress {
   FrameError noise;            // measured after a pilot, at each check of target_error, when asked for, and at the end
   uint64_t noise_samples = 0;  // samples_done when it was measured
   double target_error = 0;     // of the settings; 0: none
+  double groups_over_frame = 0;  // the error of groups of pixels (GroupStopping::error()) over `noise`; 0: none
   RenderEnd ended_by = RenderEnd::none;
   double denoised = -1;                        // share of the denoiser's work that is done; < 0: not begun
   double denoise_seconds = 0;                  // wall time of it; wall_seconds includes it, unless it came after a stop

@@ -88,6 +88,7 @@ struct RenderSession::Render {
   RenderProgress go_on_from(const Render& last);
   void show_begin(const RenderProgress& before);
   void run_rounds(int threads);
+  void end_groups(const NoiseImage& noise);
   void end_rounds(bool reached_target);
   std::jthread watch_time();
   bool prepare(std::optional<TileRenderer>* renderer);

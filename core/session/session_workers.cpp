@@ -202,7 +202,7 @@ void RenderSession::Render::run_rounds(int threads) {
       allocation = SampleAllocation(*film, film->rays(), has_target ? 0 : settings.samples);
 
     // End the groups of pixels that have reached the target.
-    if (has_target) stopping.update(*film, noise, settings.target_error);
+    if (has_target) end_groups(noise);
 
     // Go on to the next check of the error, or to the end.
     round = {round.end, has_target ? std::min(settings.samples, next_error_check(round.end)) : settings.samples};
@@ -210,6 +210,12 @@ void RenderSession::Render::run_rounds(int threads) {
   watch = {};
   // A round after the last is left where the target ended a render, also one that is shown or continued again.
   end_rounds(has_target && (stopping.all_ended() || round.end < settings.samples));
+}
+
+void RenderSession::Render::end_groups(const NoiseImage& noise) {
+  stopping.update(*film, noise, request.settings.target_error);
+  const std::lock_guard lock(mutex);
+  if (progress.noise.relative_rmse > 0) progress.groups_over_frame = stopping.error() / progress.noise.relative_rmse;
 }
 
 void RenderSession::Render::end_rounds(bool reached_target) {

@@ -67,23 +67,23 @@ class ALABASTER_API RenderDelegate {
 
   /// Never blocks. Keys hosts know: percentDone, fractionDone, totalClockTime, numCompletedSamples, rendererName,
   /// renderProgressAnnotation, totalMemory, peakMemory; and ours: state, sceneNumber, samplesTotal, passesDone, covered
-  /// (true once samples of this render, if in blocks, are all over the frame), pixelsWithoutSample (of a render that a
-  /// stop or the time limit has ended before each pixel had one; absent where none is), cpuSeconds, filmMemory (bytes
-  /// of the accumulators), rays.camera, rays.bounce, rays.shadow, rays.walk, walk.count, walk.events, walk.exits,
-  /// walk.lost, walk.lostEnergy, walk.safetyCap, walk.maxWeight, nonfiniteSamples with nonfiniteSamples.emission,
-  /// .light, .lobe, .walk, .exposure and .other (where on the path a sample ceased to be finite), suspectSample
-  /// ("x,y,sample" for tracePixel: the sample whose failed check ended the render, which may be another one in the next
-  /// render where several fail; else the first that was not finite, by sample number, row and column, whatever the
-  /// threads), rejectedRays, error (of a failed render), refused (true if it was refused before it began, because its
-  /// camera, framing or size cannot be rendered), error.relativeRmse with error.low and error.high (the noise that the
-  /// frame estimates in itself and its 95 % interval; of color, never of AOV denoised) after error.samples per pixel:
-  /// when the render is over, where the noise decides about it (targetError, adaptive), and after command
-  /// "measureNoise". Where error.isKnown is false, too few samples found light, and the error is at least error.low.
-  /// Once a render is over: endedBy (samples, targetError or timeLimit); with setting targetError target.error and
-  /// target.missed, and where it is or may be missed target.message (a sentence) with target.samples (per pixel),
-  /// target.seconds and target.cpuSeconds that it would take in all. Where AOV denoised is drawn, denoise.fraction,
-  /// denoise.seconds and denoise.cpuSeconds (of the whole process meanwhile) once the denoiser has begun, denoiser (its
-  /// name and version) once the AOV shows its picture, or denoise.error (why it does not); and of Sync, summed up:
+  /// (true once its samples, if in blocks, are all over the frame), pixelsWithoutSample (of a render that a stop or the
+  /// time limit has ended before each pixel had one; absent where none is), cpuSeconds, filmMemory (bytes of the
+  /// accumulators), rays.camera, rays.bounce, rays.shadow, rays.walk, walk.count, walk.events, walk.exits, walk.lost,
+  /// walk.lostEnergy, walk.safetyCap, walk.maxWeight, nonfiniteSamples with nonfiniteSamples.emission, .light, .lobe,
+  /// .walk, .exposure and .other (where a sample ceased to be finite), suspectSample ("x,y,sample" for tracePixel: the
+  /// sample whose failed check ended the render, which may be another one in the next render where several fail; else
+  /// the first that was not finite, by sample number, row and column, whatever the threads), rejectedRays, error (of a
+  /// failed render), refused (true if its camera, framing or size cannot be rendered), error.relativeRmse with
+  /// error.low and error.high (the noise that the frame estimates in itself and its 95 % interval; never of AOV
+  /// denoised) after error.samples per pixel: when the render is over, where the noise decides about it (targetError,
+  /// adaptive), and after command "measureNoise". Where error.isKnown is false, too few samples found light, and the
+  /// error is at least error.low. Once a render is over: endedBy (samples, targetError or timeLimit); with targetError
+  /// target.error and target.missed, and where it is or may be missed target.message (a sentence) with target.samples
+  /// (per pixel), target.seconds and target.cpuSeconds that it would take, and error.groupsOverFrame (the error of
+  /// groups of pixels over the frame's). Where AOV denoised is drawn, denoise.fraction, denoise.seconds and
+  /// denoise.cpuSeconds (of the whole process meanwhile) once the denoiser has begun, denoiser (its name and version)
+  /// once the AOV shows its picture, or denoise.error (why it does not); of Sync, summed up:
   /// - sync.refineWallSeconds, sync.bvhWallSeconds: wall time during which at least one mesh was being refined, or its
   ///   BVH built (not a sum over meshes: those that are synced in parallel count once);
   /// - sync.refineSeconds, sync.bvhSeconds: CPU time of the whole process during those times, shared between the two in

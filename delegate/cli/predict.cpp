@@ -91,6 +91,8 @@ class ProbeRenders {
   const hd::RenderSettingsDescription& full() const { return full_; }
   const hd::Dictionary& stats() const { return stats_; }
   const hd::RenderSettingsDescription& last() const { return last_; }
+  /// The time in which products are checked. The libraries of their formats are loaded for it: a third of a second.
+  const Seconds& opening() const { return opening_; }
   /// False: the noise of the last probe is not known.
   bool is_measured() const { return stats_.contains("error.relativeRmse"); }
   /// Bytes of a frame of `pixels` pixels like the last: the films (a second one holds the pixels that end early), and
@@ -140,7 +142,11 @@ class ProbeRenders {
     last_.products.clear();
     set_writing(plan.write);  // even a second signal must not leave the folder behind
     std::optional<tradeoff::TemporaryFolder> folder;
-    if (plan.write) last_.products = products_in(folder.emplace("alabaster-probe-").path());
+    if (plan.write) {
+      const Stopwatch watch;
+      last_.products = products_in(folder.emplace("alabaster-probe-").path());
+      opening_ = {watch.wall(), watch.cpu()};
+    }
     path_ = session_.file.settings.append("probe");
     session_.scene.SetRenderSettings(path_, last_);
     hd::host::RecordOptions options;
@@ -157,7 +163,8 @@ class ProbeRenders {
     const double pixels = pixels_of(last_);
     probes_.push_back({pixels, number(stats_, "rays.camera") / pixels, number(stats_, "phase.render.wall"),
                        number(stats_, "phase.render.cpu"), number(stats_, "error.relativeRmse"),
-                       number(stats_, "error.low"), number(stats_, "error.high")});
+                       number(stats_, "error.low"), number(stats_, "error.high"),
+                       number(stats_, "error.groupsOverFrame", 1)});
     return true;
   }
 
@@ -181,6 +188,7 @@ class ProbeRenders {
   hd::RenderSettingsDescription last_;
   hd::Path path_;
   hd::Dictionary stats_;  // of the last probe
+  Seconds opening_{};
   std::vector<Probe> probes_;
 };
 
@@ -220,10 +228,11 @@ void print(const ProbeRenders& renders, const Preparation& spent, const Predicti
   const double growth = pixels_of(renders.full()) / pixels_of(renders.last());
   const Seconds write{number(renders.stats(), "phase.write.wall") * growth,
                       number(renders.stats(), "phase.write.cpu") * growth};
+  const Seconds load{spent.load.wall + renders.opening().wall, spent.load.cpu + renders.opening().cpu};
   print_range("samples per pixel", p.samples, "", "");
-  print_range("wall time", plus(p.wall, spent.load.wall + spent.sync.wall + write.wall), " s",
-              phases_text(spent.load, renders.stats(), p.wall.value, write.wall));
-  print_range("CPU time", plus(p.cpu, spent.load.cpu + spent.sync.cpu + write.cpu), " s", "");
+  print_range("wall time", plus(p.wall, load.wall + spent.sync.wall + write.wall), " s",
+              phases_text(load, renders.stats(), p.wall.value, write.wall));
+  print_range("CPU time", plus(p.cpu, load.cpu + spent.sync.cpu + write.cpu), " s", "");
   print_range("peak memory", memory(renders), " MB", "");
 }
 

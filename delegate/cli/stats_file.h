@@ -13,9 +13,8 @@
 // - samples {perPixel, total}
 // - error {relativeRmse, low95, high95, isKnown}: noise as the render estimates it in itself; absent below two samples.
 //   isKnown is false where few samples found much light: then the error is at least low95, and the rest is a guess
-// - target {error, missed, endedBy}: of a render with targetError that is over. Where it is missed, samples (per
-// pixel),
-//   seconds and cpuSeconds tell what it would take in all
+// - target {error, missed, endedBy}: of a render with targetError that is over. missed: it is, or the doubt about the
+//   error allows it; then samples (per pixel), seconds and cpuSeconds tell what the target would take in all
 // - peakMemory: bytes of the process
 // - delegate [{name: value}]: RenderDelegate::GetRenderStats of each render, and the recorder's phases
 #pragma once

@@ -68,11 +68,13 @@ std::string missed_target_text(const RenderProgress& p, double samples, double m
   if (!p.noise.is_bounded())
     return end + plain_format("Whether it reached its target error of %.3g is not known: its error is at least %.3g",
                               p.target_error, p.noise.low);
+  const std::string doubt =
+      p.noise.relative_rmse <= p.target_error ? plain_format(" and may be up to %.3g", p.noise.high) : "";
   return end + plain_format(
-                   "Its error is %.3g, and its target was %.3g, which would take about %.3g samples per pixel "
+                   "Its error is %.3g%s, and its target was %.3g, which would take about %.3g samples per pixel "
                    "and %.3g seconds (%.3g CPU seconds)",
-                   p.noise.relative_rmse, p.target_error, std::ceil(samples * more), p.wall_seconds * more,
-                   p.cpu_seconds * more);
+                   p.noise.relative_rmse, doubt.c_str(), p.target_error, std::ceil(samples * more),
+                   p.wall_seconds * more, p.cpu_seconds * more);
 }
 
 // The cause of a render's end; where its target error is missed, also the cost of reaching it.
@@ -82,12 +84,15 @@ void add_end(const RenderProgress& p, double samples, Dictionary* stats) {
   if (p.ended_by == RenderEnd::none || p.state != SessionState::finished) return;
   s["endedBy"] = std::string(kEnds[static_cast<size_t>(p.ended_by)]);
   if (!(p.target_error > 0)) return;
+  // Where few bright samples decide, the error may be far above what they tell.
   const double allowed = p.target_error * (p.ended_by == RenderEnd::target_error ? kSlack : 1.0);
-  const bool missed = !(p.noise.relative_rmse <= allowed) || !p.noise.is_bounded();
+  const bool missed = !(p.noise.relative_rmse <= allowed) || !(p.noise.with_doubt() <= kSlack * p.target_error) ||
+                      !p.noise.is_bounded();
   s["target.error"] = p.target_error;
   s["target.missed"] = missed;
   if (!missed) return;
-  const double more = std::max(1.0, std::pow(p.noise.relative_rmse / p.target_error, 2));
+  const double reached = p.noise.relative_rmse > p.target_error ? p.noise.relative_rmse : p.noise.with_doubt();
+  const double more = std::max(1.0, std::pow(reached / p.target_error, 2));
   s["target.message"] = missed_target_text(p, samples, more);
   if (!p.noise.known) return;
   s["target.samples"] = std::ceil(samples * more);
@@ -129,6 +134,7 @@ void add_progress(const PassControl& pass, Dictionary* stats) {
     s["error.high"] = p.noise.high;
     s["error.samples"] = static_cast<double>(p.noise_samples) / static_cast<double>(pixels);
     s["error.isKnown"] = p.noise.is_bounded();
+    if (p.groups_over_frame > 0) s["error.groupsOverFrame"] = p.groups_over_frame;
   }
   add_end(p, static_cast<double>(p.samples_done) / static_cast<double>(pixels), stats);
   s["filmMemory"] = count(pass.film_memory());

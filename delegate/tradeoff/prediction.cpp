@@ -73,6 +73,12 @@ bool is_noisy(const Probe& p) {
   return p.error > 0;
 }
 
+// Few bright samples move the errors of groups further away than they will be at the end.
+double ending_error(const Probe& p) {
+  constexpr double kMost = 1.5;
+  return p.error * std::clamp(p.groups, 1.0, kMost);
+}
+
 // The standard deviation of ln E^2, from the interval E^2 exp(+-1.96 sigma) (frame_error.cpp). It has three parts: the
 // scatter of the frame's own error about its expectation, the scatter of the estimate, which is about as large, and the
 // uncertainty of the law of convergence, which all probes of a scene share: at least kSureLaw, and much more where
@@ -126,7 +132,7 @@ Range samples_for(const std::vector<Probe>& probes, double pixels, double target
   fit.add({0, 0, 1}, kOutlineShare, kOutlineShareSigma);
   for (const Probe& p : probes)
     if (is_noisy(p))
-      fit.add({1, -std::log(p.samples / last.samples), coarseness(p.pixels, last)}, 2 * std::log(p.error),
+      fit.add({1, -std::log(p.samples / last.samples), coarseness(p.pixels, last)}, 2 * std::log(ending_error(p)),
               independent_sigma(p));
   fit.solve();
   const auto [level, exponent, share] = fit.unknowns();

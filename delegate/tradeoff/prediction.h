@@ -3,8 +3,9 @@
 // The model: E^2(n, N) = (a + b / sqrt(N)) n^-p, with n samples per pixel and N pixels in the frame. The term a is the
 // noise of light and material, whatever the pixel's size. The term b is the noise of outlines and details, of which
 // each pixel of a coarse picture has more: the number of pixels that an outline crosses grows with sqrt(N), not with N.
-// p is 1 for independent samples and somewhat more for stratified ones. The three unknowns are linear in logarithms and
-// found by weighted least squares. Other scenes give the prior of p and b, because probes of a second say little about
+// p is 1 for independent samples and somewhat more for stratified ones. E is the error of quarters of the pixels, which
+// end a render and whose levels are less even than the frame's. The three unknowns are linear in logarithms and found
+// by weighted least squares. Other scenes give the prior of p and b, because probes of a second say little about
 // either.
 #pragma once
 
@@ -19,6 +20,7 @@ struct Probe {
   double wall = 0, cpu = 0;  // seconds of rendering
   double error = 0;          // relative RMSE (core/convergence/frame_error.h)
   double low = 0, high = 0;  // its 95 % interval
+  double groups = 1;         // the error of quarters of the pixels (core/convergence/group_stopping.h) over `error`
 };
 
 struct Range {
@@ -32,8 +34,8 @@ struct Prediction {
   Range wall, cpu;     // seconds of rendering
 };
 
-/// A render estimates its error each time it has an eighth more samples, in quarters of its pixels, and the slowest
-/// quarter ends it. On average it takes longer than the error requires by this factor.
+/// A render estimates its error each time it has an eighth more samples, and ends when it is at the target with the
+/// doubt about it. On average it takes longer than the error requires by this factor.
 inline constexpr double kOvershoot = 1.12;
 
 /// Predicts the cost of reaching the relative RMSE `target` > 0 with `pixels` pixels. The last of `probes` gives the

@@ -32,6 +32,16 @@ TEST(GroupStopping, AnotherGroupsErrorEndsAGroup) {
   EXPECT_EQ(stopping.groups_to_trace(), 0u);
 }
 
+// The doubt about an error counts as noise where it ends a group, but not where the end is predicted: it falls faster.
+TEST(GroupStopping, TellsTheErrorOfGroups) {
+  GroupStopping stopping;
+  FrameError doubtful = error_of(3);
+  doubtful.high = 7;
+  EXPECT_EQ(stopping.decide({doubtful, error_of(7), doubtful, error_of(7)}, 4.9), 0u);
+  EXPECT_DOUBLE_EQ(stopping.error(), std::sqrt((3 * 3 + 7 * 7) / 2.0));
+  EXPECT_EQ(stopping.decide({doubtful, error_of(7), doubtful, error_of(7)}, 5.1), 0b0101u);
+}
+
 TEST(GroupStopping, WithoutTheOtherGroupAFrameDecidesForItself) {
   GroupStopping stopping;
   EXPECT_EQ(stopping.decide({error_of(3), FrameError{}, FrameError{}, error_of(1)}, 1), 0b1010u);

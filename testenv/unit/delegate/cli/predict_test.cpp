@@ -1,4 +1,6 @@
 // alabaster info --predict, compared with renders to the same error.
+#include <sys/resource.h>
+
 #include <cstdio>
 #include <cstdlib>
 #include <nlohmann/json.hpp>
@@ -53,6 +55,24 @@ TEST_F(PredictTest, ForetellsSamplesAndMemory) {
   const double peak = stats["peakMemory"].get<double>() / 1e6;
   EXPECT_GT(memory.value, 0.7 * peak) << peak;
   EXPECT_LT(memory.value, 1.3 * peak) << peak;
+}
+
+// Most of a tiny render's time is the start of the program and of the libraries that write its file.
+TEST_F(PredictTest, CountsTheStartOfTheProgram) {
+  const auto cpu_of_children = [] {
+    rusage usage{};
+    getrusage(RUSAGE_CHILDREN, &usage);
+    return double(usage.ru_utime.tv_sec + usage.ru_stime.tv_sec) +
+           1e-6 * double(usage.ru_utime.tv_usec + usage.ru_stime.tv_usec);
+  };
+  ASSERT_EQ(run({"info", "lit.gltf", "--predict", "0.5", "--size", "16x12", "--threads", "1"}), 0) << err_;
+  const Said cpu = said("CPU time");
+  const double before = cpu_of_children();
+  ASSERT_EQ(run({"render", "lit.gltf", "--target-error", "0.5", "--size", "16x12", "--threads", "1", "-o", "a.exr"}), 0)
+      << err_;
+  const double taken = cpu_of_children() - before;
+  EXPECT_GT(cpu.value, 0.5 * taken);
+  EXPECT_LT(cpu.value, 2 * taken);
 }
 
 TEST_F(PredictTest, LeavesNothingBehind) {

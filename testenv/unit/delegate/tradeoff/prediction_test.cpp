@@ -93,6 +93,18 @@ TEST(Prediction, WhatAllProbesGetWrongIsNotAveragedAway) {
   EXPECT_LT(widest, 20);
 }
 
+// Quarters of the pixels end a render. Their errors are above the frame's where that is small.
+TEST(Prediction, TheErrorOfGroupsEndsARender) {
+  const ModelScene scene;
+  std::vector<Probe> probes{scene.probe(10000, 64, 0.001), scene.probe(10000, 256, 0.001)};
+  const double alone = predict(probes, 10000, 0.05, 1).samples.value;
+  for (Probe& p : probes) p.groups = 1.2;
+  const double in_groups = predict(probes, 10000, 0.05, 1).samples.value;
+  EXPECT_NEAR(in_groups / alone, 1.2 * 1.2, 0.1);
+  for (Probe& p : probes) p.groups = 20;
+  EXPECT_LT(predict(probes, 10000, 0.05, 1).samples.value, 3 * alone) << "a few bright samples";
+}
+
 TEST(Prediction, NeverBelowTheFirstLook) {
   const ModelScene scene;
   const Prediction p = predict({scene.probe(1000, 16, 0.05)}, 1000, 0.9, 16);
