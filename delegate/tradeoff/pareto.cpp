@@ -15,12 +15,26 @@ bool is_sound(const CurvePoint& point) {
          std::isfinite(point.squared_bias.value) && point.squared_noise.value + counted(point.squared_bias) > 0;
 }
 
-/// The curves by configuration, each with its points.
+double squared_error(const CurvePoint& point) {
+  return point.squared_noise.value + counted(point.squared_bias);
+}
+
+/// The curves by configuration, each with its points. A point whose error is larger than that of a cheaper one of its
+/// curve is left out: it has met a bright sample that the other has not.
 class Curves {
  public:
   explicit Curves(std::span<const CurvePoint> points) {
+    std::vector<const CurvePoint*> sound;
     for (const CurvePoint& point : points)
-      if (is_sound(point)) curves_[point.configuration].push_back(&point);
+      if (is_sound(point)) sound.push_back(&point);
+    const auto is_beaten = [&](const CurvePoint* point) {
+      return std::any_of(sound.begin(), sound.end(), [&](const CurvePoint* cheaper) {
+        return cheaper->configuration == point->configuration && cheaper->cost < point->cost &&
+               squared_error(*cheaper) < squared_error(*point);
+      });
+    };
+    for (const CurvePoint* point : sound)
+      if (!is_beaten(point)) curves_[point->configuration].push_back(point);
   }
 
   /// None where the curve was not measured near `cost`.

@@ -241,7 +241,9 @@ std::string advice_text(const StudyResult& result, const ConfigurationList& list
   if (text.empty()) return "";
   return "\n## What to choose\nFor a frame of " + size_text(context.scene_width, context.scene_height) + " on " +
          std::to_string(threads) + (threads == 1 ? " thread" : " threads") +
-         ", the error that is expected in the time, and its command:\n\n" + text;
+         ", the error that is expected in the time, and its command. The base is left for what errs less beyond both "
+         "intervals, even if a bias that may be 0 is at its end:\n\n" +
+         text;
 }
 
 std::string left_out_text(const StudyResult& result, const ConfigurationList& list) {
@@ -381,7 +383,7 @@ std::string markdown_text(const StudyResult& result, const ConfigurationList& li
       ", in one setting, and presets (`quality=`) in several; their limits of samples and error are left out. Cost at "
       "equal noise: noise^2 x CPU seconds relative to the base, at the highest sample count that both have; a CPU time "
       "is good to " +
-      percent(result.timing_error) +
+      format("%.0f %%", std::ceil(100 * result.timing_error)) +
       ". Bias: the relative RMSE that remains with any number of samples; *below x* where it may be 0, and then it "
       "counts as 0. All configurations share their random numbers, so their rows are correlated; the reference has its "
       "own. No interval accounts for rare bright samples that have not occurred yet.\n\n" +

@@ -50,6 +50,13 @@ TEST(Front, ADearerPointOfTheSameCurveMustBeBetter) {
   EXPECT_EQ(on_front(std::vector{point(0, 1, 1), point(0, 4, 100)}), (Flags{true, false}));
 }
 
+TEST(Front, APointThatACheaperOneBeatsIsNoReasonToPreferAnother) {
+  // At its cost the other errs as the base's cheaper point promises. A bright sample has spoilt the base's second
+  // point.
+  EXPECT_EQ(on_front(std::vector{point(0, 1, 1), point(0, 4, 100, 1), point(1, 3, 0.98)}), (Flags{true, false, false}));
+  EXPECT_EQ(on_front(std::vector{point(0, 1, 1), point(0, 4, 100, 1), point(1, 3, 0.5)}), (Flags{false, false, true}));
+}
+
 TEST(Front, CurvesAreNotFollowedFar) {
   EXPECT_EQ(on_front(std::vector{point(0, 1, 1), point(1, 5, 2)}), (Flags{true, true}));
   EXPECT_EQ(on_front(std::vector{point(0, 1, 1), point(1, 3, 2)}), (Flags{true, false}));
