@@ -104,7 +104,7 @@ def main():
     arguments = parser.parse_args()
     if arguments.seeds < 2:
         parser.error("--seeds must be 2 or more: noise is the difference between seeds")
-    require(arguments.program, "oiiotool")
+    require(arguments.program)
     print(f"{arguments.size}, {arguments.spp} samples, {arguments.seeds} seeds\n\n| object | glossyFilter | level | bias | gain, whole frame |\n|--|--|--|--|--|")
     with tempfile.TemporaryDirectory() as name:
         folder = pathlib.Path(name)
