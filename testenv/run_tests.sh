@@ -27,4 +27,7 @@ export LSAN_OPTIONS="suppressions=$top/testenv/sanitizers/leak_suppressions ${LS
 export TSAN_OPTIONS="suppressions=$top/testenv/sanitizers/thread/suppressions ${TSAN_OPTIONS:-}"
 export UBSAN_OPTIONS="print_stacktrace=1 ${UBSAN_OPTIONS:-}"
 cd "$build"
-exec ctest --output-on-failure -j "$(nproc)" "$@"
+# A test that hangs is ended after half an hour; sanitizers take longer.
+limit=1800
+[ -z "$sanitize" ] || limit=14400
+exec ctest --timeout "$limit" --output-on-failure -j "$(nproc)" "$@"

@@ -37,7 +37,7 @@ class Base(NamedTuple):
 
     @property
     def program(self):
-        return self.folder / "build/bin/alabaster"
+        return self.folder / "source/build/release/bin/alabaster"
 
 
 def read_base(text):
@@ -49,7 +49,8 @@ def read_base(text):
 
 
 def build(base):
-    source, built = base.folder / "source", base.folder / "build"
+    source = base.folder / "source"
+    built = source / "build/release"  # where developers have it, so that ccache finds what they compiled
     shutil.rmtree(source, ignore_errors=True)
     source.mkdir(parents=True)
     archive = subprocess.run(["git", "-C", str(TOP), "archive", base.commit], capture_output=True)
@@ -59,7 +60,6 @@ def build(base):
     subprocess.run(["cmake", "-S", str(source), "-B", str(built), "-G", "Ninja", "-DCMAKE_BUILD_TYPE=Release", "-DALABASTER_TESTS=OFF",
                     "-DALABASTER_BENCHMARKS=OFF"], check=True)
     subprocess.run(["cmake", "--build", str(built), "--target", "alabaster"], check=True)
-    shutil.rmtree(source)
     for file in built.rglob("*.o"):
         file.unlink()
 

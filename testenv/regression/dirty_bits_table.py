@@ -80,6 +80,12 @@ def linked(scene):
     scene.set_parameter("/key", "lightLink", "some")
 
 
+def overlapping(scene):
+    """Two balls of wax, one of them in a set."""
+    mesh(material="/wax", place=at(-1.2, 0.5, 0.4, 0.5))(scene)
+    scene.set_primvar("/wax_ball", "subsurfaceSet", alabaster.Primvar("set", "constant"))
+
+
 def lens(**parameters):
     return lambda scene: scene.set_camera("/camera", CAMERA, focalLength=0.05, horizontalAperture=0.036, verticalAperture=0.024, **parameters)
 
@@ -103,6 +109,9 @@ TABLE = {  # rows, or why there is none
     "kPoints": [primvar("points", scaled(1.5), mesh()),
                 primvar("points", alabaster.Primvar(scaled(1), motion=[(-0.5, scaled(0.5)), (0.5, scaled(1.5))]), with_shutter(mesh()))],
     "kPrimvar": [primvar("displayColor", each((0.1, 0.1, 0.9)), painted),
+                 primvar("holdout", alabaster.Primvar(True, "constant"), mesh()),
+                 primvar("visibleToCamera", alabaster.Primvar(False, "constant"), mesh()),
+                 primvar("subsurfaceSet", alabaster.Primvar("set", "constant"), overlapping),
                  Row("values of instances", lambda scene: scene.set_instance_values("/many", 1, translations=[(0, 0, 0.5)]), instanced(LEFT, RIGHT)),
                  Row("translations", instanced(LEFT, (0, 0, 0.5)), instanced(LEFT, RIGHT))],
     "kMaterialId": [Row("material", lambda scene: scene.bind_material("/probe", "/wax"), mesh())],
