@@ -7,6 +7,7 @@
 #include "core/integrator/path_record.h"
 #include "core/integrator/see_through.h"
 #include "core/scene/clear_bodies.h"
+#include "core/subsurface/body.h"
 
 namespace alabaster {
 namespace {
@@ -81,10 +82,10 @@ Rgb passing_factor(const PathVertex& v, const Interiors& from, const Interiors& 
   return is_index_matched(v) ? index_factor(from.indices(), to.indices()) : Rgb(1.0f);
 }
 
-void pass(const PathVertex& v, const Rgb& factor, const Interiors& past, PathState* path) {
+void pass(const PathContext& context, const PathVertex& v, const Rgb& factor, const Interiors& past, PathState* path) {
   path->throughput *= factor;
   path->interiors = past;
-  path->hollows.leave(v.triangle.instance);
+  if (!path->hollows.empty()) path->hollows.leave(hollow_of(context.scene, v.triangle.instance));
 }
 
 // The side of the surface that a direction leaves to: light that passes must do so by the lobe, by the interpolated
@@ -136,6 +137,19 @@ class CoincidentSurfaces final : public HitFilter {
   const uint32_t own_;
   mutable std::array<TriangleHit, kMost> found_;
   mutable uint32_t count_ = 0;
+};
+
+// Stops at surfaces of closed opaque bodies that light walks in.
+class OpaqueBodies final : public HitFilter {
+ public:
+  explicit OpaqueBodies(const SceneSnapshot& scene) : scene_(scene) {}
+  bool stops(const TriangleHit& hit) const noexcept override {
+    const Instance& instance = scene_.instance(hit.instance);
+    return instance.body && !instance.see_through && !instance.material(hit.triangle).transmits();
+  }
+
+ private:
+  const SceneSnapshot& scene_;
 };
 
 // Sets v->past if surfaces of other bodies lie between the two origins of rays that leave this surface: the next ray
@@ -271,9 +285,31 @@ std::optional<Lobe> scatter_at_boundary(const PathContext& context, const PathVe
   }
   path->scatter_pdf = discrete ? std::numeric_limits<float>::infinity() : sample->pdf;
   const bool far = side == Side::far;
-  if (far) pass(v, passing, interiors_beyond, path);
+  if (far) pass(context, v, passing, interiors_beyond, path);
   path->go_on(far ? beyond(v) : origin_of(context, v.departure, wi), leaves_straight ? path->ray.dir : wi);
   return sample->lobe;
+}
+
+void find_covered_wall(const PathContext& context, const PathState& path, TriangleHit* hit) {
+  const Interior* const medium = path.interiors.current();
+  if (!medium || medium->scatters || hit->instance != medium->instance) return;
+  if (!context.scene.clear_meetings.contains(path.ray.org + path.ray.dir * hit->t)) return;
+  const Instance& instance = context.scene.instance(hit->instance);
+  std::optional<Placement> moved;
+  const Placement& placement = instance.at(*hit, &moved);
+  const SurfacePoint wall =
+      on_side(surface_point(instance.prototype->mesh, *hit, placement.object_to_world, placement.world_to_object),
+              -path.ray.dir);
+  const Vec3f near = offset_point(wall.p, wall.ng, wall.offset), far = offset_point(wall.p, -wall.ng, wall.offset);
+  const Ray across{near, -wall.ng, length(far - near), path.ray.time};
+  const OpaqueBodies bodies(context.scene);
+  ++context.counters.bounce_rays;
+  TriangleHit covering;
+  if (!context.scene.top->intersect(across, &covering, &bodies)) return;
+  const Instance& body = context.scene.instance(covering.instance);
+  if (body.body->leaves(body.member, covering, path.ray.dir)) return;
+  covering.t = hit->t;
+  *hit = covering;
 }
 
 Interiors interiors_at(const PathContext& context, Ray ray, Seeker seeker) {

@@ -6,6 +6,7 @@
 #include "core/integrator/path_state.h"
 #include "core/integrator/see_through.h"
 #include "core/integrator/subsurface_scatter.h"
+#include "core/subsurface/body.h"
 
 namespace alabaster {
 
@@ -33,6 +34,16 @@ bool goes_on_within_medium(const PathContext& context, const PathVertex& v, cons
   return false;
 }
 
+/// True if the path is in the body of the instance that it meets, in air: it came through a hole, or it left another
+/// body within. (It left a clear body of holes by its interior.)
+inline bool is_in_air_within(const PathContext& context, const PathVertex& v, const PathState& path) {
+  const SubsurfaceBody* const body = v.instance->body;
+  const bool began_there = path.depth > 0 && body && body->has_holes && !v.material.transmits();
+  if (!began_there && !path.hollows.contains(hollow_of(context.scene, v.triangle.instance))) return false;
+  return crossing_at(*v.instance, path.ray.dir, v.triangle) == Crossing::leaves &&
+         !is_in_union(context.scene, path.interiors, *v.instance);
+}
+
 /// The surface where the path's ray ends. The wall of a body that is seen from inside through air is a thin sheet.
 template <SubsurfaceMode kMode>
 PathVertex find_vertex(const PathContext& context, const TriangleHit& hit, PathState* path) {
@@ -41,8 +52,7 @@ PathVertex find_vertex(const PathContext& context, const TriangleHit& hit, PathS
       make_vertex(context, path->ray, hit, context.settings.texture_filter * path->footprint.cone.width);
   if (context.settings.glossy_filter > 0 && path->depth > 0) [[unlikely]]
     vertex.material.least_roughness = std::sqrt(context.settings.glossy_filter * path->footprint.least_alpha());
-  if (path->hollows.contains(hit.instance) && crossing_at(*vertex.instance, path->ray.dir, hit) == Crossing::leaves &&
-      !is_in_union(context.scene, path->interiors, *vertex.instance))
+  if (context.scene.features.see_through && is_in_air_within(context, vertex, *path)) [[unlikely]]
     vertex.material.thin = true, vertex.material.flatness = 0;
   if (kMode == SubsurfaceMode::lambert)
     vertex.material.scatter_distance = Rgb(0.0f);

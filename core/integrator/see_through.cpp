@@ -35,6 +35,18 @@ class LinkedTransmittance final : public HitFilter {
 
 }  // namespace
 
+namespace {
+
+// A wall of a union with holes that lies within another member: no surface of the body.
+bool is_hidden(const Instance& instance, const DisneyMaterial& material, const Vec3f& dir, const TriangleHit& hit) {
+  const SubsurfaceBody* const body = instance.body;
+  if (!body || !body->is_union() || !material.is_partly_opaque()) return false;
+  const uint8_t flags = body->members[instance.member].shells->flags(hit.triangle);
+  return !(flags & (MeshShells::kOpen | MeshShells::kInner)) && body->is_inner_wall(instance.member, hit, dir);
+}
+
+}  // namespace
+
 bool is_culled(const Instance& instance, const TriangleHit& hit, const Vec3f& dir) {
   return instance.camera_cull == CameraCull::all ||
          (instance.camera_cull != CameraCull::none &&
@@ -56,8 +68,14 @@ float coverage_at(const SceneSnapshot& scene, const Vec3f& dir, const TriangleHi
   if (instance.single_sided && !material.is_translucent() && is_found_behind(instance, hit, dir)) return 0;
   if (!material.is_partly_opaque()) return 1;
   if (within && (within->contains(hit.instance) || is_in_union(scene, *within, instance))) return 1;
+  if (is_hidden(instance, material, dir, hit)) return 0;
   const Vec2f uv = mesh.uv_sets.empty() ? Vec2f(0, 0) : interpolated<Vec2f>(mesh.uv_sets.front(), mesh, hit);
   return material.coverage({mesh, hit, uv});
+}
+
+uint32_t hollow_of(const SceneSnapshot& scene, uint32_t instance) {
+  const SubsurfaceBody* const body = scene.instance(instance).body;
+  return body && body->is_union() ? body->members.front().instance : instance;
 }
 
 Crossing crossing_at(const Instance& instance, const Vec3f& dir, const TriangleHit& hit) {
@@ -65,6 +83,7 @@ Crossing crossing_at(const Instance& instance, const Vec3f& dir, const TriangleH
   if (instance.body) {
     if (instance.body->members[instance.member].shells->flags(hit.triangle) & (MeshShells::kOpen | MeshShells::kInner))
       return Crossing::none;
+    if (is_hidden(instance, instance.material(hit.triangle), dir, hit)) return Crossing::none;
     leaves = instance.body->leaves(instance.member, hit, dir);
   } else {
     const DisneyMaterial& material = instance.material(hit.triangle);
@@ -100,9 +119,9 @@ void StochasticStop::cross_holes(float t, Hollows* hollows) const {
     for (uint32_t i = 0; i < count_; ++i) {
       if (holes_[i].crossing != crossing || !(holes_[i].t < t)) continue;
       if (crossing == Crossing::enters)
-        hollows->enter(holes_[i].instance);
+        hollows->enter(hollow_of(scene_, holes_[i].instance));
       else
-        hollows->leave(holes_[i].instance);
+        hollows->leave(hollow_of(scene_, holes_[i].instance));
     }
 }
 

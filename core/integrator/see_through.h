@@ -16,8 +16,12 @@ bool is_in_union(const SceneSnapshot& scene, const Interiors& interiors, const I
 
 /// The share of a hit that is there, 0 to 1, for a ray along `dir`. `within`: the interiors that the ray is in; null:
 /// none. Their own surfaces, and those of their unions, have coverage 1: light within a medium ignores opacity, as
-/// walks do.
+/// walks do. Partly opaque walls of a union's member within another member are not there: its surface is that of the
+/// union.
 float coverage_at(const SceneSnapshot& scene, const Vec3f& dir, const TriangleHit& hit, const Interiors* within);
+
+/// The number in Hollows of the body that an instance belongs to: a union is one body.
+uint32_t hollow_of(const SceneSnapshot& scene, uint32_t instance);
 
 /// How a ray along `dir` crosses the surface of a solid that scatters or is clear, at a hit. `none`: other surfaces.
 enum class Crossing { none, enters, leaves };

@@ -143,7 +143,13 @@ Interiors interiors_beyond(const PathContext& context, const SubsurfaceExit& exi
                   exit.hit.time};
     if (body.touched.contains(ray.org)) enter_those(interiors_at(context, ray, Seeker::path), true);
   }
-  for (uint32_t i = 0; i < path.hollows.size(); ++i) beyond.leave(path.hollows[i]);
+  for (uint32_t i = 0; i < path.hollows.size(); ++i) {
+    const SubsurfaceBody* const hollow = context.scene.instance(path.hollows[i]).body;
+    if (hollow && hollow->is_union())
+      for (const auto& member : hollow->members) beyond.leave(member.instance);
+    else
+      beyond.leave(path.hollows[i]);
+  }
   for (const auto& member : body.members) beyond.leave(member.instance_of(exit.hit));
   return beyond;
 }
@@ -259,11 +265,9 @@ bool scatter_below_surface(const PathContext& context, const PixelSampler& sampl
   const Leaving leaving{*exit, below, came_along, path->interiors.indices()};
   if (!path->interiors.empty() || !body.touched.empty()) [[unlikely]]
     path->interiors = interiors_beyond(context, *exit, body, *path);
-  // The walk has left the union's medium, so the path is in no hollow of its members any more.
-  if (body.is_union() && !path->hollows.empty()) [[unlikely]] {
-    for (const auto& member : body.members)
-      while (path->hollows.contains(member.instance)) path->hollows.leave(member.instance);
-  }
+  // The walk has left the union's medium, so the path is not in its hollow any more.
+  if (body.is_union() && !path->hollows.empty()) [[unlikely]]
+    path->hollows.leave(body.members.front().instance);
   // A profile does not know from where the light comes to the boundary.
   if (kMode != SubsurfaceMode::diffusion)
     if (const auto left = leave_clear_surface(context, sampler, leaving, path)) return *left;

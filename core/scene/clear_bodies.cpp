@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
+#include <numeric>
 
 namespace alabaster {
 
@@ -39,21 +40,45 @@ bool light_walks_in(const Instance& instance) {
                                                      [](const DisneyMaterial* m) { return m->scatters(); });
 }
 
+bool contains(const Bounds& outer, const Bounds& inner) {
+  return outer.contains(inner.lower) && outer.contains(inner.upper);
+}
+
+bool lies_within_one(const Bounds& box, const BoxTree& boxes) {
+  bool found = false;
+  boxes.search([&](const Bounds& b) { return !found && contains(b, box); }, [&](uint32_t) { found = true; });
+  return found;
+}
+
+// Empty: they share no point.
+Bounds common(const Bounds& a, const Bounds& b) {
+  Bounds both;
+  for (int axis = 0; axis < 3; ++axis) {
+    both.lower[axis] = std::max(a.lower[axis], b.lower[axis]);
+    both.upper[axis] = std::min(a.upper[axis], b.upper[axis]);
+  }
+  return both;
+}
+
+// Faces that coincide but for rounding count as touching.
+Bounds wider(const Bounds& box) {
+  const Vec3f by(0x1p-16f * std::max(max_abs_component(box.lower), max_abs_component(box.upper)));
+  return {box.lower - by, box.upper + by};
+}
+
 }  // namespace
 
 void rank_clear_bodies(SceneSnapshot* snapshot) {
-  constexpr size_t kMost = 1024;  // each clear body is compared with each of these
-  std::vector<Bounds> walked_in;
-  for (const Instance& instance : snapshot->instances)
-    if (light_walks_in(instance)) walked_in.push_back(bounds_in_render_space(instance));
-  if (walked_in.size() > kMost) walked_in.clear();
+  std::vector<Bounds> boxes;
+  for (const Instance& instance : snapshot->instances) {
+    const Bounds box = light_walks_in(instance) ? bounds_in_render_space(instance) : Bounds();
+    if (!box.empty()) boxes.push_back(box);
+  }
+  const BoxTree walked_in(std::move(boxes));
   for (Instance& instance : snapshot->instances) {
     if (!has_clear_interior(instance)) continue;
-    const Bounds box = bounds_in_render_space(instance);
     const bool scatters = light_walks_in(instance);
-    const bool within_one = !scatters && std::any_of(walked_in.begin(), walked_in.end(), [&](const Bounds& b) {
-      return b.contains(box.lower) && b.contains(box.upper);
-    });
+    const bool within_one = !scatters && lies_within_one(bounds_in_render_space(instance), walked_in);
     instance.clear_rank = rank(scatters, within_one, volume_of_box(instance));
   }
   for (InstanceArray& array : snapshot->arrays) {
@@ -80,46 +105,67 @@ bool overlap(const Bounds& a, const Bounds& b) {
 }
 
 ClearBoxes::ClearBoxes(const SceneSnapshot& snapshot) {
-  constexpr size_t kMost = 1024;  // each body is compared with each box
+  std::vector<Bounds> boxes;
+  const auto add = [&](const Bounds& box, uint32_t instance) {
+    if (box.empty()) return;
+    boxes.push_back(box);
+    instances_.push_back(instance);
+  };
   for (uint32_t i = 0; i < snapshot.instances.size(); ++i)
-    if (has_clear_interior(snapshot.instances[i])) boxes_.push_back({bounds_in_render_space(snapshot.instances[i]), i});
+    if (has_clear_interior(snapshot.instances[i])) add(bounds_in_render_space(snapshot.instances[i]), i);
   for (const InstanceArray& array : snapshot.arrays)
-    if (has_clear_interior(array.look)) boxes_.push_back({array.placed->bounds(), kNone});
-  if (boxes_.size() > kMost) boxes_.assign(1, {snapshot.clear_bodies, kNone});
+    if (has_clear_interior(array.look)) add(array.placed->bounds(), kNone);
+  boxes_ = BoxTree(std::move(boxes));
 }
 
 Bounds ClearBoxes::that_meet(const Bounds& box, const std::vector<uint32_t>& left_out) const {
   Bounds all;
-  for (const Box& clear : boxes_) {
-    if (!overlap(clear.bounds, box)) continue;
-    if (std::find(left_out.begin(), left_out.end(), clear.instance) != left_out.end()) continue;
-    all.extend(clear.bounds);
-  }
+  boxes_.search([&](const Bounds& b) { return overlap(b, box) && !contains(all, b); },
+                [&](uint32_t i) {
+                  if (!std::binary_search(left_out.begin(), left_out.end(), instances_[i])) all.extend(boxes_[i]);
+                });
   return all;
 }
 
+void ClearBoxes::extend_by_meetings_with(const Bounds& box, Bounds* all) const {
+  const Bounds around = wider(box);
+  const auto shared = [&](const Bounds& b) { return common(wider(b), around); };
+  boxes_.search([&](const Bounds& b) { return !shared(b).empty() && !contains(*all, shared(b)); },
+                [&](uint32_t i) { all->extend(shared(boxes_[i])); });
+}
+
 Bounds ClearBoxes::meetings() const {
-  // Faces that coincide but for rounding count as touching.
-  const auto wider = [](const Bounds& box) {
-    const Vec3f by(0x1p-16f * std::max(max_abs_component(box.lower), max_abs_component(box.upper)));
-    return Bounds{box.lower - by, box.upper + by};
-  };
   Bounds all;
-  for (size_t i = 0; i < boxes_.size(); ++i) {
-    const Bounds a = wider(boxes_[i].bounds);
-    if (boxes_[i].instance == kNone) all.extend(a);  // its bodies may touch each other
-    for (size_t k = i + 1; k < boxes_.size(); ++k) {
-      const Bounds b = wider(boxes_[k].bounds);
-      if (!overlap(a, b)) continue;
-      Bounds common;
-      for (int axis = 0; axis < 3; ++axis) {
-        common.lower[axis] = std::max(a.lower[axis], b.lower[axis]);
-        common.upper[axis] = std::min(a.upper[axis], b.upper[axis]);
-      }
-      all.extend(common);
-    }
+  std::vector<Bounds> boxes;
+  for (uint32_t i = 0; i < boxes_.size(); ++i) {
+    boxes.push_back(wider(boxes_[i]));
+    if (instances_[i] == kNone) all.extend(boxes.back());  // its bodies may touch each other
   }
+  extend_by_meetings(BoxTree(std::move(boxes)), &all);
   return all;
+}
+
+// Large boxes come first: their common parts often hold those of the small ones.
+size_t extend_by_meetings(const BoxTree& boxes, Bounds* all) {
+  std::vector<uint32_t> order(boxes.size());
+  std::iota(order.begin(), order.end(), 0u);
+  const auto size = [&](uint32_t i) { return length(boxes[i].extent()); };
+  std::sort(order.begin(), order.end(), [&](uint32_t a, uint32_t b) { return size(a) > size(b); });
+  size_t compared = 0;
+  for (const uint32_t i : order) {
+    const Bounds& box = boxes[i];
+    if (contains(*all, box)) continue;
+    boxes.search(
+        [&](const Bounds& b) {
+          ++compared;
+          const Bounds both = common(b, box);
+          return !both.empty() && !contains(*all, both);
+        },
+        [&](uint32_t k) {
+          if (k != i) all->extend(common(boxes[k], box));
+        });
+  }
+  return compared;
 }
 
 }  // namespace alabaster

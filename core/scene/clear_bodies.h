@@ -3,6 +3,7 @@
 
 #include <vector>
 
+#include "core/geometry/box_tree.h"
 #include "core/scene/scene.h"
 
 namespace alabaster {
@@ -24,26 +25,30 @@ Bounds bounds_in_render_space(const Instance& instance);
 /// True if the boxes share a point; their sides count.
 bool overlap(const Bounds& a, const Bounds& b);
 
+/// Extends `all` to where two of the boxes share a point. Returns the number of comparisons of boxes, in the order of
+/// n log n.
+size_t extend_by_meetings(const BoxTree& boxes, Bounds* all);
+
 /// The boxes of a snapshot's clear bodies, in render space.
 class ClearBoxes {
  public:
   /// The instances and the arrays of `snapshot` have been placed.
   explicit ClearBoxes(const SceneSnapshot& snapshot);
 
-  /// Bounds of all boxes that overlap `box`, without those of the instances `left_out`. Empty: none.
+  /// Bounds of all boxes that overlap `box`, without those of the instances `left_out`, in order. Empty: none.
   Bounds that_meet(const Bounds& box, const std::vector<uint32_t>& left_out) const;
+
+  /// Extends `all` to where bodies may touch or overlap `box`.
+  void extend_by_meetings_with(const Bounds& box, Bounds* all) const;
 
   /// Bounds of where two bodies may touch or overlap. Empty: no two do.
   Bounds meetings() const;
 
  private:
-  struct Box {
-    Bounds bounds;
-    uint32_t instance;  // kNone: of several
-  };
   static constexpr uint32_t kNone = ~0u;
 
-  std::vector<Box> boxes_;
+  BoxTree boxes_{{}};
+  std::vector<uint32_t> instances_;  // kNone: of an array
 };
 
 }  // namespace alabaster

@@ -66,6 +66,13 @@ bool SubsurfaceBody::leaves(uint32_t member, const TriangleHit& hit, const Vec3f
   return alabaster::leaves(*m.mesh, *m.shells, hit, m.at(hit, &moved).to_object.vector(direction));
 }
 
+bool SubsurfaceBody::is_inner_wall(uint32_t member, TriangleHit hit, const Vec3f& direction) const {
+  constexpr float kInfinity = std::numeric_limits<float>::infinity();
+  hit.instance = member;
+  const Vec3f outward = leaves(member, hit, direction) ? direction : -direction;
+  return contains_in_body_space({cross(hit, outward).beyond, outward, kInfinity, hit.time}, &members[member]);
+}
+
 bool SubsurfaceBody::contains(Ray ray) const {
   ray.org -= origin;
   ray.tmax = std::numeric_limits<float>::infinity();

@@ -67,6 +67,8 @@ struct SubsurfaceBody {
   Bounds bounds;
   /// Bounds of the clear bodies that may touch this one, render space: exits outside of them lead to air.
   Bounds touched;
+  /// Some material is partly opaque: rays may be inside the body in air.
+  bool has_holes = false;
 
   /// Null: walks are not guided to light.
   std::shared_ptr<LazyLitSurface> lit;
@@ -81,6 +83,9 @@ struct SubsurfaceBody {
   Vec3f to_walk_space(const SubsurfaceEntry& entry, const Vec3f& p) const;
   /// True if a line in direction `direction` (world) leaves the member's shell at a hit, false if it enters.
   bool leaves(uint32_t member, const TriangleHit& hit, const Vec3f& direction) const;
+  /// True if a hit on the surface of a union's member lies within another of its closed shells. `direction`: of the
+  /// line that met it (world).
+  bool is_inner_wall(uint32_t member, TriangleHit hit, const Vec3f& direction) const;
   /// True if a closed shell of a union contains the ray's origin (render space), by the crossings of the whole line
   /// from there on, whatever the ray's tmax.
   bool contains(Ray ray) const;

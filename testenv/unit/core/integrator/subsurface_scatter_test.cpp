@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "core/integrator/boundary.h"
+#include "core/integrator/path_surface.h"
 #include "testenv/support/furnace.h"
 #include "testenv/support/material_testing.h"
 #include "testenv/support/memory_texture.h"
@@ -202,6 +203,57 @@ TEST(Holes, MembersOfACloudyUnionMayHaveHoles) {
                   {"the small one", {0, 0, 8}, {-0.85, -0.7, 0.6}},
                   {"the large one", {0, 0, 8}, {0.5, 0.3, 0}}},
                  {.runs = 256, .slack = 3e-3, .sees_background = true}, "a cloudy union");
+}
+
+// A member within another one, and two that overlap: a ray passes two walls, whatever it meets within.
+TEST(Holes, WallsWithinAUnionAreNotThere) {
+  for (const Matrix4d& place : {scaled_by(0.5), moved_by(0.9, 0.2, 0.4)}) {
+    SceneBuilder b;
+    const auto ball = b.prototype(testing::sphere_mesh(1, 32, true));
+    DisneyParameters p = white_body(0.2f);
+    p.opacity = 0.5f;
+    add(&b, ball, p, Matrix4d(), "one");
+    add(&b, ball, p, place, "one");
+    for (const auto mode : kModes)
+      expect_furnace(b, {{"through both", {0.23, 0.12, 6}, {0.23, 0.12, 0}, 0.75}},
+                     {.mode = mode, .runs = 256, .slack = 4e-3}, "a union");
+
+    // Shadows.
+    b.add(b.prototype(testing::plane_mesh(9)), b.material(testing::matt(Rgb(0.8f))),
+          Matrix4d().setAxisAngle(Vec3d(1, 0, 0), M_PI / 2) * moved_by(0.23, 0.12, -3));
+    LightDescription sun;
+    sun.type = LightType::distant;
+    sun.angle = 0;
+    b.add(sun);
+    const auto floor_from = [&] {
+      PathTracer tracer(b.snapshot(), {4, 0.12, -1}, {0.23, 0.12, -3});
+      tracer.settings.max_depth = 1;
+      return tracer.trace(0).color.g;
+    };
+    const float shaded = floor_from();
+    b.description.instances.erase(b.description.instances.begin(), b.description.instances.begin() + 2);
+    EXPECT_NEAR(shaded / floor_from(), 0.25f, 1e-6f);
+  }
+}
+
+// A ray of the camera may begin in the medium. Others come to the inside of such a body in air alone: no walk within it
+// leaves it there.
+TEST(Holes, PathsWithinABodyOfHolesAreInAir) {
+  SceneBuilder b;
+  DisneyParameters p = white_body(0.2f);
+  p.opacity = 0.5f;
+  add(&b, b.prototype(testing::sphere_mesh(1, 32, true)), p);
+  PathTracer tracer(b.snapshot(), {0, 0, 4});
+  const PathContext context = tracer.context();
+  for (const uint32_t depth : {0u, 1u}) {
+    PathState path;
+    path.ray.org = {0, 0, 0};
+    path.ray.dir = normalize(Vec3f(0.1f, 0.2f, 1));
+    path.depth = depth;
+    TriangleHit hit;
+    ASSERT_TRUE(context.scene.top->intersect(path.ray, &hit));
+    EXPECT_EQ(find_vertex<SubsurfaceMode::walk>(context, hit, &path).material.thin, depth > 0) << depth;
+  }
 }
 
 TEST(Holes, ClearAndCloudyBodiesMayHaveHoles) {
