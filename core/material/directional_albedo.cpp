@@ -35,6 +35,18 @@ auto mean_over_square(const F& f) {
   return sum * (1.0f / (kColumns * kRows));
 }
 
+// As above, over a Fibonacci lattice, no two points of which share a coordinate: a grid may miss what is narrow along
+// an axis.
+template <class F>
+auto mean_over_lattice(const F& f) {
+  constexpr uint32_t kPoints = 4181, kStep = 2584;
+  decltype(f(Vec2f())) sum(0);
+  for (uint32_t i = 0; i < kPoints; ++i)
+    sum +=
+        f(Vec2f((static_cast<float>(i) + 0.5f) / kPoints, (static_cast<float>(i * kStep % kPoints) + 0.5f) / kPoints));
+  return sum * (1.0f / kPoints);
+}
+
 // Int f wi.z dwi over the hemisphere, of a lobe that is symmetric about the plane of incidence: f(wo, wi). Points are
 // dense near the horizon: wi.z is u.x^2.
 template <class F>
@@ -47,16 +59,17 @@ float cosine_weighted(float cosine, const F& f) {
 }
 
 // By visible normals: f cos / pdf is G1(wi). Facets tilt steeply where u.x is near 1, so points are dense there.
+Vec2f ggx_at(const Vec2f& u, const Vec3f& wo, const Ggx& ggx) {
+  const float rest = 1 - u.x;
+  const Vec3f wm = ggx.sample(wo, {1 - rest * rest * rest, u.y});
+  const Vec3f wi = reflect_about(wo, wm);
+  if (!(wi.z > 0)) return {0, 0};
+  const float g1 = 3 * rest * rest * wi.z * ggx.g1_over_cos(wi);
+  return {g1, g1 * schlick_weight(dot(wo, wm))};
+}
 template <int kColumns, int kRows>
 Vec2f integrate_ggx(const Vec3f& wo, const Ggx& ggx) {
-  return mean_over_square<kColumns, kRows>([&](const Vec2f& u) {
-    const float rest = 1 - u.x;
-    const Vec3f wm = ggx.sample(wo, {1 - rest * rest * rest, u.y});
-    const Vec3f wi = reflect_about(wo, wm);
-    if (!(wi.z > 0)) return Vec2f(0, 0);
-    const float g1 = 3 * rest * rest * wi.z * ggx.g1_over_cos(wi);
-    return Vec2f(g1, g1 * schlick_weight(dot(wo, wm)));
-  });
+  return mean_over_square<kColumns, kRows>([&](const Vec2f& u) { return ggx_at(u, wo, ggx); });
 }
 
 // Alphas from the sharpest to 1 are spaced by their squares.
@@ -102,7 +115,8 @@ class StretchedFacets {
  public:
   explicit StretchedFacets(const Ggx& ggx)
       : squeeze_(std::sqrt(ggx.alpha_y / ggx.alpha_x)), table_([&](const std::array<float, 2>& at) {
-          const float cosine = cosine_at(at[0]), sine = safe_sqrt(1 - sqr(cosine)), phi = azimuth_at(at[1]);
+          const float cosine = std::max(1e-4f, 1 - sqr(1 - sqr(at[0]))), sine = safe_sqrt(1 - sqr(cosine));
+          const float phi = azimuth_at(at[1]);
           return raised(integrate({sine * std::cos(phi), sine * std::sin(phi), cosine}, ggx), cosine, 0.003f);
         }) {
     mean_ = mean_over_square<64, 64>([&](const Vec2f& u) {
@@ -111,7 +125,11 @@ class StretchedFacets {
     });
   }
 
-  Vec2f at(const Vec3f& w) const { return table_.at({place_of(w.z), place_of_azimuth(std::abs(w.x), std::abs(w.y))}); }
+  Vec2f at(const Vec3f& w) const {
+    // Cosines are dense near the horizon and about the normal, where albedos have a ridge along y.
+    const float place = safe_sqrt(1 - safe_sqrt(1 - w.z));
+    return table_.at({place, place_of_azimuth(std::abs(w.x), std::abs(w.y))});
+  }
   float mean() const { return mean_; }
 
  private:
@@ -130,7 +148,7 @@ class StretchedFacets {
   static Vec2f integrate(const Vec3f& wo, const Ggx& ggx) {
     const Vec2f sum = ggx.alpha_x < 0.7f ? integrate_ggx<24, 32>(wo, ggx)
                       : ggx.alpha_x < 2  ? integrate_ggx<32, 64>(wo, ggx)
-                                         : integrate_ggx<64, 96>(wo, ggx);
+                                         : mean_over_lattice([&](const Vec2f& u) { return ggx_at(u, wo, ggx); });
     constexpr float kError = 1.5e-3f;
     return {std::min(1.0f, sum.x + kError), std::min(1.0f, sum.y + std::min(kError, 0.03f * sum.y))};
   }

@@ -191,6 +191,26 @@ TEST(DisneyEnergy, AnisotropicWhiteMetalReflectsAllWhereEnergyIsConserved) {
         }
 }
 
+// Towards y, few directions see facets that are stretched along x.
+TEST(DisneyEnergy, AlbedosOfFacetsThatAreStretchedFar) {
+  constexpr int kPoints = 400;
+  for (const auto& [anisotropic, roughness] : {std::pair(1.11f, 0.5f), {1.11f, 1.0f}, {1.0f, 0.7f}})
+    for (const float cosine : {0.09f, 0.5f, 0.985f})
+      for (const float phi : {0.0f, 0.7f, 1.55f, 1.5708f}) {
+        const Ggx ggx = disney_ggx(roughness, anisotropic);
+        const Vec3f wo = along(cosine, phi);
+        double sum = 0;
+        for (int i = 0; i < kPoints * kPoints; ++i) {
+          const float rest = 1 - (static_cast<float>(i % kPoints) + 0.5f) / kPoints;
+          const float turn = (static_cast<float>(i / kPoints) + 0.3f) / kPoints;
+          const Vec3f wi = reflect_about(wo, ggx.sample(wo, {1 - rest * rest * rest, turn}));
+          if (wi.z > 0) sum += double(3 * rest * rest * wi.z * ggx.g1_over_cos(wi));
+        }
+        EXPECT_NEAR(double(ggx_albedo(wo, ggx).white), sum / (kPoints * kPoints), 3e-3)
+            << anisotropic << " roughness " << roughness << " at " << cosine << " " << phi;
+      }
+}
+
 TEST(DisneyEnergy, AnisotropicSurfacesAreBounded) {
   Rng rng(61, 10);
   for (const float ior : {1.5f, 4.0f})
