@@ -193,14 +193,14 @@ newfunc make_pybind11_object = nullptr;
 
 // pybind11 2.10 throws through CPython where the base itself is called, as pickle does (copyreg._reduce_ex).
 PyObject* refuse_the_base(PyTypeObject* type, PyObject* arguments, PyObject* keywords) {
-  if (type != reinterpret_cast<PyTypeObject*>(py::detail::get_internals().instance_base))
+  if (type != reinterpret_cast<PyTypeObject*>(pybind11::detail::get_internals().instance_base))
     return make_pybind11_object(type, arguments, keywords);
   PyErr_SetString(PyExc_TypeError, "objects of alabaster cannot be pickled, copied or made from their base class");
   return nullptr;
 }
 
 void guard_the_base() {
-  auto* base = reinterpret_cast<PyTypeObject*>(py::detail::get_internals().instance_base);
+  auto* base = reinterpret_cast<PyTypeObject*>(pybind11::detail::get_internals().instance_base);
   if (base->tp_new == &refuse_the_base) return;
   make_pybind11_object = base->tp_new;
   base->tp_new = &refuse_the_base;
