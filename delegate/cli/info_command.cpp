@@ -160,9 +160,10 @@ int run_info(const InfoArguments& arguments) {
   Preparation spent{{linked + watch.wall(), linked + watch.cpu()}, {}};
   const Stopwatch sync_watch;
   session.index()->SyncAll();
-  spent.sync = {sync_watch.wall(), sync_watch.cpu()};
+  // It waits until the scene is built with its images.
   const std::string requirements =
       without_control_characters(session.delegate()->InvokeCommand("requirements", {}).text_or(""), "\n");
+  spent.sync = {sync_watch.wall(), sync_watch.cpu()};
   std::printf("requires:\n%s%s", requirements.c_str(), requirements.ends_with('\n') ? "" : "\n");
   std::printf("peak memory so far: %.1f MB\n", double(hd::support::peak_memory_bytes()) / 1e6);
   std::fflush(stdout);
