@@ -274,7 +274,7 @@ def kept_or_told(rows):
     silent = [reached for reached, missed in rows if not missed]
     text = f"\n**{met + told} of {len(rows)}** met or told: {met} are met, {told} of the others say so. {needless} say so without need."
     if silent:
-        text += f" Of those without a message, true over asked is {statistics.median(silent):.2f} in the median, {min(silent):.2f} to {max(silent):.2f}."
+        text += f" Among renders without a message, true over asked is {statistics.median(silent):.2f} in the median, {min(silent):.2f} to {max(silent):.2f}."
     return text
 
 
@@ -312,8 +312,12 @@ def print_presets(bench):
         print("\nThe four worst: " + "; ".join(f"{name} ({ratio:.2f} of the promise)" for ratio, name in sorted(worst, reverse=True)[:4]) + ".")
 
 
+FEWEST_SCENES = 12
+
+
 def write_presets(bench):
-    """Puts what the presets reach into their file. Scenes that it has with the same settings and that were not measured now stay."""
+    """Puts what the presets reach into their file: of each preset that enough scenes have been measured with. Scenes that it has with the same
+    settings and that were not measured now stay."""
     o, file = bench.options, json.loads(PRESETS.read_text())
     for preset in file["presets"]:
         if preset["name"] not in PROMISES:
@@ -330,13 +334,14 @@ def write_presets(bench):
                 "saidMissed": records[0]["target"]["missed"], "noise": digits(statistics.fmean(r["error"]["relativeRmse"] for r in records)),
                 "error": digits(root(statistics.fmean(squared for squared, _ in rows))),
                 "cpuSeconds": digits(statistics.fmean(r["process"]["cpu"] for r in records))}
-        if not scenes:
-            continue
         limit = {"samples": o.preset_most} if o.preset_most else {}
         measured = {"settings": {**preset["settings"], **limit}, "command": command_line(), "scenes": scenes}
-        if preset["measured"]["settings"] == measured["settings"]:
+        if preset["measured"]["settings"] == measured["settings"] and set(preset["measured"]["scenes"]) - set(scenes):
             measured["scenes"] = {**preset["measured"]["scenes"], **scenes}
             measured["command"] = "; ".join(dict.fromkeys([*preset["measured"]["command"].split("; "), command_line()]))
+        if len(measured["scenes"]) < FEWEST_SCENES:
+            say(f"{preset['name']}: {len(measured['scenes'])} scenes have been measured, so its part of the presets' file stays as it is")
+            continue
         preset["measured"] = measured
     PRESETS.write_text(json.dumps(file, indent=2) + "\n")
 
