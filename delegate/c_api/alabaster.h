@@ -88,7 +88,7 @@ typedef struct AlabasterApi {
   AlabasterStatus (*stats)(AlabasterDelegate*, AlabasterVisit visit, void* user);
   AlabasterStatus (*command)(AlabasterDelegate*, const char* name, const AlabasterParameter* arguments, size_t count,
                              AlabasterVisit visit, void* user); /* "dumpScene", "flush", ...: render_delegate.h */
-  AlabasterStatus (*stop)(AlabasterDelegate*); /* blocks until nothing runs; nothing renders until restart */
+  AlabasterStatus (*stop)(AlabasterDelegate*);    /* blocks until nothing runs; nothing renders until restart */
   AlabasterStatus (*restart)(AlabasterDelegate*); /* passes may be started again; those that ran stay stopped */
   AlabasterStatus (*pause)(AlabasterDelegate*);
   AlabasterStatus (*resume)(AlabasterDelegate*);

@@ -62,7 +62,7 @@ hd::description::LoadOptions load_options(const RenderArguments& a) {
     settings["targetError"] = settings["timeLimit"] = "0";  // the samples of an even frame
     settings["denoise"] = "false";
   }
-  const auto is_set = [&](const char* name) {  // 0 is none; what is no number is refused where it is read
+  const auto is_set = [&](const char* name) {  // 0 is none. A text that is no number is refused where it is read.
     return !settings[name].empty() && parse_nonnegative(settings[name]) != 0.0;
   };
   const bool decided = is_set("targetError") || is_set("timeLimit");

@@ -389,7 +389,8 @@ void add_control(py::class_<Renderer>& renderer) {
             const py::object progress = take_progress(frame);
             return r.render(frame_changes(frame), progress);
           },
-          py::call_guard<FreeReturned>(), "Like start, and waits: progress as for Render.wait. A pause from before ends.")
+          py::call_guard<FreeReturned>(),
+          "Like start, and waits: progress as for Render.wait. A pause from before ends.")
       .def("record", &Renderer::record, py::kw_only(), py::arg("settings") = "", py::arg("aovs") = py::tuple(),
            py::arg("keep_going") = false, py::arg("progress") = py::none(),
            "Renders to files (.exr, .png, .tif, .jpg; without names, to those of the render settings), waits, and "
