@@ -23,7 +23,7 @@ class Look(NamedTuple):
     white: bool = True
     distance: float = 0.1  # scatterDistance of the first channel
     clear_roughness: float = 0.0
-    mask: bool = False  # matte bodies of the same opacity, to measure what rays meet
+    mask: bool = False  # opaque bodies of the same opacity, to measure what rays meet
     flat: bool = False  # all bodies squashed along z: a ball hides what is not reciprocal from sums over its surface
 
 
@@ -198,7 +198,8 @@ _FOLDER = tempfile.TemporaryDirectory(prefix="matrix_")
 
 def material_of(body, look):
     if look.mask:
-        return {"baseColor": (0.5,) * 3, "opacity": body.material.get("opacity", 1.0)}
+        scatters = {} if body.kind == "glass" else {"scatterDistance": (0.1,) * 3}  # unions have no walls within
+        return {"baseColor": (0.5,) * 3, "opacity": body.material.get("opacity", 1.0), **scatters}
     color = (1.0,) * 3 if look.white else (0.9, 0.6, 0.3)
     spread = (1.0,) * 3 if look.white else (1.0, 0.6, 0.4)
     distance = tuple(look.distance * s for s in spread)
