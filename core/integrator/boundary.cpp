@@ -7,7 +7,6 @@
 #include "core/integrator/path_record.h"
 #include "core/integrator/see_through.h"
 #include "core/scene/clear_bodies.h"
-#include "core/subsurface/body.h"
 
 namespace alabaster {
 namespace {
@@ -137,19 +136,6 @@ class CoincidentSurfaces final : public HitFilter {
   const uint32_t own_;
   mutable std::array<TriangleHit, kMost> found_;
   mutable uint32_t count_ = 0;
-};
-
-// Stops at surfaces of closed opaque bodies that light walks in.
-class OpaqueBodies final : public HitFilter {
- public:
-  explicit OpaqueBodies(const SceneSnapshot& scene) : scene_(scene) {}
-  bool stops(const TriangleHit& hit) const noexcept override {
-    const Instance& instance = scene_.instance(hit.instance);
-    return instance.body && !instance.see_through && !instance.material(hit.triangle).transmits();
-  }
-
- private:
-  const SceneSnapshot& scene_;
 };
 
 // Sets v->past if surfaces of other bodies lie between the two origins of rays that leave this surface: the next ray
@@ -288,28 +274,6 @@ std::optional<Lobe> scatter_at_boundary(const PathContext& context, const PathVe
   if (far) pass(context, v, passing, interiors_beyond, path);
   path->go_on(far ? beyond(v) : origin_of(context, v.departure, wi), leaves_straight ? path->ray.dir : wi);
   return sample->lobe;
-}
-
-void find_covered_wall(const PathContext& context, const PathState& path, TriangleHit* hit) {
-  const Interior* const medium = path.interiors.current();
-  if (!medium || medium->scatters || hit->instance != medium->instance) return;
-  if (!context.scene.clear_meetings.contains(path.ray.org + path.ray.dir * hit->t)) return;
-  const Instance& instance = context.scene.instance(hit->instance);
-  std::optional<Placement> moved;
-  const Placement& placement = instance.at(*hit, &moved);
-  const SurfacePoint wall =
-      on_side(surface_point(instance.prototype->mesh, *hit, placement.object_to_world, placement.world_to_object),
-              -path.ray.dir);
-  const Vec3f near = offset_point(wall.p, wall.ng, wall.offset), far = offset_point(wall.p, -wall.ng, wall.offset);
-  const Ray across{near, -wall.ng, length(far - near), path.ray.time};
-  const OpaqueBodies bodies(context.scene);
-  ++context.counters.bounce_rays;
-  TriangleHit covering;
-  if (!context.scene.top->intersect(across, &covering, &bodies)) return;
-  const Instance& body = context.scene.instance(covering.instance);
-  if (body.body->leaves(body.member, covering, path.ray.dir)) return;
-  covering.t = hit->t;
-  *hit = covering;
 }
 
 Interiors interiors_at(const PathContext& context, Ray ray, Seeker seeker) {

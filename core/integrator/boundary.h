@@ -20,11 +20,6 @@ bool meet_boundary(const PathContext& context, PathVertex* vertex, PathState* pa
 std::optional<Lobe> scatter_at_boundary(const PathContext& context, const PathVertex& vertex,
                                         const VertexNumbers& numbers, PathState* path, LayerSplit* split);
 
-/// `*hit`: the surface that the path's ray has met. Where a path would leave a clear body, and the surface of an opaque
-/// body that light walks in lies on the wall, `*hit` becomes that surface: light enters it from the clear body, as it
-/// leaves to the clear body.
-void find_covered_wall(const PathContext& context, const PathState& path, TriangleHit* hit);
-
 /// The kind of ray that seeks interiors: culled surfaces are not there for camera rays.
 enum class Seeker { camera, path };
 

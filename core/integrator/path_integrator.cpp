@@ -269,13 +269,6 @@ inline VertexNumbers draw_numbers(const PixelSampler& sampler, uint32_t depth, c
   return numbers;
 }
 
-// The surface at which a ray in a clear body ends, of those that lie where it has met one.
-template <SubsurfaceMode kMode>
-void find_wall(const PathContext& context, const PathState& path, TriangleHit* hit) {
-  if (kMode == SubsurfaceMode::walk) find_own_wall(context, path, hit);
-  find_covered_wall(context, path, hit);
-}
-
 template <SubsurfaceMode kMode, bool kMeshLights, bool kLayers>
 void follow_path(const PathContext& context, const PixelSampler& sampler, PathState* path, FilmSample* first_hit,
                  LayerSplit* split) {
@@ -289,8 +282,8 @@ void follow_path(const PathContext& context, const PixelSampler& sampler, PathSt
     TriangleHit hit;
     const float reach = path->ray.tmax;  // of a camera's ray, its far plane
     const bool found = intersect(context, sampler, path, &hit);
-    if (found && !path->interiors.empty()) [[unlikely]]
-      find_wall<kMode>(context, *path, &hit);
+    if (kMode == SubsurfaceMode::walk && found && !path->interiors.empty()) [[unlikely]]
+      find_own_wall(context, *path, &hit);
     const Mesh* const mesh = found ? &context.scene.instance(hit.instance).prototype->mesh : nullptr;
     if (found) path->ray.tmax = hit.t, prefetch_triangle(*mesh, hit.triangle);
 

@@ -107,8 +107,6 @@ class BodyPlanner {
     Bounds box;
     for (const uint32_t i : indices) box.extend(bounds_in_render_space(snapshot_.instances[i]));
     body->touched = clear_.that_meet(box, indices);
-    if (!has_clear_interior(snapshot_.instances[indices.front()]))
-      clear_.extend_by_meetings_with(box, &snapshot_.clear_meetings);
     snapshot_.bodies.push_back(std::move(body));
     return true;
   }
@@ -136,8 +134,6 @@ class BodyPlanner {
     member.least_stretch = array->placed->plan.least_stretch();
     plan_walks({&look}, body.get());
     body->touched = clear_.that_meet(array->placed->bounds(), {});
-    if (!has_clear_interior(array->look))
-      clear_.extend_by_meetings_with(array->placed->bounds(), &snapshot_.clear_meetings);
     snapshot_.bodies.push_back(std::move(body));
   }
 

@@ -127,13 +127,6 @@ Bounds ClearBoxes::that_meet(const Bounds& box, const std::vector<uint32_t>& lef
   return all;
 }
 
-void ClearBoxes::extend_by_meetings_with(const Bounds& box, Bounds* all) const {
-  const Bounds around = wider(box);
-  const auto shared = [&](const Bounds& b) { return common(wider(b), around); };
-  boxes_.search([&](const Bounds& b) { return !shared(b).empty() && !contains(*all, shared(b)); },
-                [&](uint32_t i) { all->extend(shared(boxes_[i])); });
-}
-
 Bounds ClearBoxes::meetings() const {
   Bounds all;
   std::vector<Bounds> boxes;

@@ -38,9 +38,6 @@ class ClearBoxes {
   /// Bounds of all boxes that overlap `box`, without those of the instances `left_out`, in order. Empty: none.
   Bounds that_meet(const Bounds& box, const std::vector<uint32_t>& left_out) const;
 
-  /// Extends `all` to where bodies may touch or overlap `box`.
-  void extend_by_meetings_with(const Bounds& box, Bounds* all) const;
-
   /// Bounds of where two bodies may touch or overlap. Empty: no two do.
   Bounds meetings() const;
 

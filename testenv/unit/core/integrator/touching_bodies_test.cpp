@@ -3,7 +3,6 @@
 
 #include <cmath>
 
-#include "core/integrator/boundary.h"
 #include "testenv/support/furnace.h"
 #include "testenv/support/mesh_bodies.h"
 
@@ -163,41 +162,6 @@ TEST(TouchingBodies, FacesThatCoincide) {
                     {"through the face", {-5, 1.5, 3}, {0, 0.05, 0.02}},
                     {"aside", {5, 2, 4}, {0.9, 0.3, 0.2}}},
                    {.runs = 64, .slack = 4e-3, .sees_background = true}, of.what);
-  }
-}
-
-/// Stops at one instance.
-class AtInstance final : public HitFilter {
- public:
-  explicit AtInstance(uint32_t instance) : instance_(instance) {}
-  bool stops(const TriangleHit& hit) const noexcept override { return hit.instance == instance_; }
-
- private:
-  const uint32_t instance_;
-};
-
-// Whichever of two faces that coincide a ray meets first: light goes from glass into the body beside it, as it comes
-// out of the body into glass.
-TEST(TouchingBodies, AnOpaqueFaceCoversTheWallOfGlass) {
-  SceneBuilder b;
-  const auto box = b.prototype(testing::box_mesh({1, 1, 1}));
-  add(&b, box, clear_body(1.5f), moved_by(-1, 0, 0));
-  add(&b, box, white_body(0.3f), moved_by(1, 0, 0));
-  PathTracer tracer(b.snapshot(), {-5, 0.2, 0.3});
-  const PathContext context = tracer.context();
-  PathState path;
-  path.ray.org = {-1, 0.2f, 0.3f};
-  for (const Vec3f& way : {Vec3f(1, 0.1f, 0.2f), Vec3f(-1, 0.1f, 0.2f)}) {
-    path.ray.dir = normalize(way);
-    path.interiors = interiors_at(context, path.ray, Seeker::path);
-    ASSERT_FALSE(path.interiors.empty());
-    TriangleHit hit;
-    const AtInstance glass(0);
-    ASSERT_TRUE(context.scene.top->intersect(path.ray, &hit, &glass));
-    const float t = hit.t;
-    find_covered_wall(context, path, &hit);
-    EXPECT_EQ(hit.instance, way.x > 0 ? 1u : 0u);
-    EXPECT_EQ(hit.t, t);
   }
 }
 
