@@ -75,12 +75,10 @@ class Renderer : public NeverImplicit {
   }
   py::dict describe();
   py::dict stats() {
+    const Answers told = engine_->ask([](const AlabasterApi& api, AlabasterDelegate* delegate, AlabasterVisit visit,
+                                         void* user) { return api.stats(delegate, visit, user); });
     py::dict all;
-    for (const auto& [name, value] :
-         engine_->ask([](const AlabasterApi&api, AlabasterDelegate*delegate, AlabasterVisit visit, void*user) {
-           return api.stats(delegate, visit, user);
-         }))
-      all[name_to_python(name)] = value.to_python();
+    for (const auto& [name, value] : told) all[name_to_python(name)] = value.to_python();
     return all;
   }
   py::dict progress() {
