@@ -232,7 +232,7 @@ PYBIND11_MODULE(_alabaster, module) {
 #undef PyInit__alabaster
 
 // pybind11 waits without end in an interpreter that is not the main one.
-extern "C" PYBIND11_EXPORT PyObject* PyInit__alabaster() {
+extern "C" PYBIND11_EXPORT PyObject* PyInit__alabaster() {  // NOLINT(bugprone-reserved-identifier): Python's name
   if (is_main_interpreter()) return init_by_pybind11();
   PyErr_SetString(PyExc_ImportError, kNotMain);
   return nullptr;
