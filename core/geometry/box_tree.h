@@ -1,4 +1,5 @@
-// Boxes in a binary tree, for searches that look at few of many.
+// A binary tree of boxes that any monotonic predicate of bounds may search. bounds_tree.h, on Embree, answers queries
+// of points alone.
 #pragma once
 
 #include <cstdint>

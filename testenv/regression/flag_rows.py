@@ -196,6 +196,6 @@ INFO_ROWS = {
     "--allow-outside": [Row(("--allow-outside",), codes(3, 0), ("info", "inner/outside.json"))],
 }
 TABLES = {"render": RENDER_ROWS, "merge": MERGE_ROWS, "check": CHECK_ROWS, "info": INFO_ROWS}
-# Commands whose exit codes are told by the scene alone.
+# Exit codes that depend on the scene file alone, not on a flag: (command line, exit code).
 CODES = [(("check", "model.glb"), 0), (("check", "gap.json"), 3), (("check", "broken.json"), 3), (("check", "bad_view.json"), 3),
          (("render", "broken.json", "-o", "a.exr"), 3), (("info", "gap.json"), 3)]

@@ -272,9 +272,11 @@ def kept_or_told(rows):
     met, told = sum(reached <= SLACK for reached, _ in rows), sum(reached > SLACK and missed for reached, missed in rows)
     needless = sum(reached <= SLACK and missed for reached, missed in rows)
     silent = [reached for reached, missed in rows if not missed]
-    text = f"\n**{met + told} of {len(rows)}** met or told: {met} are met, {told} of the others say so. {needless} say so without need."
+    text = (f"\n**{met + told} of {len(rows)}** renders reached the error or reported a miss. Reached: {met}. Missed and reported: {told}. "
+            f"Reached, but reported as a miss: {needless}.")
     if silent:
-        text += f" Among renders without a message, true over asked is {statistics.median(silent):.2f} in the median, {min(silent):.2f} to {max(silent):.2f}."
+        text += (f" The ratio of true to requested error over renders without a report has the median {statistics.median(silent):.2f} "
+                 f"and the range {min(silent):.2f} to {max(silent):.2f}.")
     return text
 
 
@@ -307,7 +309,7 @@ def print_presets(bench):
             capped += [scene.stem] if target["endedBy"] == "samples" else []
             worst.append((reached, f"{scene.stem} at {preset}"))
     for preset, (rows, capped) in tally.items():
-        print(f"\n{preset}: {kept_or_told(rows).strip()} {len(capped)} end by the limit of samples.")
+        print(f"\n{preset}: {kept_or_told(rows).strip()} Renders ended by the sample limit: {len(capped)}.")
     if worst:
         print("\nThe four worst: " + "; ".join(f"{name} ({ratio:.2f} of the promise)" for ratio, name in sorted(worst, reverse=True)[:4]) + ".")
 
