@@ -16,6 +16,7 @@ _OPERATOR = re.compile(r"\boperator\s*(?:\(\s*\)|\[\s*\]|[-+*/%^&|~!=<>,]+)")
 _TYPE = re.compile(r"^\s*(?:typedef\s+)?(?:class|struct|union|enum)\b")
 _NAMESPACE = re.compile(r"^\s*(?:inline\s+)?namespace\b|^\s*extern\s+0\s*$")  # 0: the literal "C"
 _LAMBDA = re.compile(r"(\w+)\s*=\s*\[[^\]]*\]\s*(?:\(.*\))?\s*(?:mutable|noexcept|->[^=;]*)*\s*$", re.S)
+_DECISION = re.compile(r"\b(?:if|for|while|case|catch)\b|&&|\|\||\?")
 _AFTER_PARAMETERS = re.compile(r"\s*(?:(?:const|noexcept|override|final|mutable|try|&&?)\s*|->[^=;]*|requires\b[^=;]*)*$")
 
 
@@ -25,6 +26,7 @@ class Function:
     first: int  # line on which the signature begins, counted from 1
     last: int   # line of the closing brace
     lines: int  # from first to last, without the inner lines of raw strings
+    decisions: int  # in the body: if, for, while, case, catch, &&, ||, ?
 
 
 def blank(text):
@@ -83,6 +85,8 @@ def _name_if_function(head):
             return None
     if not groups or not _AFTER_PARAMETERS.fullmatch(head[groups[-1][1]:]):
         return None
+    if test := re.match(r"TEST\w*\s*\(\s*(\w+)\s*,\s*(\w+)\s*\)", head):
+        return f"{test[1]}.{test[2]}"
     words = re.findall(r"[\w:~]+", re.sub(r"<[^<>]*>", "", head[:groups[0][0]]))
     return words[-1] if words else None
 
@@ -118,7 +122,8 @@ def find_functions(text):
                     head += "()" if re.search(r"[\w>]\s*$", head) else " 0 "
                 else:
                     inner = sum(1 for n in range(head_start, last) if n in raw_lines)
-                    functions.append(Function(kind, head_start, last, last - head_start + 1 - inner))
+                    functions.append(Function(kind, head_start, last, last - head_start + 1 - inner,
+                                              len(_DECISION.findall(code, i, end))))
                     head = ""
                 i, line = end, last
                 continue
