@@ -26,7 +26,7 @@ def too_long(text):
 
 
 def faults(path, text, allowed):
-    """`allowed`: {name: lines} of the file's functions in the list. What is used of it is taken out."""
+    """`allowed`: {name: lines} of the file's functions in the list. Names that are found are taken out of it."""
     length = len(text.splitlines())
     if length > MAX_FILE:
         yield f"{path}: {length} lines; at most {MAX_FILE}: split the file"

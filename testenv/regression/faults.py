@@ -120,7 +120,7 @@ class Copy:
 
 
 def tried(copy, fault):
-    """What became of the fault, and how the table put it."""
+    """(result, line of the table that says so)."""
     file = copy.source / fault.file
     text = file.read_text() if file.exists() else ""
     if text.count(fault.line) != 1:
