@@ -110,8 +110,15 @@ class RenderCommand {
     const Stopwatch watch;
     const hd::description::LoadOptions options = load_options(a_);
     const int code = load_scene(a_, options, console_, console_.sink(), &session_);
-    stats_.set_load(watch.wall(), watch.cpu());
+    stats_.add_load(watch.wall(), watch.cpu());
     return code;
+  }
+
+  bool pose(double seconds) {
+    const Stopwatch watch;
+    const bool ok = session_.pose(seconds, console_.sink());
+    stats_.add_load(watch.wall(), watch.cpu());
+    return ok;
   }
 
   std::vector<hd::Path> settings_paths() const {
@@ -223,13 +230,12 @@ class RenderCommand {
   // Ends at the first frame that fails or is interrupted; those before it are done.
   int render_frames() {
     const auto described = session_.scene.GetAllRenderSettings();
-    hd::description::LoadOptions options = load_options(a_);
     int code = kDone;
     for (size_t i = 0; i < frames_.size(); ++i) {
       if (interrupted()) return kInterrupted;
       const uint32_t frame = frames_[i];
-      options.time = seconds_at(a_, frame);
-      if (i > 0 && !session_.pose(a_.scene, options, console_.sink())) return kInput;
+      const double seconds = seconds_at(a_, frame);
+      if (i > 0 && !pose(seconds)) return kInput;
       for (const hd::Path& path : settings_paths()) {
         hd::RenderSettingsDescription settings = described.at(path);
         settings.settings["frame"] = int64_t(frame);
@@ -237,7 +243,7 @@ class RenderCommand {
         session_.scene.SetRenderSettings(path, std::move(settings));
       }
       char text[120];
-      std::snprintf(text, sizeof text, "frame %u at %.4g s (%zu of %zu)", frame, *options.time, i + 1, frames_.size());
+      std::snprintf(text, sizeof text, "frame %u at %.4g s (%zu of %zu)", frame, seconds, i + 1, frames_.size());
       console_.note(text);
       const int one = render_frame();
       if (one != kDone) code = one;
@@ -382,7 +388,7 @@ class RenderCommand {
   const RenderArguments& a_;
   const std::vector<uint32_t> frames_ = parse_frames(a_.frames);  // empty: one picture
   Console console_;
-  SceneSession session_;
+  SceneSession session_{!frames_.empty()};
   RunStats stats_;
   std::vector<std::string> written_;
   std::vector<std::string> part_aovs_;  // of a part without files

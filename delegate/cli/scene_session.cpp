@@ -16,32 +16,9 @@ SceneSession::~SceneSession() {
 bool SceneSession::load(const std::string& name, const hd::description::LoadOptions& options,
                         const hd::DiagnosticSink& sink) {
   options_ = options;
-  file = hd::description::LoadScene(name, &scene, sink, options);
+  file = source_.Load(name, &scene, sink, options);
+  if (!is_posed_) source_ = {};
   return file.ok;
-}
-
-// Reads the models again. Warnings have been reported when they were loaded.
-bool SceneSession::pose(const std::string& name, const hd::description::LoadOptions& options,
-                        const hd::DiagnosticSink& sink) {
-  hd::host::RetainedSceneDelegate posed;
-  const auto errors = [&sink](const hd::Diagnostic& diagnostic) {
-    if (diagnostic.severity == hd::Severity::error) sink(diagnostic);
-  };
-  const hd::description::SceneFile now = hd::description::LoadScene(name, &posed, errors, options);
-  if (!now.ok) return false;
-  for (const hd::gltf::GltfSummary& model : now.gltf) {
-    for (const hd::Path& path : model.meshes) {
-      const auto& mesh = posed.GetMeshes().at(path);
-      if (!mesh.instancer.empty()) scene.SetInstancer(mesh.instancer, posed.GetInstancers().at(mesh.instancer));
-      scene.SetMesh(path, mesh);
-    }
-    for (const hd::Path& path : model.cameras) scene.SetCamera(path, posed.GetCameras().at(path));
-    for (const hd::Path& path : model.lights)
-      if (scene.GetLights().contains(path)) scene.SetLight(path, posed.GetLights().at(path));
-  }
-  const hd::Path camera = scene.GetAllRenderSettings().at(file.settings).camera;
-  if (!file.framed) scene.SetCamera(camera, posed.GetCameras().at(camera));
-  return true;
 }
 
 bool SceneSession::choose_colors(const std::string& asked, const hd::DiagnosticSink& sink) {

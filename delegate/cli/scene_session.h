@@ -10,6 +10,8 @@ namespace alabaster::cli {
 
 class SceneSession {
  public:
+  /// `is_posed`: keeps the scene's files open, for pose().
+  explicit SceneSession(bool is_posed = false) : is_posed_(is_posed) {}
   ~SceneSession();
 
   hd::host::RetainedSceneDelegate scene;
@@ -19,9 +21,9 @@ class SceneSession {
   bool load(const std::string& name, const hd::description::LoadOptions& options, const hd::DiagnosticSink& sink);
   /// Those that the scene was loaded with.
   const hd::description::LoadOptions& options() const { return options_; }
-  /// Gives the models of the loaded scene the pose of options.time. The default look stays as it was loaded: a camera
-  /// that was framed and the lights of a studio do not move. False after a report.
-  bool pose(const std::string& name, const hd::description::LoadOptions& options, const hd::DiagnosticSink& sink);
+  /// Gives the models of the loaded scene the pose of LoadOptions::time `time`. The default look stays as it was
+  /// loaded. False after a report.
+  bool pose(double time, const hd::DiagnosticSink& sink) { return source_.Pose(time, sink); }
   /// Chooses the colour configuration: `asked`, or the scene's if that is empty. False after a report if it cannot be
   /// used.
   bool choose_colors(const std::string& asked, const hd::DiagnosticSink& sink);
@@ -43,6 +45,8 @@ class SceneSession {
   };
   void remove_unused_materials();
 
+  const bool is_posed_;
+  hd::description::SceneSource source_;
   hd::description::LoadOptions options_;
   hd::host::OutputColors colors_;
   std::unique_ptr<hd::RenderDelegate, Destroy> delegate_;

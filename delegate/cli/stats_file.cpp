@@ -63,9 +63,9 @@ json value_to_json(const hd::Value& value) {
       value.storage());
 }
 
-void RunStats::set_load(double wall, double cpu) {
-  load_wall_ = wall;
-  load_cpu_ = cpu;
+void RunStats::add_load(double wall, double cpu) {
+  load_wall_ += wall;
+  load_cpu_ += cpu;
 }
 
 void RunStats::add_render(const hd::RenderSettingsDescription& settings, const hd::host::RecordResult& result) {

@@ -29,7 +29,7 @@ namespace alabaster::cli {
 /// The statistics of one run; renders of several frames or resolutions are added up.
 class RunStats {
  public:
-  void set_load(double wall, double cpu);
+  void add_load(double wall, double cpu);  // also of each pose
   void add_render(const hd::RenderSettingsDescription& settings, const hd::host::RecordResult& result);
   /// `settings`: the effective values of every render setting.
   nlohmann::json to_json(const std::string& scene, const std::string& status, const nlohmann::json& settings) const;

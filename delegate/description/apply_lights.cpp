@@ -1,6 +1,7 @@
 #include <algorithm>
 
 #include "delegate/description/description_reader.h"
+#include "delegate/description/name_match.h"
 #include "delegate/description/placement.h"
 #include "delegate/description/schema_check.h"
 
@@ -61,21 +62,10 @@ bool place_light(const Reader& reader, const std::string& pointer, const json& e
 
 // Puts the meshes that the names match in a category of the light's own.
 bool link(const Reader& reader, const std::string& pointer, const json& names, const std::string& category) {
-  const Token token(category);
-  std::vector<Path> linked;
-  for (size_t i = 0; i < names.size(); ++i) {
-    const auto found = find_prims(reader, PrimKind::mesh, names[i], pointer + "/" + std::to_string(i));
-    if (found.empty()) return false;
-    linked.insert(linked.end(), found.begin(), found.end());
-  }
-  std::sort(linked.begin(), linked.end());
-  const auto meshes = reader.scene().GetMeshes();
-  for (const auto& [path, mesh] : meshes) {
-    host::MeshDescription changed = mesh;
-    std::erase(changed.categories, token);
-    if (std::binary_search(linked.begin(), linked.end(), path)) changed.categories.push_back(token);
-    if (changed.categories != mesh.categories) reader.scene().SetMesh(path, std::move(changed));
-  }
+  for (size_t i = 0; i < names.size(); ++i)
+    if (find_prims(reader, PrimKind::mesh, names[i], pointer + "/" + std::to_string(i)).empty()) return false;
+  reader.state().links.push_back({Token(category), names.get<std::vector<std::string>>()});
+  apply_link(reader.state().links.back(), &reader.scene());
   return true;
 }
 
@@ -115,6 +105,36 @@ bool apply_entry(const Reader& reader, const std::string& pointer, const json& e
 }
 
 }  // namespace
+
+void apply_link(const MeshLink& link, host::RetainedSceneDelegate* scene) {
+  for (const auto& [path, mesh] : scene->GetMeshes()) {
+    const Path& mesh_path = path;
+    std::vector<Token> categories = mesh.categories;
+    std::erase(categories, link.category);
+    const auto is_match = [&](const std::string& pattern) { return matches(pattern, mesh_path, true); };
+    if (std::any_of(link.patterns.begin(), link.patterns.end(), is_match)) categories.push_back(link.category);
+    if (categories == mesh.categories) continue;
+    host::MeshDescription changed = mesh;
+    changed.categories = std::move(categories);
+    scene->SetMesh(path, std::move(changed));
+  }
+}
+
+bool place_lights(const Reader& reader) {
+  const auto entries = reader.value().find("lights");
+  if (entries == reader.value().end()) return true;
+  for (size_t i = 0; i < entries->size(); ++i) {
+    const json& entry = (*entries)[i];
+    const std::string pointer = "/lights/" + std::to_string(i);
+    if (!entry.contains("match")) continue;
+    for (const Path& path : find_prims(reader, PrimKind::light, entry["match"], pointer + "/match")) {
+      host::LightDescription light = reader.scene().GetLights().at(path);
+      if (!place_light(reader, pointer, entry, &light)) return false;
+      reader.scene().SetLight(path, std::move(light));
+    }
+  }
+  return true;
+}
 
 bool apply_lights(const Reader& reader) {
   const auto entries = reader.value().find("lights");

@@ -66,6 +66,20 @@ bool set_scheme(const Reader& reader, const std::string& pointer, const std::str
   return true;
 }
 
+// Empty after an error. A pose finds the same material as the load did.
+Path find_material(const Reader& reader, const std::string& pointer, const std::string& pattern) {
+  Path& known = reader.state().mesh_materials[pattern];
+  if (reader.state().posing) return known;
+  const auto found = find_prims(reader, PrimKind::material, pattern, pointer);
+  if (found.empty()) return {};
+  if (found.size() > 1) {
+    reader.fail(pointer, "Several materials match: '" + found[0].str() + "', '" + found[1].str() +
+                             "'. Give the full path of one.");
+    return {};
+  }
+  return known = found[0];
+}
+
 bool change_mesh(const Reader& reader, const std::string& pointer, const json& entry, const Path& path) {
   host::MeshDescription mesh = reader.scene().GetMeshes().at(path);
   if (entry.contains("scheme") && !set_scheme(reader, pointer + "/scheme", entry["scheme"], path, &mesh)) return false;
@@ -79,12 +93,9 @@ bool change_mesh(const Reader& reader, const std::string& pointer, const json& e
   if (entry.contains("faceVaryingLinearInterpolation"))
     mesh.subdivTags.faceVaryingLinearInterpolation = entry["faceVaryingLinearInterpolation"].get<std::string>();
   if (entry.contains("material")) {
-    const auto found = find_prims(reader, PrimKind::material, entry["material"], pointer + "/material");
-    if (found.empty()) return false;
-    if (found.size() > 1)
-      return reader.fail(pointer + "/material", "Several materials match: '" + found[0].str() + "', '" +
-                                                    found[1].str() + "'. Give the full path of one.");
-    mesh.material = found[0];
+    const Path material = find_material(reader, pointer + "/material", entry["material"]);
+    if (material.empty()) return false;
+    mesh.material = material;
   }
   if (entry.contains("subsurfaceSet"))
     mesh.primvars["subsurfaceSet"] = {
@@ -119,7 +130,7 @@ bool apply_meshes(const Reader& reader) {
   for (size_t i = 0; i < entries->size(); ++i) {
     const std::string pointer = "/meshes/" + std::to_string(i);
     const auto paths = find_prims(reader, PrimKind::mesh, (*entries)[i]["match"], pointer + "/match");
-    if (paths.empty()) return false;
+    if (paths.empty() && !reader.state().posing) return false;
     for (const Path& path : paths)
       if (!change_mesh(reader, pointer, (*entries)[i], path)) return false;
     const auto motion = (*entries)[i].find("motion");

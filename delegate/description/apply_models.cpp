@@ -82,7 +82,9 @@ bool apply_models(const Reader& reader) {
                            "no scale may be 0.");
       options.transform = *transform;
     }
-    TimeSamples<Matrix4d> motion;
+    OpenModel open;
+    open.time = model.value("time", 0.0);
+    TimeSamples<Matrix4d>& motion = open.motion;
     if (model.contains("motion")) {
       if (model.contains("transform"))
         return reader.fail(pointer, "Give either a transform or a motion, which has one for each of its times.");
@@ -92,14 +94,16 @@ bool apply_models(const Reader& reader) {
       options.transform = transform_at(motion, 0);
     }
     reader.state().result->gltf.push_back(
-        gltf::LoadGltf(file.resolved, options, &reader.scene(), *reader.state().sink));
+        open.source.Load(file.resolved, options, &reader.scene(), *reader.state().sink));
     const gltf::GltfSummary& loaded = reader.state().result->gltf.back();
     ok = ok && loaded.ok;
     MemoryReservation& held = reader.state().held;
     held.resize(held.bytes() + loaded.memory_bytes, file.resolved);
-    if (!loaded.ok || motion.values.empty()) continue;
-    move_prims(loaded.meshes, motion, &reader.scene());
-    move_prims(loaded.cameras, motion, &reader.scene());
+    if (loaded.ok && !motion.values.empty()) {
+      move_prims(loaded.meshes, motion, &reader.scene());
+      move_prims(loaded.cameras, motion, &reader.scene());
+    }
+    reader.state().models.push_back(std::move(open));
   }
   return ok;
 }

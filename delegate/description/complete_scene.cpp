@@ -10,6 +10,8 @@
 namespace alabaster::hd::description {
 namespace {
 
+constexpr const char* kPlannedCamera = "/camera";
+
 // A description's camera starts from a 50 mm lens and full-frame film; metres.
 std::map<Token, Value> default_lens() {
   return {{"focalLength", 0.050f}, {"horizontalAperture", 0.036f}, {"verticalAperture", 0.024f}};
@@ -41,6 +43,20 @@ Path base_camera(const LoadState& state) {
   return plan.use.empty() && !plan.transform ? first_camera(state) : Path(plan.use);
 }
 
+// The camera `base`, or a new one if it is empty, with the plan's changes.
+host::CameraDescription planned_camera(const CameraPlan& plan, const Path& base,
+                                       const host::RetainedSceneDelegate& scene) {
+  host::CameraDescription camera;
+  if (base.empty()) {
+    camera.parameters = default_lens();
+  } else {
+    camera = scene.GetCameras().at(base);
+  }
+  for (const auto& [name, value] : plan.parameters) camera.parameters[name] = value;
+  if (plan.transform) camera.transform = *plan.transform, camera.transformSamples = plan.motion;
+  return camera;
+}
+
 bool complete_camera(LoadState* state) {
   const CameraPlan& plan = state->camera;
   const Path base = base_camera(*state);
@@ -48,20 +64,13 @@ bool complete_camera(LoadState* state) {
     state->settings.camera = base;
     return true;
   }
-  host::CameraDescription camera;
-  if (base.empty()) {
-    camera.parameters = default_lens();
-  } else {
-    camera = state->scene->GetCameras().at(base);
-  }
-  for (const auto& [name, value] : plan.parameters) camera.parameters[name] = value;
+  host::CameraDescription camera = planned_camera(plan, base, *state->scene);
   if (parameter(camera, "shutterClose", 0) < parameter(camera, "shutterOpen", 0)) {
     if (*state->sink)
       (*state->sink)({Severity::error, "description.shutter", "camera",
                       "The shutter closes before it opens: shutterClose must not be less than shutterOpen."});
     return false;
   }
-  if (plan.transform) camera.transform = *plan.transform, camera.transformSamples = plan.motion;
   if (base.empty() && !plan.transform) {
     const auto projection = camera.parameters.find("projection");
     if (projection != camera.parameters.end() && projection->second.text_or("") == "orthographic") {
@@ -77,9 +86,8 @@ bool complete_camera(LoadState* state) {
     state->result->notes.push_back("no camera: framed the scene");
     state->result->framed = true;
   }
-  const Path path = "/camera";
-  state->scene->SetCamera(path, std::move(camera));
-  state->settings.camera = path;
+  state->scene->SetCamera(kPlannedCamera, std::move(camera));
+  state->settings.camera = kPlannedCamera;
   return true;
 }
 
@@ -181,6 +189,13 @@ void complete_settings(LoadState* state) {
 bool gives_light(const MaterialNetwork& material) {
   return std::any_of(material.nodes.begin(), material.nodes.end(),
                      [](const auto& node) { return is_light(node.second); });
+}
+
+// A camera that was framed stays where it is.
+void pose_camera(LoadState* state) {
+  const Path base = base_camera(*state);
+  if (base.empty() || !(state->settings.camera == Path(kPlannedCamera))) return;
+  state->scene->SetCamera(kPlannedCamera, planned_camera(state->camera, base, *state->scene));
 }
 
 bool complete_scene(LoadState* state) {

@@ -127,7 +127,7 @@ std::vector<Path> find_prims(const Reader& reader, PrimKind kind, const std::str
     if (matches(pattern, path, is_mesh)) found.push_back(path);
     names.push_back(authored_name(path, is_mesh));
   }
-  if (!found.empty()) return found;
+  if (!found.empty() || reader.state().posing) return found;
   const std::string none = names.empty() ? std::string(" The scene has none.") : suggestion(pattern, names);
   reader.fail(pointer, std::string("No ") + kind_name(kind) + " matches '" + pattern + "'." + none);
   return found;

@@ -30,6 +30,25 @@ struct ProductPlan {
   RenderProduct product;
 };
 
+/// A model of the scene, to be posed.
+struct OpenModel {
+  gltf::GltfSource source;
+  double time = 0;               // of the description, to which LoadOptions::time is added
+  TimeSamples<Matrix4d> motion;  // of the description, or empty
+};
+
+/// A document that changes meshes or lights; each pose applies it again to the prims that it moves.
+struct AppliedDocument {
+  JsonDocument document;
+  std::string folder;
+};
+
+/// Meshes that a light is linked to: those that a pattern matches have the category.
+struct MeshLink {
+  Token category;
+  std::vector<std::string> patterns;
+};
+
 /// Which scenes a studio lights: those without light, all, or none.
 enum class StudioChoice { when_dark, on, off };
 
@@ -46,6 +65,12 @@ struct LoadState {
   std::map<std::pair<std::string, std::string>, std::string> image_faults;  // by path and folder; empty: it is an image
   std::shared_ptr<MemoryBudget> memory;  // of loading: the description, and the models one after the other
   MemoryReservation held;                // by what is loaded already
+  std::vector<OpenModel> models;
+  std::vector<AppliedDocument> documents;
+  std::vector<MeshLink> links;                 // in the order in which they were made
+  std::map<std::string, Path> mesh_materials;  // that meshes were given, by pattern
+  /// `scene` holds only the prims that a pose moves, so that a name may match none.
+  bool posing = false;
 };
 
 /// One document being applied.
@@ -78,6 +103,10 @@ class Reader {
   LoadState& state_;
 };
 
+/// Loads a scene file of any kind and completes it. False after a reported error. Throws MemoryRefused and what the
+/// standard library throws.
+bool load_scene(const std::string& file, const LoadOptions& options, LoadState* state);
+
 /// True if a memory limit in MiB, of a description, is none or above the one that holds without it.
 bool loosens_memory_limit(double mib);
 
@@ -98,12 +127,20 @@ bool gives_light(const MaterialNetwork& material);
 /// Makes the camera, default lights and RenderSettings prims, after everything else has been applied.
 bool complete_scene(LoadState* state);
 
+/// Places the lights that move where the document has them.
+bool place_lights(const Reader& reader);
+/// Puts the meshes of the scene in the category, or takes them out of it.
+void apply_link(const MeshLink& link, host::RetainedSceneDelegate* scene);
+/// Makes the camera again from that of a model, once this one is posed.
+void pose_camera(LoadState* state);
+
 /// A number, boolean, text (as std::string) or list of two or three numbers, as a Value of the contract.
 Value to_value(const nlohmann::json& value);
 
 enum class PrimKind { mesh, material, light, camera };
 
-/// The prims of one kind that `pattern` matches. If there is none, reports the nearest existing name.
+/// The prims of one kind that `pattern` matches. If there is none, reports the nearest existing name, but not while
+/// posing.
 std::vector<Path> find_prims(const Reader& reader, PrimKind kind, const std::string& pattern,
                              const std::string& pointer);
 

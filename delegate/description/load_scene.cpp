@@ -1,10 +1,8 @@
 #include <algorithm>
 #include <cctype>
-#include <exception>
 #include <filesystem>
 
 #include "core/files/input_file.h"
-#include "core/math/float_environment.h"
 #include "delegate/description/description_reader.h"
 #include "delegate/description/render_description.h"
 #include "delegate/description/schema_check.h"
@@ -39,10 +37,7 @@ bool draws_anything(const host::RetainedSceneDelegate& scene) {
 
 class Loader {
  public:
-  Loader(host::RetainedSceneDelegate* scene, const DiagnosticSink& sink, SceneFile* result) : sink_(sink) {
-    state_.scene = scene;
-    state_.sink = &sink_;
-    state_.result = result;
+  explicit Loader(LoadState* state) : sink_(*state->sink), state_(*state) {
     state_.memory = std::make_shared<MemoryBudget>(support::default_memory_limit());
     state_.held = MemoryReservation(state_.memory, MemoryUse::scene);
   }
@@ -95,7 +90,8 @@ class Loader {
       options.allow_outside = o.allow_outside;
       sample_shutter(o, &options);
       options.memory_limit = state_.memory->left();
-      state_.result->gltf.push_back(gltf::LoadGltf(file, options, state_.scene, sink_));
+      OpenModel& model = state_.models.emplace_back();
+      state_.result->gltf.push_back(model.source.Load(file, options, state_.scene, sink_));
       return state_.result->gltf.back().ok;
     }
     const bool is_usd = extension == ".usd" || extension == ".usda" || extension == ".usdc" || extension == ".usdz";
@@ -135,20 +131,23 @@ class Loader {
     if (!check_description(document, sink_)) return false;
     limit_memory(document.value, false);
     const std::filesystem::path folder = std::filesystem::path(file).parent_path();
-    return apply(document, folder.empty() ? "." : folder.string());
+    return apply(std::move(document), folder.empty() ? "." : folder.string());
   }
 
-  bool apply(const JsonDocument& document, const std::string& folder) {
+  bool apply(JsonDocument document, const std::string& folder) {
     const Reader reader(document, folder, &state_);
-    return apply_models(reader) && apply_materials(reader) && apply_meshes(reader) && apply_lights(reader) &&
-           apply_camera(reader) && apply_settings(reader) && apply_products(reader);
+    const bool ok = apply_models(reader) && apply_materials(reader) && apply_meshes(reader) && apply_lights(reader) &&
+                    apply_camera(reader) && apply_settings(reader) && apply_products(reader);
+    if (document.value.contains("meshes") || document.value.contains("lights"))
+      state_.documents.push_back({std::move(document), folder});
+    return ok;
   }
 
   bool apply_override(const std::string& assignment) {
     JsonDocument document;
     std::string problem;
     if (!override_document(assignment, &document, &problem)) return fail("override", assignment, problem);
-    return check_description(document, sink_) && apply(document, "");
+    return check_description(document, sink_) && apply(std::move(document), "");
   }
 
   bool replace_domes(const std::string& dome) {
@@ -157,8 +156,8 @@ class Loader {
       if (light.type == Token("domeLight")) old.push_back(path);
     for (const Path& path : old) state_.scene->Remove(path);
     if (!is_utf8(dome)) return fail("dome", dome, "It is not UTF-8, as names of files in a scene are.");
-    const JsonDocument document = dome_document(dome);
-    return check_description(document, sink_) && apply(document, "");
+    JsonDocument document = dome_document(dome);
+    return check_description(document, sink_) && apply(std::move(document), "");
   }
 
   // Takes the requested camera as it is, because the description's changes were meant for another one.
@@ -168,30 +167,18 @@ class Loader {
     document.origin = "camera " + name;
     document.value = nlohmann::json{{"camera", {{"use", name}}}};
     state_.camera = {};
-    return apply(document, "");
+    return apply(std::move(document), "");
   }
 
   const DiagnosticSink& sink_;
-  LoadState state_;
+  LoadState& state_;
   bool limit_is_given_ = false;  // by an override
 };
 
 }  // namespace
 
-SceneFile LoadScene(const std::string& file, host::RetainedSceneDelegate* scene, const DiagnosticSink& sink,
-                    const LoadOptions& options) {
-  const FloatEnvironment environment;
-  SceneFile result;
-  try {
-    result.ok = Loader(scene, sink, &result).run(file, options);
-  } catch (const MemoryRefused& e) {
-    if (sink) sink({Severity::error, "scene.memory", file, e.what()});
-  } catch (const std::bad_alloc&) {
-    if (sink) sink({Severity::error, "scene.memory", file, "Not enough memory to load the scene."});
-  } catch (const std::exception& e) {
-    if (sink) sink({Severity::error, "scene.load", file, std::string("The scene could not be loaded: ") + e.what()});
-  }
-  return result;
+bool load_scene(const std::string& file, const LoadOptions& options, LoadState* state) {
+  return Loader(state).run(file, options);
 }
 
 std::string OverrideText(const std::string& assignment) {

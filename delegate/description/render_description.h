@@ -53,6 +53,29 @@ struct SceneFile {
 ALABASTER_API SceneFile LoadScene(const std::string& file, host::RetainedSceneDelegate* scene,
                                   const DiagnosticSink& sink, const LoadOptions& options = {});
 
+/// A scene that is read once and posed at any number of times. It keeps what poses need. One thread.
+class ALABASTER_API SceneSource {
+ public:
+  SceneSource();
+  ~SceneSource();
+  SceneSource(SceneSource&&) noexcept;
+  SceneSource& operator=(SceneSource&&) noexcept;
+
+  /// LoadScene, with the models kept open. `scene` must outlive the source. A pose needs LoadOptions::time, or a time
+  /// or an animation of a model in the description.
+  SceneFile Load(const std::string& file, host::RetainedSceneDelegate* scene, const DiagnosticSink& sink,
+                 const LoadOptions& options = {});
+  /// Gives the models of the scene the pose at `time`, in place of LoadOptions::time, with the changes that the
+  /// description and the options make: their prims are those that a load for this time makes. Only what the animations
+  /// move or deform is set again, and meshes that the pose lacks are removed. A camera that was framed, and the lights
+  /// of a studio, stay as they were loaded. Warnings are not given again. False after a reported error.
+  bool Pose(double time, const DiagnosticSink& sink);
+
+ private:
+  struct Open;
+  std::unique_ptr<Open> open_;  // null: nothing is loaded
+};
+
 /// An override of LoadOptions as the text of a render description; empty if it cannot be read.
 ALABASTER_API std::string OverrideText(const std::string& assignment);
 

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <map>
 
 namespace alabaster::hd::gltf {
 namespace {
@@ -63,26 +62,31 @@ std::vector<double> sample(const AnimationCurve& curve, double time) {
   return a;
 }
 
-void apply_animation(double seconds, Document* document) {
-  tinygltf::Model& model = document->model;
-  const tinygltf::Animation& animation = model.animations[0];
-  std::map<int, std::vector<float>> read;  // by accessor: channels share their times
+NodeAnimation::NodeAnimation(const Document& document) {
+  if (document.animation < 0) return;
+  const tinygltf::Animation& animation = document.model.animations[0];
   const auto values_of = [&](int accessor) -> const std::vector<float>& {
-    const auto [found, is_new] = read.try_emplace(accessor);
-    if (is_new) found->second = read_floats(document->accessors[size_t(accessor)]);
+    const auto [found, is_new] = values_.try_emplace(accessor);
+    if (is_new) found->second = read_floats(document.accessors[size_t(accessor)]);
     return found->second;
   };
   for (const tinygltf::AnimationChannel& channel : animation.channels) {
     const tinygltf::AnimationSampler& sampler = animation.samplers[size_t(channel.sampler)];
-    tinygltf::Node& node = model.nodes[size_t(channel.target_node)];
     AnimationCurve curve{sampler.interpolation, values_of(sampler.input), values_of(sampler.output)};
     curve.rotation = channel.target_path == "rotation";
     curve.components = curve.values.size() / (curve.times.size() * (curve.interpolation == "CUBICSPLINE" ? 3 : 1));
-    std::vector<double>& moved = channel.target_path == "translation" ? node.translation
-                                 : channel.target_path == "scale"     ? node.scale
-                                 : curve.rotation                     ? node.rotation
-                                                                      : node.weights;
-    moved = sample(curve, seconds);
+    channels_.push_back({size_t(channel.target_node), channel.target_path, std::move(curve)});
+  }
+}
+
+void NodeAnimation::apply(double seconds, tinygltf::Model* model) const {
+  for (const Channel& channel : channels_) {
+    tinygltf::Node& node = model->nodes[channel.node];
+    std::vector<double>& moved = channel.path == "translation" ? node.translation
+                                 : channel.path == "scale"     ? node.scale
+                                 : channel.path == "rotation"  ? node.rotation
+                                                               : node.weights;
+    moved = sample(channel.curve, seconds);
   }
 }
 

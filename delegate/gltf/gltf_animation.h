@@ -1,6 +1,7 @@
 // Animations (glTF 2.0, section 3.11).
 #pragma once
 
+#include <map>
 #include <span>
 
 #include "delegate/gltf/gltf_document.h"
@@ -20,7 +21,26 @@ struct AnimationCurve {
 /// The value at `time`; before the first key the first, after the last key the last.
 std::vector<double> sample(const AnimationCurve& curve, double time);
 
-/// Sets the transforms and morph weights of the nodes that the document's animation moves, as they are at `seconds`.
-void apply_animation(double seconds, Document* document);
+/// The animation of a document, with the keys of its channels.
+class NodeAnimation {
+ public:
+  NodeAnimation() = default;
+  NodeAnimation(NodeAnimation&&) = default;
+  NodeAnimation& operator=(NodeAnimation&&) = default;
+  /// Reads the keys of the document's animation, if it has one that is used.
+  explicit NodeAnimation(const Document& document);
+
+  /// Sets the transforms and morph weights of the nodes that the animation moves, as they are at `seconds`.
+  void apply(double seconds, tinygltf::Model* model) const;
+
+ private:
+  struct Channel {
+    size_t node = 0;
+    std::string path;      // translation, rotation, scale or weights
+    AnimationCurve curve;  // over `values_`
+  };
+  std::vector<Channel> channels_;
+  std::map<int, std::vector<float>> values_;  // by accessor: channels share their times
+};
 
 }  // namespace alabaster::hd::gltf

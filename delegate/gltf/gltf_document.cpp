@@ -43,28 +43,9 @@ void read_extension_lists(const Json& root, Report& report, Document* document) 
   }
 }
 
-// Parses the checked document, without the parts that the parser must not touch.
-bool parse_model(Json root, Report& report, Document* document) {
-  for (const char* name : {"images", "buffers"}) root.erase(name);
-  // It wants a buffer view for all indices, which compressed and sparse ones lack. Nobody asks it for data.
-  if (root.contains("accessors")) {
-    root["bufferViews"] = {{{"buffer", 0}, {"byteLength", 1}}};
-    for (Json& accessor : root["accessors"]) {
-      accessor["bufferView"] = 0;
-      accessor.erase("sparse");
-    }
-  }
-  const std::string text = root.dump();
-  root = nullptr;
-  if (text.size() > size_t(std::numeric_limits<int32_t>::max())) {
-    report.error("json.size", "", "the JSON is larger than 2 GB; store bulk data in buffers");
-    return false;
-  }
-  tinygltf::TinyGLTF parser;
-  std::string errors, warnings;
-  if (parser.LoadASCIIFromString(&document->model, &errors, &warnings, text.data(), unsigned(text.size()), "",
-                                 tinygltf::NO_REQUIRE))
-    return true;
+bool parse_model(const Json& root, Report& report, Document* document) {
+  std::string errors;
+  if (tinygltf::parse_checked(root, &document->model, &errors)) return true;
   // tinygltf's words end in line breaks. This is a fault that our own checks missed.
   std::replace(errors.begin(), errors.end(), '\n', ' ');
   report.error("parse", "", "cannot be parsed as glTF (" + errors.substr(0, 200) + "); export the file again");
@@ -111,7 +92,7 @@ bool read_document(const std::string& file, const GltfOptions& options, Report& 
   choose_image_light(root, report, document);
   check_materials(root, report);
   read_extension_lists(root, report, document);
-  return !report.failed() && parse_model(std::move(root), report, document);
+  return !report.failed() && parse_model(root, report, document);
 }
 
 }  // namespace alabaster::hd::gltf

@@ -69,7 +69,8 @@ SkinnedVertices read_vertices(const Document& document, const tinygltf::Primitiv
   vertices.points = to_vectors<Vec3f>(read("POSITION"));
   vertices.normals = to_vectors<Vec3f>(read("NORMAL"));
   if (!vertices.normals.empty()) vertices.tangents = to_vectors<Vec4f>(read("TANGENT"));
-  if (follows_skin(primitive, shape)) skin_vertices(document, primitive, shape.joint_matrices, &vertices);
+  if (!shape.joint_matrices.empty() && follows_skin(primitive))
+    skin_vertices(document, primitive, shape.joint_matrices, &vertices);
   for (Vec3f& n : vertices.normals) n = std::isfinite(n.length2()) ? n.normalized() : Vec3f(0);
   return vertices;
 }
@@ -118,9 +119,8 @@ void set_triangles(SkinnedVertices vertices, const std::vector<Primvar>& primvar
 
 }  // namespace
 
-bool follows_skin(const tinygltf::Primitive& primitive, const PrimitiveShape& shape) {
-  return !shape.joint_matrices.empty() && primitive.attributes.contains("JOINTS_0") &&
-         primitive.attributes.contains("WEIGHTS_0");
+bool follows_skin(const tinygltf::Primitive& primitive) {
+  return primitive.attributes.contains("JOINTS_0") && primitive.attributes.contains("WEIGHTS_0");
 }
 
 std::vector<uint32_t> triangle_list(const std::vector<uint32_t>& indices, int mode) {

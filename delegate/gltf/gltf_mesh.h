@@ -15,8 +15,8 @@ struct PrimitiveShape {
   std::vector<Matrix4d> joint_matrices;  // of the skin; empty: none
 };
 
-/// True if the skin places the primitive: it has a skin and influences of its joints.
-bool follows_skin(const tinygltf::Primitive& primitive, const PrimitiveShape& shape);
+/// True if a skin places the primitive: it has influences of joints.
+bool follows_skin(const tinygltf::Primitive& primitive);
 
 /// The primitive's topology and primvars, morphed and skinned, without transform, material path and instancer. Empty if
 /// it has no triangles (reported).

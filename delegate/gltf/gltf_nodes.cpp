@@ -1,5 +1,7 @@
 #include "delegate/gltf/gltf_nodes.h"
 
+#include <utility>
+
 namespace alabaster::hd::gltf {
 namespace {
 
@@ -46,26 +48,13 @@ std::vector<size_t> roots_of(const tinygltf::Model& model, int scene) {
   return roots;
 }
 
-// Not recursive: chains may be long.
-std::vector<PlacedNode> place(const tinygltf::Model& model, const std::vector<size_t>& roots, const Matrix4d& above) {
-  std::vector<PlacedNode> placed, open;
-  std::vector<char> visited(model.nodes.size(), 0);
-  for (const size_t root : roots) {
-    open.push_back({root, local_transform(model.nodes[root]) * above, is_visible(model.nodes[root])});
-    while (!open.empty()) {
-      const PlacedNode node = open.back();
-      open.pop_back();
-      if (visited[node.index]) continue;
-      visited[node.index] = 1;
-      placed.push_back(node);
-      const std::vector<int>& children = model.nodes[node.index].children;
-      for (auto c = children.rbegin(); c != children.rend(); ++c) {
-        const tinygltf::Node& child = model.nodes[size_t(*c)];
-        open.push_back({size_t(*c), local_transform(child) * node.world, node.visible && is_visible(child)});
-      }
-    }
-  }
-  return placed;
+// By node.
+std::vector<char> animated_transforms(const tinygltf::Model& model) {
+  std::vector<char> animated(model.nodes.size(), 0);
+  for (const tinygltf::Animation& animation : model.animations)
+    for (const tinygltf::AnimationChannel& channel : animation.channels)
+      if (channel.target_path != "weights") animated[size_t(channel.target_node)] = 1;
+  return animated;
 }
 
 }  // namespace
@@ -79,14 +68,35 @@ Matrix4d trs_matrix(const Vec3d& translation, const double rotation[4], const Ve
   return m * moved;
 }
 
-std::vector<PlacedNode> placed_nodes(const Document& document, const Matrix4d& root) {
-  return place(document.model, roots_of(document.model, document.scene), root);
+// Not recursive: chains may be long.
+NodeTree::NodeTree(const tinygltf::Model& model, int scene, const Matrix4d& root) : model_(model), root_(root) {
+  const std::vector<char> animated = animated_transforms(model);
+  std::vector<char> visited(model.nodes.size(), 0);
+  std::vector<PlacedNode> open;
+  for (const size_t first : roots_of(model, scene)) {
+    open.push_back({first, {}, true, {}, false});
+    while (!open.empty()) {
+      PlacedNode node = open.back();
+      open.pop_back();
+      if (std::exchange(visited[node.index], 1)) continue;
+      const tinygltf::Node& authored = model.nodes[node.index];
+      node.world = world_of(node);
+      node.visible = node.visible && is_visible(authored);
+      node.moves = node.moves || animated[node.index];
+      nodes_.push_back(node);
+      for (auto c = authored.children.rbegin(); c != authored.children.rend(); ++c)
+        open.push_back({size_t(*c), {}, node.visible, nodes_.size() - 1, node.moves});
+    }
+  }
 }
 
-std::vector<Matrix4d> world_transforms(const tinygltf::Model& model) {
-  std::vector<Matrix4d> worlds(model.nodes.size());
-  for (const PlacedNode& node : place(model, roots_of(model, -1), {})) worlds[node.index] = node.world;
-  return worlds;
+Matrix4d NodeTree::world_of(const PlacedNode& node) const {
+  return local_transform(model_.nodes[node.index]) * (node.above ? nodes_[*node.above].world : root_);
+}
+
+void NodeTree::update() {
+  for (PlacedNode& node : nodes_)
+    if (node.moves) node.world = world_of(node);
 }
 
 std::vector<Matrix4d> instance_transforms(const Document& document, const tinygltf::Node& node) {

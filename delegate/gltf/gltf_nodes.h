@@ -9,19 +9,34 @@ namespace alabaster::hd::gltf {
 struct PlacedNode {
   size_t index = 0;
   Matrix4d world;
-  bool visible = true;  // KHR_node_visibility, of the node and all above it
+  bool visible = true;          // KHR_node_visibility, of the node and all above it
+  std::optional<size_t> above;  // its parent's place in the list of placed nodes; none: it is a root
+  bool moves = false;           // the animation moves the node or one above it
 };
 
 /// Scale, then rotation, then translation. The rotation is a quaternion (x, y, z, w), which is normalized; one of
 /// length zero does not rotate.
 Matrix4d trs_matrix(const Vec3d& translation, const double rotation[4], const Vec3d& scale);
 
-/// The nodes of document.scene, depth first, in the order of the document, each once. `root` is applied after the
-/// transforms of all nodes.
-std::vector<PlacedNode> placed_nodes(const Document& document, const Matrix4d& root);
+/// Nodes with their world transforms, depth first, in the order of the document, each once: a parent precedes its
+/// children.
+class NodeTree {
+ public:
+  /// The nodes of `scene`; of the whole document if it is negative. `root` is applied after the transforms of all
+  /// nodes. The model must outlive the tree.
+  NodeTree(const tinygltf::Model& model, int scene, const Matrix4d& root);
 
-/// The world transform of every node, by index. Joints need not be nodes of the scene.
-std::vector<Matrix4d> world_transforms(const tinygltf::Model& model);
+  const std::vector<PlacedNode>& nodes() const { return nodes_; }
+  /// Computes the world transforms of the nodes that move again, from the model's nodes as they are now.
+  void update();
+
+ private:
+  Matrix4d world_of(const PlacedNode& node) const;
+
+  const tinygltf::Model& model_;
+  const Matrix4d root_;
+  std::vector<PlacedNode> nodes_;
+};
 
 /// The transforms of a node's instances relative to the node (EXT_mesh_gpu_instancing); one identity without the
 /// extension.

@@ -56,4 +56,35 @@ struct GltfSummary {
 ALABASTER_API GltfSummary LoadGltf(const std::string& file, const GltfOptions& options,
                                    host::RetainedSceneDelegate* scene, const DiagnosticSink& sink);
 
+struct GltfPrims {
+  std::map<Path, host::MeshDescription> meshes;
+  std::map<Path, host::InstancerDescription> instancers;
+  std::map<Path, MaterialNetwork> materials;
+  std::map<Path, host::LightDescription> lights;
+  std::map<Path, host::CameraDescription> cameras;
+  std::vector<Path> removed;  // meshes and instancers of the pose before that this pose lacks; meshes first
+};
+
+/// A document that is read once and posed at any number of times. It keeps what poses need: the nodes, the animation,
+/// and the buffers if the animation deforms a mesh; nothing without an animation. One thread.
+class ALABASTER_API GltfSource {
+ public:
+  GltfSource();
+  ~GltfSource();
+  GltfSource(GltfSource&&) noexcept;
+  GltfSource& operator=(GltfSource&&) noexcept;
+
+  /// LoadGltf, with the document kept. A pose needs an animation: give GltfOptions::time or name one.
+  GltfSummary Load(const std::string& file, const GltfOptions& options, host::RetainedSceneDelegate* scene,
+                   const DiagnosticSink& sink);
+  /// All prims that the animation moves or deforms, at `time` in place of GltfOptions::time and with samples over the
+  /// shutter about it: with those that stand still they are what LoadGltf adds for this time. They may be equal to
+  /// those of the pose before. Warnings are not given again. Empty after a reported error.
+  std::optional<GltfPrims> Pose(double time, const DiagnosticSink& sink);
+
+ private:
+  struct Open;
+  std::unique_ptr<Open> open_;  // null: nothing moves
+};
+
 }  // namespace alabaster::hd::gltf

@@ -6,6 +6,7 @@
 
 #include "testenv/unit/delegate/cli/run_program.h"
 #include "testenv/unit/delegate/description/scene_fixture.h"
+#include "testenv/unit/delegate/gltf/gltf_builder.h"
 
 namespace alabaster::cli {
 namespace {
@@ -152,6 +153,31 @@ TEST_F(FramesTest, AFileWithoutAnimationIsWarnedOf) {
   std::string said;
   EXPECT_EQ(render("lit.gltf", {"--time", "1", "-o", "a.exr"}, &said), 0);
   EXPECT_NE(said.find("warning: lit.gltf: It has no animation"), std::string::npos) << said;
+}
+
+// Two nodes of a mesh whose morph weights differ in frames 0 and 2, and agree in frame 1, where they share its shape.
+TEST_F(FramesTest, NodesWhoseWeightsAgreeInOneFrameAreDrawnOnce) {
+  hd::gltf::testing::GltfBuilder b;
+  b.triangle();
+  b.primitive()["targets"] = {{{"POSITION", b.add<float>({0, 0, 0, 0, 0, 0, 1, 1, 0}, "VEC3")}}};
+  b.json["nodes"] = {
+      {{"mesh", 0}, {"translation", {-1, 0, 0}}}, {{"mesh", 0}}, {{"camera", 0}, {"translation", {0, 0.5, 5}}}};
+  b.json["scenes"][0]["nodes"] = {0, 1, 2};
+  b.json["cameras"] = {{{"type", "perspective"}, {"perspective", {{"yfov", 0.5}, {"znear", 0.1}}}}};
+  b.animate(1, "weights", {0, 1, 2}, {1, 0, 1}, "SCALAR", "STEP");
+  write("agree.glb", b.bytes());
+  for (const std::string shutter : {"0:0", "0:0.5"}) {
+    const std::vector<std::string> same{"--fps", "1", "--shutter", shutter, "--aov", "depth", "--studio", "off"};
+    std::vector<std::string> all{"--frames", "0:2", "-o", "f.#.exr"};
+    all.insert(all.end(), same.begin(), same.end());
+    ASSERT_EQ(render("agree.glb", all), 0);
+    for (const std::string frame : {"0", "1", "2"}) {
+      std::vector<std::string> alone{"--time", frame, "--set", "frame=" + frame, "-o", "alone.exr"};
+      alone.insert(alone.end(), same.begin(), same.end());
+      ASSERT_EQ(render("agree.glb", alone), 0);
+      EXPECT_EQ(pixels("f." + frame + ".exr"), pixels("alone.exr")) << frame << ", shutter " << shutter;
+    }
+  }
 }
 
 TEST_F(FramesTest, AnInterruptedSequenceKeepsTheFramesThatAreDone) {

@@ -1,0 +1,138 @@
+// The scene source: loads a scene, and poses it again.
+#include <exception>
+#include <functional>
+
+#include "core/math/float_environment.h"
+#include "delegate/description/apply_motion.h"
+#include "delegate/description/description_reader.h"
+
+namespace alabaster::hd::description {
+namespace {
+
+template <class Map>
+std::vector<Path> keys_of(const Map& prims) {
+  std::vector<Path> paths;
+  for (const auto& [path, prim] : prims) paths.push_back(path);
+  return paths;
+}
+
+}  // namespace
+
+struct SceneSource::Open {
+  std::string file;
+  host::RetainedSceneDelegate* scene = nullptr;
+  SceneFile result;
+  LoadState state;
+
+  // False after a report of what was thrown.
+  bool run_guarded(const DiagnosticSink& sink, const std::function<bool()>& work) {
+    const FloatEnvironment environment;
+    std::string fault, code = "scene.memory";
+    state.sink = &sink;
+    try {
+      return work();
+    } catch (const MemoryRefused& e) {
+      fault = e.what();
+    } catch (const std::bad_alloc&) {
+      fault = "Not enough memory to load the scene.";
+    } catch (const std::exception& e) {
+      fault = std::string("The scene could not be loaded: ") + e.what(), code = "scene.load";
+    }
+    if (sink) sink({Severity::error, code, file, fault});
+    return false;
+  }
+
+  bool pose(double time) {
+    host::RetainedSceneDelegate posed;  // what moves
+    std::vector<Path> removed;
+    for (OpenModel& model : state.models) {
+      auto prims = model.source.Pose(time + model.time, *state.sink);
+      if (!prims) return false;
+      removed.insert(removed.end(), prims->removed.begin(), prims->removed.end());
+      take(std::move(*prims), model.motion, &posed);
+    }
+    if (!change(&posed)) return false;
+    show(posed, removed);
+    return true;
+  }
+
+ private:
+  // A light has what it was given when it was loaded, and is moved alone; one that was removed is not there.
+  void take(gltf::GltfPrims prims, const TimeSamples<Matrix4d>& motion, host::RetainedSceneDelegate* posed) const {
+    const std::vector<Path> meshes = keys_of(prims.meshes), cameras = keys_of(prims.cameras);
+    for (auto& [path, instancer] : prims.instancers) posed->SetInstancer(path, std::move(instancer));
+    for (auto& [path, mesh] : prims.meshes) posed->SetMesh(path, std::move(mesh));
+    for (auto& [path, camera] : prims.cameras) posed->SetCamera(path, std::move(camera));
+    for (const auto& [path, light] : prims.lights)
+      if (const auto loaded = scene->GetLights().find(path); loaded != scene->GetLights().end()) {
+        host::LightDescription moved = loaded->second;
+        moved.transform = light.transform;
+        posed->SetLight(path, std::move(moved));
+      }
+    if (motion.values.empty()) return;
+    move_prims(meshes, motion, posed);
+    move_prims(cameras, motion, posed);
+  }
+
+  bool change(host::RetainedSceneDelegate* posed) {
+    state.scene = posed;
+    state.posing = true;
+    bool ok = true;
+    for (const AppliedDocument& applied : state.documents) {
+      const Reader reader(applied.document, applied.folder, &state);
+      ok = ok && apply_meshes(reader) && place_lights(reader);
+    }
+    for (const MeshLink& link : state.links) apply_link(link, posed);
+    state.posing = false;
+    state.scene = scene;
+    return ok;
+  }
+
+  void show(const host::RetainedSceneDelegate& posed, const std::vector<Path>& removed) {
+    for (const auto& [path, instancer] : posed.GetInstancers()) scene->SetInstancer(path, instancer);
+    for (const auto& [path, mesh] : posed.GetMeshes()) scene->SetMesh(path, mesh);
+    for (const auto& [path, light] : posed.GetLights()) scene->SetLight(path, light);
+    for (const auto& [path, camera] : posed.GetCameras()) scene->SetCamera(path, camera);
+    for (const Path& path : removed) scene->Remove(path);
+    pose_camera(&state);
+  }
+};
+
+SceneSource::SceneSource() = default;
+SceneSource::~SceneSource() = default;
+SceneSource::SceneSource(SceneSource&&) noexcept = default;
+SceneSource& SceneSource::operator=(SceneSource&&) noexcept = default;
+
+SceneFile SceneSource::Load(const std::string& file, host::RetainedSceneDelegate* scene, const DiagnosticSink& sink,
+                            const LoadOptions& options) {
+  SceneFile result;
+  try {
+    open_ = std::make_unique<Open>();
+    open_->file = file;
+  } catch (const std::bad_alloc&) {
+    open_.reset();
+    if (sink) sink({Severity::error, "scene.memory", file, "Not enough memory to load the scene."});
+    return result;
+  }
+  LoadState& state = open_->state;
+  state.result = &open_->result;
+  state.scene = open_->scene = scene;
+  open_->result.ok = open_->run_guarded(sink, [&] { return load_scene(file, options, &state); });
+  result = open_->result;
+  if (!result.ok) open_.reset();
+  return result;
+}
+
+bool SceneSource::Pose(double time, const DiagnosticSink& sink) {
+  const DiagnosticSink errors = [&sink](const Diagnostic& diagnostic) {
+    if (diagnostic.severity == Severity::error && sink) sink(diagnostic);
+  };
+  return open_ && open_->run_guarded(errors, [&] { return open_->pose(time); });
+}
+
+SceneFile LoadScene(const std::string& file, host::RetainedSceneDelegate* scene, const DiagnosticSink& sink,
+                    const LoadOptions& options) {
+  return SceneSource().Load(file, scene, sink, options);
+}
+
+}  // namespace alabaster::hd::description

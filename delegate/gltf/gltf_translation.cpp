@@ -1,0 +1,210 @@
+#include "delegate/gltf/gltf_translation.h"
+
+#include <algorithm>
+#include <filesystem>
+#include <numeric>
+
+#include "delegate/gltf/gltf_light_camera.h"
+#include "delegate/gltf/gltf_material.h"
+#include "delegate/gltf/gltf_mesh.h"
+#include "delegate/gltf/gltf_morph.h"
+#include "delegate/gltf/gltf_names.h"
+#include "delegate/gltf/gltf_skin.h"
+
+namespace alabaster::hd::gltf {
+namespace {
+
+void append_bytes(const void* data, size_t bytes, std::string* key) {
+  key->append(static_cast<const char*>(data), bytes);
+}
+
+}  // namespace
+
+Path root_of(const Document& document, const GltfOptions& options) {
+  return options.root.append("gltf").append(clean_name(std::filesystem::path(document.file).stem().string()));
+}
+
+SceneTranslator::SceneTranslator(const Document& document, const GltfOptions& options)
+    : document_(document),
+      model_(document.model),
+      options_(options),
+      root_(root_of(document, options)),
+      tree_(document.model, document.scene, options.transform) {
+  for (size_t m = 0; m < model_.materials.size(); ++m)
+    material_paths_.push_back(root_.append("materials").append(prim_name(m, model_.materials[m].name)));
+  if (!model_.skins.empty()) {
+    all_nodes_.emplace(model_, -1, Matrix4d());
+    places_.resize(model_.nodes.size());
+    for (size_t i = 0; i < all_nodes_->nodes().size(); ++i) places_[all_nodes_->nodes()[i].index] = i;
+  }
+  find_users();
+  find_what_moves();
+}
+
+Path SceneTranslator::child(const char* folder, size_t node) const {
+  return root_.append(folder).append(prim_name(node, model_.nodes[node].name));
+}
+
+void SceneTranslator::find_users() {
+  for (size_t i = 0; i < tree_.nodes().size(); ++i) {
+    const PlacedNode& placed = tree_.nodes()[i];
+    const tinygltf::Node& node = model_.nodes[placed.index];
+    if (node.mesh < 0 || !placed.visible) continue;
+    MeshUsers& users = users_[{node.mesh, node.skin}];
+    users.mesh = size_t(node.mesh);
+    users.skin = node.skin;
+    users.nodes.push_back(i);
+  }
+}
+
+void SceneTranslator::find_what_moves() {
+  std::vector<char> morphs(model_.nodes.size(), 0);
+  for (const tinygltf::Animation& animation : model_.animations)
+    for (const tinygltf::AnimationChannel& channel : animation.channels)
+      if (channel.target_path == "weights") morphs[size_t(channel.target_node)] = 1;
+  for (auto& [key, users] : users_) {
+    const auto any = [&nodes = users.nodes](const auto& is_so) {
+      return std::any_of(nodes.begin(), nodes.end(), is_so);
+    };
+    users.deforms = any([&](size_t i) { return morphs[tree_.nodes()[i].index] != 0; });
+    if (users.skin >= 0)
+      for (const int joint : model_.skins[size_t(users.skin)].joints)
+        users.deforms = users.deforms || all_nodes_->nodes()[places_[size_t(joint)]].moves;
+    users.moves = users.deforms || any([&](size_t i) { return tree_.nodes()[i].moves; });
+    // Moving them later reads no accessor.
+    if (users.moves)
+      for (const size_t i : users.nodes) instances_of(tree_.nodes()[i].index);
+  }
+}
+
+bool SceneTranslator::deforms() const {
+  return std::any_of(users_.begin(), users_.end(), [](const auto& entry) { return entry.second.deforms; });
+}
+
+GltfPrims SceneTranslator::still_prims(Report& report) {
+  GltfPrims prims;
+  const std::vector<VertexColors> vertex_colors = find_vertex_colors(document_);
+  for (size_t m = 0; m < model_.materials.size(); ++m)
+    prims.materials[material_paths_[m]] =
+        translate_material(document_, m, vertex_colors[m], material_paths_[m], report);
+  add_views(false, &prims);
+  for (auto& [key, users] : users_) {
+    if (users.moves) continue;
+    add_users(users, &prims, report);
+    users.shapes.clear();
+  }
+  return prims;
+}
+
+GltfPrims SceneTranslator::moving_prims(Report& report) {
+  ++calls_;
+  tree_.update();
+  if (all_nodes_) all_nodes_->update();
+  GltfPrims prims;
+  add_views(true, &prims);
+  for (auto& [key, users] : users_)
+    if (users.moves) add_users(users, &prims, report);
+  return prims;
+}
+
+void SceneTranslator::keep_shapes() {
+  for (auto& [key, users] : users_)
+    for (auto& [shape_key, shape] : users.shapes) shape.kept = shape.call == calls_;
+}
+
+void SceneTranslator::forget_shapes() {
+  for (auto& [key, users] : users_) std::erase_if(users.shapes, [](const auto& entry) { return !entry.second.kept; });
+}
+
+// Cameras and lights.
+void SceneTranslator::add_views(bool moving, GltfPrims* prims) const {
+  for (const PlacedNode& placed : tree_.nodes()) {
+    if (placed.moves != moving) continue;
+    const tinygltf::Node& node = model_.nodes[placed.index];
+    if (node.camera >= 0)
+      prims->cameras[child("cameras", placed.index)] =
+          translate_camera(model_.cameras[size_t(node.camera)], placed.world);
+    const auto extension = node.extensions.find("KHR_lights_punctual");
+    if (!placed.visible || extension == node.extensions.end()) continue;
+    const int light = extension->second.Get("light").GetNumberAsInt();
+    prims->lights[child("lights", placed.index)] = translate_light(model_.lights[size_t(light)], placed.world);
+  }
+}
+
+void SceneTranslator::add_users(MeshUsers& users, GltfPrims* prims, Report& report) {
+  std::map<std::vector<double>, MeshUse> uses;
+  for (const size_t i : users.nodes) {
+    const PlacedNode& placed = tree_.nodes()[i];
+    MeshUse& use = uses[morph_weights(model_.nodes[placed.index], model_.meshes[users.mesh])];
+    use.nodes.push_back(placed.index);
+    for (const Matrix4d& instance : instances_of(placed.index)) use.placements.push_back(instance * placed.world);
+  }
+  for (const auto& [weights, use] : uses) add_mesh(users, use, *shape_of(users, weights, report), prims);
+}
+
+const std::vector<Matrix4d>& SceneTranslator::instances_of(size_t node) {
+  const auto [found, is_new] = instances_.try_emplace(node);
+  if (is_new) found->second = instance_transforms(document_, model_.nodes[node]);
+  return found->second;
+}
+
+// A mesh with several placements becomes one prototype below the first of its nodes, placed by an instancer. A mesh
+// that follows a skin is placed by its joints, however many nodes use it.
+void SceneTranslator::add_mesh(const MeshUsers& users, const MeshUse& use, const Shape& shape, GltfPrims* prims) const {
+  const Path parent = child("nodes", use.nodes[0]);
+  const tinygltf::Mesh& mesh = model_.meshes[users.mesh];
+  host::InstancerDescription instancer;
+  for (size_t p = 0; p < mesh.primitives.size(); ++p) {
+    if (!shape[p]) continue;
+    host::MeshDescription description = *shape[p];
+    const Path id = parent.append(std::to_string(p));
+    if (mesh.primitives[p].material >= 0) description.material = material_paths_[size_t(mesh.primitives[p].material)];
+    if (users.skin >= 0 && follows_skin(mesh.primitives[p])) {
+      description.transform = options_.transform;
+    } else if (use.placements.size() == 1) {
+      description.transform = use.placements[0];
+    } else {
+      description.instancer = parent.append("instancer");
+      std::vector<int32_t> instances(use.placements.size());
+      std::iota(instances.begin(), instances.end(), 0);
+      instancer.indices[id] = Array<int32_t>(std::move(instances));
+    }
+    prims->meshes[id] = std::move(description);
+  }
+  if (instancer.indices.empty()) return;
+  instancer.primvars["hydra:instanceTransforms"] = Array<Matrix4d>(use.placements);
+  prims->instancers[parent.append("instancer")] = std::move(instancer);
+}
+
+std::vector<Matrix4d> SceneTranslator::joints_of(const MeshUsers& users) const {
+  if (users.skin < 0) return {};
+  std::vector<Matrix4d> worlds(model_.nodes.size());
+  for (const PlacedNode& node : all_nodes_->nodes()) worlds[node.index] = node.world;
+  return joint_matrices(document_, model_.skins[size_t(users.skin)], worlds);
+}
+
+std::shared_ptr<const SceneTranslator::Shape> SceneTranslator::shape_of(MeshUsers& users,
+                                                                        const std::vector<double>& weights,
+                                                                        Report& report) {
+  PrimitiveShape shape{options_.refine_level, weights, joints_of(users)};
+  std::string key;  // the lengths are those of the mesh and the skin
+  append_bytes(shape.weights.data(), shape.weights.size() * sizeof(double), &key);
+  append_bytes(shape.joint_matrices.data(), shape.joint_matrices.size() * sizeof(Matrix4d), &key);
+  const auto [found, is_new] = users.shapes.try_emplace(std::move(key));
+  if (is_new) found->second.shape = std::make_shared<const Shape>(translate_shape(users, std::move(shape), report));
+  found->second.call = calls_;
+  return found->second.shape;
+}
+
+SceneTranslator::Shape SceneTranslator::translate_shape(const MeshUsers& users, PrimitiveShape shape,
+                                                        Report& report) const {
+  const tinygltf::Mesh& mesh = model_.meshes[users.mesh];
+  Shape primitives;
+  for (size_t p = 0; p < mesh.primitives.size(); ++p) {
+    const std::string element = element_name(element_name("meshes", users.mesh) + ".primitives", p);
+    primitives.push_back(translate_primitive(document_, mesh.primitives[p], element, shape, report));
+  }
+  return primitives;
+}
+
+}  // namespace alabaster::hd::gltf

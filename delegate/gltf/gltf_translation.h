@@ -1,0 +1,77 @@
+// A document's nodes as prims: all at once, and then those that its animation moves or deforms, once for each pose.
+#pragma once
+
+#include "delegate/gltf/gltf_mesh.h"
+#include "delegate/gltf/gltf_nodes.h"
+
+namespace alabaster::hd::gltf {
+
+/// The path below which the prims of a document lie.
+Path root_of(const Document& document, const GltfOptions& options);
+
+/// One thread. Document and options must outlive it. Translation reads the document's nodes as they are at that time.
+class SceneTranslator {
+ public:
+  SceneTranslator(const Document& document, const GltfOptions& options);
+
+  /// The materials, and all prims that the animation neither moves nor deforms.
+  GltfPrims still_prims(Report& report);
+  /// The other prims, in the pose that the document's nodes have. Shapes that an earlier call translated are not
+  /// translated again, until forget_shapes() drops them.
+  GltfPrims moving_prims(Report& report);
+  /// Has forget_shapes() keep the shapes of the last moving_prims(), and no others.
+  void keep_shapes();
+  void forget_shapes();
+
+  /// True if the animation deforms a mesh, so that moving_prims() reads accessors.
+  bool deforms() const;
+
+ private:
+  using Shape = std::vector<std::optional<host::MeshDescription>>;  // the primitives of a mesh, not placed
+
+  struct KeptShape {
+    std::shared_ptr<const Shape> shape;
+    size_t call = 0;  // the last of moving_prims() that used it
+    bool kept = false;
+  };
+
+  // The nodes that use a mesh with a skin. Those whose morph weights are equal share one shape.
+  struct MeshUsers {
+    size_t mesh = 0;
+    int skin = -1;                            // -1: none
+    std::vector<size_t> nodes;                // places in tree_
+    bool moves = false, deforms = false;      // by the animation
+    std::map<std::string, KeptShape> shapes;  // by weights and joint matrices, of what moves
+  };
+
+  // A mesh in one shape, and where it is placed.
+  struct MeshUse {
+    std::vector<size_t> nodes;         // that use it
+    std::vector<Matrix4d> placements;  // of all their instances
+  };
+
+  void find_users();
+  void find_what_moves();
+  void add_users(MeshUsers& users, GltfPrims* prims, Report& report);
+  void add_mesh(const MeshUsers& users, const MeshUse& use, const Shape& shape, GltfPrims* prims) const;
+  void add_views(bool moving, GltfPrims* prims) const;
+  std::shared_ptr<const Shape> shape_of(MeshUsers& users, const std::vector<double>& weights, Report& report);
+  Shape translate_shape(const MeshUsers& users, PrimitiveShape shape, Report& report) const;
+  std::vector<Matrix4d> joints_of(const MeshUsers& users) const;
+  const std::vector<Matrix4d>& instances_of(size_t node);
+  Path child(const char* folder, size_t node) const;
+
+  const Document& document_;
+  const tinygltf::Model& model_;
+  const GltfOptions& options_;
+  const Path root_;
+  NodeTree tree_;                      // of the scene
+  std::optional<NodeTree> all_nodes_;  // of the document, for joints; none: there is no skin
+  std::vector<size_t> places_;         // in all_nodes_, by node
+  std::vector<Path> material_paths_;
+  std::map<std::pair<int, int>, MeshUsers> users_;     // by mesh and skin
+  std::map<size_t, std::vector<Matrix4d>> instances_;  // by node, relative to it
+  size_t calls_ = 0;                                   // of moving_prims() so far
+};
+
+}  // namespace alabaster::hd::gltf
