@@ -38,7 +38,10 @@ class ViewerFurnace:
     def draw(scenery, mode="walk"):
         scene, camera = scene_of(scenery, Look())
         scene.set_light("/sky", "domeLight", **SKY)
-        spp = 64 if scenery.kind == "opaque body" and scenery.clear else 16  # walks below clear boundaries are noisy
+        # Walks below clear boundaries are noisy, and those in a shell that is cut.
+        opaque = scenery.kind == "opaque body"
+        cut_shell = "inner shell" in scenery.features and "cut" in scenery.features
+        spp = 256 if opaque and cut_shell else 64 if opaque and scenery.clear else 16
         renderer = renderer_of(scene, samples=spp, subsurface=mode, energy="conserving")
 
         def one(seed):
@@ -108,7 +111,7 @@ class LightFurnace:
         boxes have kinks, and need more of them than balls do."""
         scene, camera = scene_of(scenery, Look(mask=True))
         frame, area = look_at(features.VIEW), 0.0
-        rings, turns = (8, 24) if any(body.shape == "box" for body in scenery.draft().bodies) else (3, 6)
+        rings, turns = (8, 24) if any(body.shape in features.SHAPES for body in scenery.draft().bodies) else (3, 6)
         ways = [(0.0, 0.0, 1.0)]
         if angle:
             edge = math.sin(math.radians(angle / 2))

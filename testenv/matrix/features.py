@@ -94,6 +94,19 @@ def face_to_face(draft):
     draft.bodies.append(other)
 
 
+def below_glass(draft):
+    """A box, and a box of glass on its front."""
+    draft.main.shape, draft.main.place = "box", moved(0, 0, -0.6)
+    slab = Body("glass", moved(0, 0, 0.6), "/slab")
+    slab.shape = "box"
+    draft.bodies.append(slab)
+
+
+def pyramid(draft):
+    """The main body has no centre of symmetry."""
+    draft.main.shape = "pyramid"
+
+
 def sets(**values):
     return lambda draft: draft.main.material.update(values)
 
@@ -122,7 +135,9 @@ FEATURES = {  # in the order of the issue
     "camera inside": has("inside"),
     "shear": has("shear"),
     "motion": has("moves"),
-    "face to face": face_to_face,  # another way to touch
+    "face to face": face_to_face,  # other ways to touch
+    "below glass": below_glass,
+    "pyramid": pyramid,
 }
 LAYERS = ("coat", "fibre sheen", "clearcoat", "rough specular")
 
@@ -143,7 +158,7 @@ class Scenery(NamedTuple):
     @property
     def clear(self):
         """True if light passes a clear boundary somewhere."""
-        return any(k != "opaque body" for k in self.kinds) or "touching" in self.features
+        return any(k != "opaque body" for k in self.kinds) or self.any("touching", "below glass")
 
     def draft(self):
         draft = Draft(self.kind)
@@ -173,6 +188,14 @@ def box():
     points = np.float32([(x, y, z) for x in (-0.7, 0.7) for y in (-0.8, 0.8) for z in (-0.6, 0.6)])
     quads = np.int32([(0, 1, 3, 2), (4, 6, 7, 5), (0, 4, 5, 1), (2, 3, 7, 6), (0, 2, 6, 4), (1, 5, 7, 3)])
     return points, quads
+
+
+def pyramid_mesh():
+    points = np.float32([(-0.4, -1, 1), (-0.4, -1, -1), (-0.4, 1, -1), (-0.4, 1, 1), (0.9, 0.1, -0.2)])
+    return points, np.int32([(3, 2, 1), (3, 1, 0), (0, 1, 4), (1, 2, 4), (2, 3, 4), (3, 0, 4)])
+
+
+SHAPES = {"box": box, "pyramid": pyramid_mesh}
 
 
 @functools.lru_cache(maxsize=None)
@@ -228,8 +251,8 @@ def add_body(scene, body, draft, look):
     material = body.path + "_look"
     scene.set_material(material, nodes=nodes_of(body, look), displacement="relief" if body.displaced else "")
     given = {"material": material}
-    if body.shape == "box":
-        points, quads = box()
+    if body.shape in SHAPES:
+        points, quads = SHAPES[body.shape]()
         primvars = {}
     else:
         points, quads, normals, uvs = ball(8 if body.displaced else 32, body.hollow)
@@ -263,7 +286,7 @@ def bounds(draft):
     points = ball(8, False)[0] * np.float32(reach)
     corners = []
     for body in draft.bodies:
-        shape = box()[0] if body.shape == "box" else points
+        shape = SHAPES[body.shape]()[0] if body.shape in SHAPES else points
         shape = np.c_[shape, np.ones(len(shape))] @ body.place @ (SHEAR if draft.shear else np.eye(4))
         ways = [m for _, m in swing(np.eye(4))] if draft.moves else [np.eye(4)]
         corners += [(shape @ m)[:, :3] for m in ways]

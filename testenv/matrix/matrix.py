@@ -26,9 +26,10 @@ from sheet_checks import OF_METALS, Sheet
 
 def bodies():
     opaque, others = KINDS[0], KINDS[1:]
-    features = [f for f in FEATURES if f != "face to face"]
+    features = [f for f in FEATURES if f not in ("face to face", "below glass", "pyramid")]
     yield from (Scenery(kind, ()) for kind in KINDS)
-    yield from (Scenery(kind, (feature,)) for kind in KINDS for feature in FEATURES)
+    yield from (Scenery(kind, (feature,)) for kind in KINDS for feature in FEATURES if feature != "pyramid")
+    yield from (Scenery(kind, ("opacity", "pyramid")) for kind in KINDS)
     yield from (Scenery(opaque, (kind,)) for kind in others)
     yield Scenery("cloudy body", ("glass",))
     yield from (Scenery(opaque, pair) for pair in itertools.combinations(features, 2))

@@ -187,14 +187,18 @@ def deep(o):
     return ("--max-depth", o.depth)
 
 
+def size_of(o, scene):
+    return o.size_of.get(scene.stem, o.size)
+
+
 def reference_jobs(o, scene):
-    each = o.reference // o.reference_parts
-    return [Job(scene, f"reference-{o.size}-{each}-{i}", o.size, (*deep(o), "--spp", each, "--seed", REFERENCE_SEED + i))
+    each, size = o.reference // o.reference_parts, size_of(o, scene)
+    return [Job(scene, f"reference-{size}-{each}-{i}", size, (*deep(o), "--spp", each, "--seed", REFERENCE_SEED + i))
             for i in range(o.reference_parts_of.get(scene.stem, o.reference_parts))]
 
 
 def interval_jobs(o, scene, spp):
-    return [Job(scene, f"interval-{o.size}-{spp}-{seed}", o.size, (*deep(o), "--spp", spp, "--seed", seed))
+    return [Job(scene, f"interval-{size_of(o, scene)}-{spp}-{seed}", size_of(o, scene), (*deep(o), "--spp", spp, "--seed", seed))
             for seed in range(1, o.seeds + 1)]
 
 
@@ -236,7 +240,7 @@ def print_interval(bench):
 
 
 def target_jobs(o, scene):
-    return [Job(scene, f"target-{o.size}-{o.target:g}-{seed}", o.size, (*deep(o), "--target-error", o.target, "--seed", seed, "--spp", o.most))
+    return [Job(scene, f"target-{size_of(o, scene)}-{o.target:g}-{seed}", size_of(o, scene), (*deep(o), "--target-error", o.target, "--seed", seed, "--spp", o.most))
             for seed in range(1, o.target_seeds + 1)]
 
 
@@ -282,7 +286,7 @@ def kept_or_told(rows):
 
 def preset_jobs(o, scene):
     cap = ("--spp", o.preset_most) if o.preset_most else ()
-    return [(preset, seed, Job(scene, f"preset-{preset}-{o.preset_most}-{o.size}-{seed}", o.size, ("--quality", preset, "--seed", seed, *cap)))
+    return [(preset, seed, Job(scene, f"preset-{preset}-{o.preset_most}-{size_of(o, scene)}-{seed}", size_of(o, scene), ("--quality", preset, "--seed", seed, *cap)))
             for preset in o.preset for seed in range(1, o.preset_seeds + 1)]
 
 
@@ -322,7 +326,7 @@ def write_presets(bench):
     settings and that were not measured now stay."""
     o, file = bench.options, json.loads(PRESETS.read_text())
     for preset in file["presets"]:
-        if preset["name"] not in PROMISES:
+        if preset["name"] not in o.preset:
             continue
         scenes = {}
         for scene in o.scene:
@@ -331,7 +335,7 @@ def write_presets(bench):
                 continue
             records = [record for _, record in rows]
             scenes[scene.stem] = {
-                "resolution": o.size, "samples": round(statistics.fmean(r["samples"]["perPixel"] for r in records)),
+                "resolution": size_of(o, scene), "samples": round(statistics.fmean(r["samples"]["perPixel"] for r in records)),
                 "endedBy": records[0]["target"]["endedBy"],
                 "saidMissed": records[0]["target"]["missed"], "noise": digits(statistics.fmean(r["error"]["relativeRmse"] for r in records)),
                 "error": digits(root(statistics.fmean(squared for squared, _ in rows))),
@@ -364,7 +368,7 @@ def digits(value):
 
 
 def bias_jobs(o, scene, depth):
-    return [Job(scene, f"depth-{depth}-{o.size}-{o.bias_spp}-{i}", o.size, ("--max-depth", depth, "--spp", o.bias_spp, "--seed", 500 + i))
+    return [Job(scene, f"depth-{depth}-{size_of(o, scene)}-{o.bias_spp}-{i}", size_of(o, scene), ("--max-depth", depth, "--spp", o.bias_spp, "--seed", 500 + i))
             for i in range(4)]
 
 
@@ -393,7 +397,7 @@ LAW_SAMPLES = [1, 2, 4, 8, 16, 32, 64]
 
 
 def law_jobs(o, scene, spp):
-    return [Job(scene, f"law-{o.size}-{spp}-{seed}", o.size, (*deep(o), "--spp", spp, "--seed", seed)) for seed in range(1, o.law_seeds + 1)]
+    return [Job(scene, f"law-{size_of(o, scene)}-{spp}-{seed}", size_of(o, scene), (*deep(o), "--spp", spp, "--seed", seed)) for seed in range(1, o.law_seeds + 1)]
 
 
 def print_law(bench):
@@ -458,7 +462,7 @@ def ratio_with_error(pairs):
 
 
 def adaptive_pairs(o, scene, spp):
-    return [[Job(scene, f"adaptive-{word}-{o.size}-{spp}-{seed}", o.size, (*deep(o), "--spp", spp, "--seed", seed, "--set", f"adaptive={word}"))
+    return [[Job(scene, f"adaptive-{word}-{size_of(o, scene)}-{spp}-{seed}", size_of(o, scene), (*deep(o), "--spp", spp, "--seed", seed, "--set", f"adaptive={word}"))
              for word in ("true", "false")] for seed in range(1, o.adaptive_seeds + 1)]
 
 
@@ -521,6 +525,7 @@ def arguments():
     add("--json", type=pathlib.Path, help="file for all numbers")
     add("--write-presets", action="store_true", help="put what part `presets` measured into schemas/quality_presets.json")
     add("--size", default="48x32", help="resolution of everything but predictions")
+    add("--size-of", nargs="+", default=[], metavar="SCENE=SIZE", help="another resolution of a scene, where light is rare")
     add("--depth", type=int, default=64, help="bounces of references")
     add("--reference", type=int, default=16384, help="samples per pixel, in independent parts")
     add("--reference-parts", type=int, default=8)
@@ -541,6 +546,7 @@ def arguments():
     add("--adaptive-seeds", type=int, default=4)
     options = parser.parse_args(QUICK + sys.argv[1:] if "--quick" in sys.argv[1:] else None)
     options.reference_parts_of = {name: int(parts) for name, parts in (word.split("=") for word in options.reference_parts_of)}
+    options.size_of = dict(word.split("=") for word in options.size_of)
     options.case = [tuple(case.split("@")) for case in options.case]
     if any(len(case) != 2 for case in options.case):
         parser.error("--case: write error@size, for example 0.1@384x256")
@@ -568,7 +574,8 @@ def main():
         bench.do_all(jobs_of(options))
         print("# Calibration of what the renderer promises about errors\n\nMade by\n")
         print("    " + command_line())
-        print(f"\nReferences: {options.size} pixels, {options.reference} samples per pixel in {options.reference_parts} independent parts, "
+        but = f" ({', '.join(f'{size} on {name}' for name, size in options.size_of.items())})" if options.size_of else ""
+        print(f"\nReferences: {options.size} pixels{but}, {options.reference} samples per pixel in {options.reference_parts} independent parts, "
               f"{options.depth} bounces. Their scatter gives the reference's own noise, which is subtracted from every true error.")
         for part in options.part:
             PARTS[part](bench)
