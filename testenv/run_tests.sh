@@ -3,7 +3,7 @@
 # Debian packages; may be run again.
 #   run_tests.sh [--sanitize address,undefined | --sanitize thread] [arguments for ctest]
 # Environment: ALABASTER_TEST_ASSETS names a folder of glTF test files (sss, subdiv, valid, invalid). Without it, tests
-# that need it report that they were skipped.
+# that need it report that they were skipped. The last lines name what did not run, and why.
 set -eu
 top=$(cd "$(dirname "$0")/.." && pwd)
 . "$top/testenv/install_packages.sh"
@@ -27,7 +27,9 @@ export LSAN_OPTIONS="suppressions=$top/testenv/sanitizers/leak_suppressions ${LS
 export TSAN_OPTIONS="suppressions=$top/testenv/sanitizers/thread/suppressions ${TSAN_OPTIONS:-}"
 export UBSAN_OPTIONS="print_stacktrace=1 ${UBSAN_OPTIONS:-}"
 cd "$build"
-# A test that hangs is ended after half an hour; sanitizers take longer.
-limit=1800
-[ -z "$sanitize" ] || limit=14400
-exec ctest --timeout "$limit" --output-on-failure -j "$(nproc)" "$@"
+rm -f junit.xml
+ctest -C long --show-only=json-v1 > every_test.json
+failed=0
+ctest --output-on-failure --output-junit junit.xml --test-output-size-passed 10000000 -j "$(nproc)" "$@" || failed=$?
+python3 "$top/testenv/not_run.py" junit.xml every_test.json
+exit "$failed"

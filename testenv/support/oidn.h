@@ -5,6 +5,8 @@
 #include <optional>
 #include <string>
 
+#include "testenv/support/build_paths.h"
+
 namespace alabaster::testing {
 
 /// Sets environment variables for the scope, one value each.
@@ -31,7 +33,7 @@ class Environment {
 /// The fake library of testenv/support/fake_oidn, which does what $FAKE_OIDN says.
 struct FakeOidn {
   explicit FakeOidn(const std::string& behaviour = "") : behaviour_("FAKE_OIDN", behaviour) {}
-  Environment library_{"ALABASTER_OIDN", ALABASTER_FAKE_OIDN};
+  Environment library_{"ALABASTER_OIDN", kFakeOidn};
   Environment behaviour_;
 };
 

@@ -11,6 +11,7 @@
 
 #include "core/denoise/denoise_film.h"
 #include "core/denoise/oidn_search.h"
+#include "testenv/support/build_paths.h"
 #include "testenv/support/oidn.h"
 
 namespace alabaster {
@@ -47,12 +48,12 @@ TEST(Denoiser, IsLoadedFromTheFileOrTheFolderThatIsNamed) {
   const auto denoiser = Denoiser::load(&problem);
   ASSERT_NE(denoiser, nullptr) << problem;
   EXPECT_EQ(denoiser->name(), "Open Image Denoise 2.99.1");
-  EXPECT_EQ(denoiser->file(), ALABASTER_FAKE_OIDN);
+  EXPECT_EQ(denoiser->file(), testing::kFakeOidn);
 
   const fs::path folder = fs::temp_directory_path() / ("alabaster_oidn_" + std::to_string(getpid()));
   for (const char* place : {".", "lib", "oidn/lib", "pyoidn/oidn/lib"}) {
     fs::create_directories(folder / place);
-    fs::copy_file(ALABASTER_FAKE_OIDN, folder / place / "libOpenImageDenoise.so.2");
+    fs::copy_file(testing::kFakeOidn, folder / place / "libOpenImageDenoise.so.2");
     const Environment named("ALABASTER_OIDN", folder.string());
     EXPECT_NE(Denoiser::load(&problem), nullptr) << place << ": " << problem;
     fs::remove_all(folder);
@@ -70,7 +71,7 @@ TEST(Denoiser, LooksWhereTheSystemAndPythonKeepLibraries) {
   const fs::path home = fs::temp_directory_path() / ("alabaster_home_" + std::to_string(getpid()));
   const fs::path library = home / ".local/lib/python3.99/site-packages/pyoidn/oidn/lib/libOpenImageDenoise.so.2";
   fs::create_directories(library.parent_path());
-  fs::copy_file(ALABASTER_FAKE_OIDN, library);
+  fs::copy_file(testing::kFakeOidn, library);
   const Environment at_home("HOME", home.string());
   const auto files = find_oidn("");
   EXPECT_NE(std::find(files.begin(), files.end(), "libOpenImageDenoise.so.2"), files.end());
@@ -86,9 +87,9 @@ TEST(Denoiser, AFifoIsNotOpened) {
 }
 
 TEST(Denoiser, RefusesWhatIsNoLibraryOrAnotherOne) {
-  const Environment text("ALABASTER_OIDN", std::string(ALABASTER_SOURCE_DIR) + "/README.md");
+  const Environment text("ALABASTER_OIDN", testing::source_file("README.md"));
   EXPECT_TRUE(contains(problem_of_loading(), "invalid ELF header"));
-  const Environment another("ALABASTER_OIDN", ALABASTER_PLAIN_LIBRARY);
+  const Environment another("ALABASTER_OIDN", testing::kPlainLibrary);
   EXPECT_TRUE(contains(problem_of_loading(), "has no function oidnNewDevice")) << problem_of_loading();
 }
 

@@ -8,6 +8,7 @@
 #include "core/light/light.h"
 #include "core/material/disney_material.h"
 #include "core/session/render_settings.h"
+#include "testenv/support/build_paths.h"
 
 namespace alabaster {
 namespace {
@@ -15,7 +16,7 @@ namespace {
 using nlohmann::json;
 
 json properties_of(const std::string& schema) {
-  std::ifstream file(std::string(ALABASTER_SOURCE_DIR) + "/schemas/" + schema + ".json");
+  std::ifstream file(testing::source_file("schemas/") + schema + ".json");
   return json::parse(file).at("properties");
 }
 

@@ -7,6 +7,7 @@
 #include <set>
 #include <sstream>
 
+#include "testenv/support/build_paths.h"
 #include "testenv/unit/delegate/c_api/door_fixture.h"
 
 namespace alabaster::door_testing {
@@ -140,7 +141,7 @@ TEST_F(DoorCounts, AreAllVisited) {
   std::set<std::string> visited = {"AlabasterSetting.choice_count", "AlabasterPick.instance_count"};  // in answers
   for (const Pair& pair : pairs()) visited.insert(pair.where);
   for (const Pair& pair : pairs_of_calls()) visited.insert(pair.where);
-  const std::string folder = std::string(ALABASTER_SOURCE_DIR) + "/delegate/c_api/";
+  const std::string folder = testing::source_file("delegate/c_api/");
   std::set<std::string> found;
   for (const char* header : {"alabaster_types.h", "alabaster.h"}) {
     std::ifstream file(folder + header);

@@ -17,6 +17,7 @@
 #include <xmmintrin.h>
 #endif
 
+#include "testenv/support/build_paths.h"
 #include "testenv/unit/delegate/c_api/door_fixture.h"
 
 namespace alabaster::door_testing {
@@ -105,7 +106,7 @@ class DoorEnvironment : public ::testing::Test {
     AlabasterDelegate* delegate = nullptr;
     AlabasterPass* pass = nullptr;
     AlabasterBuffer *color = nullptr, *normal = nullptr;
-    const std::string file = std::string(ALABASTER_SOURCE_DIR) + "/testenv/scenes/sample/sample.json";
+    const std::string file = testing::source_file("testenv/scenes/sample/sample.json");
     const int32_t samples = 3;
     const AlabasterParameter settings[] = {{"samples", whole(samples)}};
     const AlabasterDelegateOptions options = {sizeof options, nullptr, nullptr, settings, 1};

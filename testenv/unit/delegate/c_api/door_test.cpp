@@ -198,7 +198,8 @@ TEST_F(Door, PicksAndSnapshots) {
   EXPECT_EQ(heard.instances, 0);
   EXPECT_EQ(api().pick(pass_, nullptr, visit, &heard), ALABASTER_INVALID_ARGUMENT);
 
-  const std::string file = std::filesystem::temp_directory_path() / "door_snapshot.png";
+  const std::string file =
+      std::filesystem::temp_directory_path() / ("door_snapshot_" + std::to_string(getpid()) + ".png");
   EXPECT_EQ(api().snapshot(pass_, file.c_str()), ALABASTER_OK) << api().last_error();
   EXPECT_TRUE(std::filesystem::remove(file));
   EXPECT_EQ(api().snapshot(pass_, "/nowhere/a.png"), ALABASTER_OUTPUT_FAILED);
@@ -249,7 +250,8 @@ TEST_F(Door, StopsFromAnotherThread) {
 TEST_F(Door, RecordCancelsAndReportsWhatItCannotWrite) {
   const AlabasterRenderSettings settings = {sizeof settings, "/camera", kSide, kSide, 0, {}, 0, nullptr, 0};
   ASSERT_EQ(api().set_render_settings(scene_, "/settings", &settings), ALABASTER_OK);
-  const std::string file = (std::filesystem::temp_directory_path() / "alabaster_door_test.exr").string();
+  const std::string file =
+      (std::filesystem::temp_directory_path() / ("door_record_" + std::to_string(getpid()) + ".exr")).string();
   const char* files[] = {file.c_str()};
   AlabasterRecordOptions options = {};
   options.size = sizeof options;

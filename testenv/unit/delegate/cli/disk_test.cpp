@@ -7,6 +7,7 @@
 
 #include <regex>
 
+#include "testenv/support/build_paths.h"
 #include "testenv/unit/delegate/cli/run_program.h"
 #include "testenv/unit/delegate/description/scene_fixture.h"
 
@@ -160,7 +161,7 @@ TEST_F(DiskTest, AFolderWithoutWritePermissionIsReportedBeforeTheRender) {
   const auto become_nobody = [] {
     constexpr id_t kNobody = 65534;
     if (setgroups(0, nullptr) != 0 || setgid(kNobody) != 0 || setuid(kNobody) != 0 ||
-        access(ALABASTER_PROGRAM, X_OK) != 0)
+        access(testing::kProgram, X_OK) != 0)
       _exit(kNoNamespace);
   };
   for (const std::vector<std::string>& output :

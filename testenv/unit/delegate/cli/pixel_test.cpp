@@ -3,6 +3,7 @@
 
 #include <cstdio>
 
+#include "testenv/support/build_paths.h"
 #include "testenv/unit/delegate/cli/run_program.h"
 #include "testenv/unit/delegate/description/scene_fixture.h"
 
@@ -80,7 +81,7 @@ TEST_F(PixelTest, ASampleThatIsNotFiniteIsShownByTheCommandThatIsPrinted) {
     "camera": {"lookAt": {"eye": [0, 0, 2], "target": [0, 0, 0]}},
     "lights": [{"name": "sky", "type": "domeLight", "color": [3e38, 3e38, 3e38]}],
     "materials": [{"match": "*", "set": {"emission": [3.4028234e38, 3.4028234e38, 3.4028234e38]}}]})");
-  std::filesystem::create_symlink(ALABASTER_PROGRAM, folder_ / "alabaster");
+  std::filesystem::create_symlink(testing::kProgram, folder_ / "alabaster");
   for (const char* crop : {"0,0,16,12", "-6,-5,3,3"}) {  // the frame; overscan
     Program frame(folder_, {"render", "-o", "a.exr", "--spp", "2", "--crop", crop, "--", "it's $HOME.json"});
     ASSERT_EQ(frame.wait(), 0) << frame.err();

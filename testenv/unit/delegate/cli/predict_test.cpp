@@ -5,6 +5,7 @@
 #include <cstdlib>
 #include <nlohmann/json.hpp>
 
+#include "testenv/support/build_paths.h"
 #include "testenv/unit/delegate/cli/run_program.h"
 #include "testenv/unit/delegate/description/scene_fixture.h"
 
@@ -40,7 +41,7 @@ class PredictTest : public hd::description::SceneFiles {
 };
 
 TEST_F(PredictTest, ForetellsSamplesAndMemory) {
-  const std::string scene = ALABASTER_SOURCE_DIR "/testenv/scenes/sample/sample.json";
+  const std::string scene = testing::source_file("testenv/scenes/sample/sample.json");
   ASSERT_EQ(run({"info", scene, "--predict", "0.15", "--size", "120x80"}), 0) << err_;
   const Said samples = said("samples per pixel"), memory = said("peak memory");
   EXPECT_GT(said("wall time").value, 0) << out_;
@@ -65,7 +66,8 @@ TEST_F(PredictTest, CountsTheStartOfTheProgram) {
     return double(usage.ru_utime.tv_sec + usage.ru_stime.tv_sec) +
            1e-6 * double(usage.ru_utime.tv_usec + usage.ru_stime.tv_usec);
   };
-  for (const std::string scene : {"lit.gltf", ALABASTER_SOURCE_DIR "/testenv/scenes/sample/sample.json"}) {
+  for (const std::string& scene :
+       {std::string("lit.gltf"), testing::source_file("testenv/scenes/sample/sample.json")}) {
     ASSERT_EQ(run({"info", scene, "--predict", "0.5", "--size", "16x12", "--threads", "1"}), 0) << err_;
     const Said cpu = said("CPU time");
     const double before = cpu_of_children();
@@ -94,7 +96,7 @@ TEST_F(PredictTest, AnInterruptedProbeCleansUp) {
   std::filesystem::create_directory(temporary);
   const auto is_empty = [&] { return std::filesystem::is_empty(temporary); };
   ASSERT_EQ(setenv("TMPDIR", temporary.c_str(), 1), 0);
-  Program program(folder_, {"info", ALABASTER_SOURCE_DIR "/testenv/scenes/sample/sample.json", "--predict", "0.01"});
+  Program program(folder_, {"info", testing::source_file("testenv/scenes/sample/sample.json"), "--predict", "0.01"});
   unsetenv("TMPDIR");
   const auto until = std::chrono::steady_clock::now() + std::chrono::seconds(60);
   while (is_empty() && std::chrono::steady_clock::now() < until)

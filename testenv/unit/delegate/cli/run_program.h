@@ -15,6 +15,8 @@
 #include <thread>
 #include <vector>
 
+#include "testenv/support/build_paths.h"
+
 namespace alabaster::cli {
 
 /// A running `alabaster ARGUMENTS` in `folder`, with its outputs in files there. The destructor kills it if it still
@@ -25,7 +27,7 @@ class Program {
   Program(const std::filesystem::path& folder, const std::vector<std::string>& arguments,
           const std::function<void()>& prepare = {})
       : folder_(folder) {
-    std::vector<std::string> words{ALABASTER_PROGRAM};
+    std::vector<std::string> words{testing::kProgram};
     words.insert(words.end(), arguments.begin(), arguments.end());
     std::vector<char*> argv;
     for (std::string& word : words) argv.push_back(word.data());

@@ -3,6 +3,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "testenv/support/build_paths.h"
 #include "testenv/unit/delegate/cli/run_program.h"
 #include "testenv/unit/delegate/description/scene_fixture.h"
 
@@ -59,7 +60,7 @@ TEST_F(TargetErrorTest, OneThatIsReachedNeedsNoWord) {
 
 // A few bright samples make most of this frame's error: it may be six times what they tell.
 TEST_F(TargetErrorTest, OneThatFewSamplesSayIsReachedMayBeMissed) {
-  const std::string scene = ALABASTER_SOURCE_DIR "/testenv/scenes/dome_high_contrast/dome_high_contrast.json";
+  const std::string scene = testing::source_file("testenv/scenes/dome_high_contrast/dome_high_contrast.json");
   const auto render = [&](const std::vector<std::string>& more) {
     std::vector<std::string> words{"render", scene,   "--size",  "36x24",  "--spp",  "16",
                                    "-o",     "a.exr", "--stats", "s.json", "--quiet"};

@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "delegate/api/render_delegate.h"
+#include "testenv/support/build_paths.h"
 #include "testenv/unit/delegate/description/scene_fixture.h"
 
 namespace alabaster::hd::description {
@@ -399,7 +400,7 @@ TEST_F(LoadSceneTest, FramingFollowsNestedInstances) {
 TEST_F(LoadSceneTest, SchemasAreEmbedded) {
   for (const char* name : {"disney_material", "lights", "camera", "render_settings", "render_description"}) {
     ASSERT_NE(SchemaText(name), nullptr) << name;
-    std::ifstream file(std::string(ALABASTER_SOURCE_DIR) + "/schemas/" + name + ".json");
+    std::ifstream file(testing::source_file("schemas/") + name + ".json");
     const std::string text((std::istreambuf_iterator<char>(file)), std::istreambuf_iterator<char>());
     EXPECT_EQ(SchemaText(name), text) << name;
   }

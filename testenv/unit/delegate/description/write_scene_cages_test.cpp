@@ -1,4 +1,5 @@
 // Cages of subdivision surfaces and textures, written and read again.
+#include "testenv/support/build_paths.h"
 #include "testenv/support/cages.h"
 #include "testenv/unit/delegate/description/write_scene_fixture.h"
 
@@ -29,7 +30,7 @@ class WrittenCage : public WriteSceneTest {
   host::RetainedSceneDelegate& scene() { return stage_.scene; }
 
   std::string copy_image(const std::string& name) const {
-    std::filesystem::copy_file(ALABASTER_SOURCE_DIR "/testenv/scenes/lights/screen.png", folder_ / name);
+    std::filesystem::copy_file(testing::source_file("testenv/scenes/lights/screen.png"), folder_ / name);
     return file(name);
   }
   void set_textured(const char* input, const AssetPath& image, std::map<Token, Value> texture = {}) {

@@ -1,4 +1,5 @@
 // The scenes of testenv/scenes, written and read again.
+#include "testenv/support/build_paths.h"
 #include "testenv/unit/delegate/description/write_scene_fixture.h"
 
 namespace alabaster::hd::description {
@@ -10,7 +11,7 @@ class WriteSceneOfFile : public WriteSceneTest, public ::testing::WithParamInter
     LoadOptions options;
     options.overrides = {"resolution=[24,16]"};
     const SceneFile loaded = LoadScene(
-        std::string(ALABASTER_SOURCE_DIR "/testenv/scenes/") + name, &stage_.scene,
+        testing::source_file("testenv/scenes/") + name, &stage_.scene,
         [](const Diagnostic& d) { ADD_FAILURE() << d.where << ": " << d.text; }, options);
     ASSERT_TRUE(loaded.ok);
     const RenderSettingsDescription settings = stage_.scene.GetRenderSettings(loaded.settings);

@@ -1,4 +1,5 @@
 // Lists and objects without content, wherever a document has one.
+#include "testenv/support/build_paths.h"
 #include "testenv/support/json_containers.h"
 #include "testenv/unit/delegate/gltf/gltf_builder.h"
 
@@ -32,7 +33,7 @@ GltfBuilder deformed_document() {
 TEST(GltfEmpty, AnyListOrObjectMayBeEmpty) {
   const GltfBuilder deformed = deformed_document();
   std::vector<std::pair<Json, std::string>> documents{{deformed.document(), deformed.binary()}};
-  for (const auto& entry : std::filesystem::directory_iterator(ALABASTER_SOURCE_DIR "/testenv/translate"))
+  for (const auto& entry : std::filesystem::directory_iterator(alabaster::testing::source_file("testenv/translate")))
     if (entry.path().extension() == ".gltf") documents.emplace_back(Json::parse(read_text(entry.path())), "");
   ASSERT_GT(documents.size(), 9u);
   GltfOptions options;

@@ -5,12 +5,13 @@
 #include <cmath>
 
 #include "core/material/fresnel.h"
+#include "testenv/support/build_paths.h"
 #include "testenv/unit/delegate/gltf/gltf_builder.h"
 
 namespace alabaster::hd::gltf::testing {
 namespace {
 
-const std::string kFolder = std::string(ALABASTER_SOURCE_DIR) + "/testenv/translate/";
+const std::string kFolder = alabaster::testing::source_file("testenv/translate/");
 
 Loaded load_own(const std::string& topic, const GltfOptions& options = {}) {
   return load(kFolder + topic + ".gltf", options);

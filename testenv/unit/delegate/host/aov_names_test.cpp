@@ -9,6 +9,7 @@
 #include "core/film/aov.h"
 #include "delegate/description/render_description.h"
 #include "delegate/host/product_writer.h"
+#include "testenv/support/build_paths.h"
 
 namespace alabaster::hd::host {
 namespace {
@@ -45,7 +46,7 @@ std::vector<std::string> split(const std::string& text, char separator) {
 
 // Rows of the README's table: | `name`, `name` | channels, channels | meaning |
 std::map<std::string, std::string> listed_channels() {
-  std::ifstream readme(std::string(ALABASTER_SOURCE_DIR) + "/delegate/README.md");
+  std::ifstream readme(testing::source_file("delegate/README.md"));
   std::map<std::string, std::string> listed;
   bool in_table = false;
   for (std::string line; std::getline(readme, line);) {

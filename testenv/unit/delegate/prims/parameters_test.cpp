@@ -7,6 +7,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "testenv/support/build_paths.h"
 #include "testenv/support/stage.h"
 
 namespace alabaster::hd {
@@ -15,7 +16,7 @@ namespace {
 using nlohmann::json;
 
 json schema_properties(const std::string& name) {
-  std::ifstream file(std::string(ALABASTER_SOURCE_DIR) + "/schemas/" + name + ".json");
+  std::ifstream file(testing::source_file("schemas/") + name + ".json");
   return json::parse(file).at("properties");
 }
 

@@ -1,0 +1,45 @@
+#!/usr/bin/env python3
+"""Prints what a run of ctest left out and why, and how sure its statistical tests are.
+
+  not_run.py JUNIT EVERY     files of ctest's --output-junit, and of --show-only=json-v1 with -C long
+"""
+import json
+import pathlib
+import re
+import sys
+from xml.etree import ElementTree
+
+SHOWN = 12  # names of tests that were not chosen
+STATISTICS = re.compile(r"^statistical tests: (\d+), to run again: (\d+), chance of a false alarm: (\S+)$", re.M)
+SKIPPED = re.compile(r"^\S+:\d+: Skipped\n((?:.+\n)*?)\n?\[  SKIPPED \] (\S+) \(\d+ ms\)$", re.M)  # of GoogleTest
+
+
+def main():
+    junit, every = map(pathlib.Path, sys.argv[1:])
+    if not junit.exists():
+        return
+    started, left_out, statistics = set(), {}, [0, 0, 0.0]
+    for case in ElementTree.parse(junit).getroot().iter("testcase"):
+        output = (case.findtext("system-out") or "").strip()
+        started.add(case.get("name"))
+        if case.find("skipped") is not None:
+            reason = output.splitlines()[-1].removeprefix("skipped: ") if output else "no reason given"
+            left_out.setdefault(reason, []).append(case.get("name"))
+        for reason, test in SKIPPED.findall(output):
+            left_out.setdefault(" ".join(reason.split()), []).append(test)
+        for found in STATISTICS.findall(output):
+            statistics = [sum(pair) for pair in zip(statistics, map(float, found))]
+    unchosen = [test["name"] for test in json.loads(every.read_text())["tests"] if test["name"] not in started]
+    if unchosen:
+        more = [f"{len(unchosen) - SHOWN} more"] if len(unchosen) > SHOWN else []
+        left_out["not chosen; -C long has all"] = unchosen[:SHOWN] + more
+    if statistics[0]:
+        print("statistical tests: {:.0f}, of which {:.0f} ran again; chance that other random numbers fail one of them: {:.2g}".format(*statistics))
+    for reason, names in left_out.items():
+        print(f"not run: {', '.join(names)} ({reason})")
+    if not left_out:
+        print("not run: nothing")
+
+
+if __name__ == "__main__":
+    main()
