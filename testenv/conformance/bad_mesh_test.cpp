@@ -82,6 +82,12 @@ std::vector<Fault> topology_faults() {
        [](Mesh& m) {
          m.topology.holeIndices = {-1, 1000000};
        }},
+      {"AllFacesAreHoles",
+       [](Mesh& m) {
+         m.topology.holeIndices = {0, 1, 2, 3};
+       }},
+      {"FaceOfOneVertexFourTimes",
+       [](Mesh& m) { m.topology.faceVertexIndices = {0, 0, 0, 0, 1, 2, 5, 4, 3, 4, 7, 6, 4, 5, 8, 7}; }},
       {"UnknownScheme", [](Mesh& m) { m.topology.scheme = "no such scheme"; }},
       {"UnknownOrientation", [](Mesh& m) { m.topology.orientation = "no such orientation"; }},
       {"NotANumber", [](Mesh& m) { set_point(m, 4, Vec3f(kNan, 0, 0)); }},
@@ -89,6 +95,7 @@ std::vector<Fault> topology_faults() {
       {"InfinitePoint", [](Mesh& m) { set_point(m, 0, Vec3f(0, -kInfinity, 0)); }},
       {"AllPointsEqual", [](Mesh& m) { m.primvars["points"].value = Array<Vec3f>(std::vector<Vec3f>(9, Vec3f(0))); }},
       {"SingularTransform", [](Mesh& m) { m.transform.setScale(Vec3d(0, 0, 0)); }},
+      {"TransformBeyondFloat", [](Mesh& m) { m.transform.setScale(Vec3d(1e300, 1e300, 1e300)); }},
       {"TransformNotANumber", [](Mesh& m) { m.transform[3][0] = double(kNan); }},
       {"RefineLevelOutOfRange",
        [](Mesh& m) {
@@ -185,6 +192,8 @@ std::vector<Fault> primvar_faults() {
       {"TextureCoordinatesOfAnotherType", uv(Array<std::string>{"a", "b"}, Interpolation::vertex)},
       {"ANumberForAnArray", uv(3.0f, Interpolation::vertex)},
       {"CoordinatesNotANumber", uv(Array<Vec2f>(std::vector<Vec2f>(9, Vec2f(kNan))), Interpolation::vertex)},
+      {"ConstantTextureCoordinates", uv(Array<Vec2f>{{0, 0}}, Interpolation::constant)},
+      {"NormalsOfAnotherType", normals(Array<int32_t>{1, 2}, Interpolation::vertex)},
       {"TooFewNormals", normals(Array<Vec3f>{{0, 0, 1}}, Interpolation::vertex)},
       {"NormalsOfLengthZero", normals(Array<Vec3f>(std::vector<Vec3f>(9, Vec3f(0))), Interpolation::vertex)},
       {"NormalsNotANumber", normals(Array<Vec3f>(std::vector<Vec3f>(9, Vec3f(kNan))), Interpolation::vertex)},

@@ -51,22 +51,6 @@ TEST(RenderPass, OneExecuteAfterAWaitReportsConvergence) {
   EXPECT_EQ(s.stage.stat("fractionDone"), 1);
 }
 
-TEST(RenderPass, WithoutAWaitTheHostShowsTheLastPictureFirst) {
-  Shot s;
-  s.pass->Execute(s.state);
-  for (int i = 0; i < 20000 && s.stage.stat("fractionDone") < 1; ++i)
-    std::this_thread::sleep_for(std::chrono::milliseconds(1));
-  s.pass->Execute(s.state);
-  EXPECT_FALSE(s.pass->IsConverged()) << "the host may still show the final pixels first";
-  EXPECT_FALSE(s.buffer->IsConverged());
-  for (int i = 0; i < 20000 && !s.pass->IsConverged(); ++i) {
-    s.pass->Execute(s.state);
-    std::this_thread::sleep_for(std::chrono::milliseconds(1));
-  }
-  EXPECT_TRUE(s.pass->IsConverged());
-  EXPECT_TRUE(s.buffer->IsConverged());
-}
-
 TEST(RenderPass, BeginsOnceItsSceneIsThereWithoutAnotherExecute) {
   Stage stage({{"samples", 1}});
   stage.add_basic_scene();
@@ -281,22 +265,6 @@ TEST(RenderPass, ARenderThatFailsOnItsOwnThreadsConvergesAndSaysWhy) {
   }
 }
 
-TEST(RenderPass, NothingToDrawConvergesAtOnce) {
-  Shot s;
-  RenderPassState unbound = s.state;
-  unbound.aovBindings.clear();
-  s.pass->Execute(unbound);
-  EXPECT_TRUE(s.pass->IsConverged());
-  RenderPassState unsupported = s.state;
-  unsupported.aovBindings[0].aovName = "edgeId";
-  s.pass->Execute(unsupported);
-  EXPECT_TRUE(s.pass->IsConverged());
-  RenderPassState zero = s.state;
-  zero.framing.dataWindow = {};
-  s.pass->Execute(zero);
-  EXPECT_TRUE(s.pass->IsConverged());
-}
-
 TEST(RenderPass, TheSettingsPrimGivesCameraAndSettingsAndTheHostOverrides) {
   Shot s;
   RenderSettingsDescription settings;
@@ -326,20 +294,6 @@ TEST(RenderPass, AFailureIsToldOnceItHasBeenWaitedFor) {
   const Dictionary stats = s.stage.delegate->GetRenderStats();
   ASSERT_TRUE(stats.contains("error"));
   EXPECT_NE(stats.at("error").text_or("").find("no ray of the camera"), std::string::npos);
-}
-
-TEST(BackgroundControl, IsLegalBeforeTheFirstRender) {
-  Shot s;
-  s.stage.delegate->Pause();
-  s.stage.delegate->Resume();
-  s.stage.delegate->Stop();
-  EXPECT_TRUE(s.stage.delegate->IsStopped());
-  s.pass->Execute(s.state);
-  EXPECT_EQ(s.pass->GetState(), PassState::stopped);
-  EXPECT_FALSE(s.pass->IsConverged());
-  s.stage.delegate->Restart();
-  EXPECT_FALSE(s.stage.delegate->IsStopped());
-  EXPECT_TRUE(s.finish());
 }
 
 TEST(BackgroundControl, WhatWasStoppedStaysSoUntilItIsExecutedAgain) {
@@ -392,56 +346,6 @@ TEST(BackgroundControl, APauseFromBeforeHoldsTheFirstRenderAndAnEditEndsIt) {
   s.pass->Execute(s.state);
   EXPECT_FALSE(s.stage.delegate->IsPaused());
   EXPECT_EQ(s.pass->GetState(), PassState::rendering);
-}
-
-TEST(BackgroundControl, StopEndsARenderAndIsNoConvergence) {
-  Shot s(kEndless, 64);
-  s.pass->Execute(s.state);
-  std::this_thread::sleep_for(std::chrono::milliseconds(20));
-  s.stage.delegate->Stop();
-  EXPECT_EQ(s.pass->GetState(), PassState::stopped);
-  EXPECT_FALSE(s.pass->IsConverged());
-  EXPECT_TRUE(s.pass->WaitForConvergence(5)) << "it is over";
-  s.pass->Execute(s.state);
-  EXPECT_EQ(s.pass->GetState(), PassState::stopped) << "latched";
-}
-
-TEST(BackgroundControl, AStormFromAnotherThreadEndsWell) {
-  Shot s(kEndless, 32);
-  std::thread storm([&] {
-    for (int i = 0; i < 50; ++i) {
-      s.stage.delegate->Pause();
-      s.buffer->Resolve();
-      s.buffer->Map();
-      s.stage.delegate->GetRenderStats();
-      s.stage.delegate->HoldStopped();
-      s.stage.delegate->Stop();
-      s.buffer->Unmap();
-      s.stage.delegate->Resume();
-      s.pass->GetState();
-    }
-  });
-  for (int i = 0; i < 50; ++i) {
-    s.stage.delegate->SetRenderSetting("seed", i);
-    s.pass->Execute(s.state);
-    s.stage.delegate->Restart();
-  }
-  storm.join();
-  s.stage.delegate->Restart();
-  s.stage.delegate->SetRenderSetting("samples", 1);
-  EXPECT_TRUE(s.finish());
-}
-
-TEST(RenderDelegate, OneMayEndWhileAnotherRenders) {
-  Shot survivor(16, 32);
-  survivor.pass->Execute(survivor.state);
-  {
-    Shot other(kEndless, 32);
-    other.pass->Execute(other.state);
-    std::this_thread::sleep_for(std::chrono::milliseconds(10));
-  }
-  EXPECT_TRUE(survivor.finish());
-  EXPECT_EQ(survivor.pass->GetState(), PassState::converged);
 }
 
 }  // namespace

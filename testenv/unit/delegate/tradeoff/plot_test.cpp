@@ -68,15 +68,6 @@ TEST_F(PlotFile, DrawsBothKinds) {
   EXPECT_EQ(files(), 2u);
 }
 
-TEST_F(PlotFile, RingsStandAboutTheFrontAlone) {
-  Plot plot = example();
-  const std::string ring = "xlink:href='#gpPt5'";
-  const size_t definitions = 1;  // the filled circle contains one too
-  EXPECT_EQ(count(svg(plot), ring) - definitions, 4u);
-  plot.lines.push_back({"quick", "cheap", {{0.1, 0.9, 0, 0, true}}});
-  EXPECT_EQ(count(svg(plot), ring) - definitions, 5u);
-}
-
 TEST_F(PlotFile, LeavesOutWhatLogarithmsDoNotHave) {
   Plot plot = example();
   const std::string before = svg(plot);
