@@ -7,6 +7,7 @@
 #include "core/integrator/camera_interiors.h"
 #include "core/integrator/path_integrator.h"
 #include "testenv/support/scene_builder.h"
+#include "testenv/support/statistics.h"
 
 namespace alabaster::testing {
 
@@ -34,7 +35,7 @@ class PathTracer {
     const PathIntegrator integrator = select_path_integrator(scene_->features, settings, layers != nullptr);
     Ray ray = camera_.generate_ray({0.5f, 0.5f}, {0, 0});
     ray.tmax = reach;
-    return integrator(context(layers), ray, PixelSampler(kPixelSeed, index));
+    return integrator(context(layers), ray, PixelSampler(run_seed(kPixelSeed), index));
   }
 
  private:

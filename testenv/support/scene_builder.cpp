@@ -5,6 +5,8 @@
 #include <cmath>
 #include <utility>
 
+#include "testenv/support/statistics.h"
+
 namespace alabaster::testing {
 namespace {
 
@@ -156,7 +158,10 @@ RenderRequest mixed_request(uint32_t samples) {
   return request;
 }
 
-std::shared_ptr<const Film> render(const RenderRequest& request, RenderProgress* progress) {
+std::shared_ptr<const Film> render(const RenderRequest& of_first_run, RenderProgress* progress) {
+  RenderRequest request = of_first_run;
+  request.settings.seed = run_seed(request.settings.seed);
+  request.settings.samples = run_samples(request.settings.samples);
   RenderSession session;
   session.start(request);
   EXPECT_TRUE(session.wait(600));

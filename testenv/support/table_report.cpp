@@ -93,9 +93,8 @@ void Report::require(bool holds, const std::string& what) {
 }
 
 bool Report::verdict() {
-  constexpr double kSignificance = 0.001;
   const double p_value = std::erfc(worst_ / std::sqrt(2.0));
-  const bool pass = comparisons_ == 0 || p_value >= sidak_level(kSignificance, comparisons_);
+  const bool pass = comparisons_ == 0 || p_value >= sidak_level(kFamilyLevel, comparisons_);
   std::printf(
       "\n## Verdict\n\n%d comparisons with theory, the worst at |z| = %.2f; %d above 3, where chance alone puts ",
       comparisons_, worst_, above_three_);

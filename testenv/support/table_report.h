@@ -49,7 +49,7 @@ class Report {
   /// A requirement. A failure is printed and makes the verdict fail.
   void require(bool holds, const std::string& what);
 
-  /// Prints the number of comparisons and the worst of them. True if the family passes at the level 0.001 and all
+  /// Prints the number of comparisons and the worst of them. True if the family passes at kFamilyLevel and all
   /// requirements hold.
   bool verdict();
 

@@ -1,9 +1,11 @@
-// Tests Monte Carlo means: means and standard errors by Welford's update, a two-sided z-test, and Sidak's correction
-// for a family of tests of which any one may fail by chance.
+// Tests Monte Carlo means: means and standard errors by Welford's update, and two-sided tests of means, which
+// statistics.h decides. Sidak's correction for a family of tests of which any one may fail by chance.
 #pragma once
 
 #include <cstdint>
 #include <string>
+
+#include "testenv/support/statistics.h"
 
 namespace alabaster::testing {
 
@@ -28,21 +30,27 @@ class RunningStatistics {
   double mean_ = 0, sum_squares_ = 0, max_ = 0;
 };
 
+/// P(|T| >= t) of Student's distribution.
+double student_tail(double t, uint64_t degrees_of_freedom);
+
 struct ZTestOptions {
-  double significance = 0.01;  // chance of a false alarm of the whole family
-  int number_of_tests = 1;     // tests in the family
   double slack = 0;  // known bound of the error of `expected` (quadrature, float rounding), which is tolerated
 };
 
 struct ZTestResult {
-  bool passed = false;
   double z = 0;
-  double p_value = 0;  // of this test alone, two-sided
+  double p_value = 0;  // of this test alone
   std::string report;  // numbers of the test, one line
 };
 
-/// The values must be independent and many (the mean's distribution is taken as normal). Zero variance passes if the
-/// mean lies within `slack`. A non-finite mean fails.
+/// The values must be independent; their mean is taken as normally distributed. With zero variance p is 1 if the mean
+/// lies within `slack`, else 0. It is 0 for a mean that is not finite, and for fewer than two values.
 ZTestResult z_test(const RunningStatistics& values, double expected, const ZTestOptions& options = {});
+/// Of two independent means.
+ZTestResult z_test(const RunningStatistics& a, const RunningStatistics& b, const ZTestOptions& options = {});
+/// Of a mean of many values, whose standard error is known.
+ZTestResult z_test(double mean, double standard_error, double expected, const ZTestOptions& options = {});
+/// One-sided: that the expected value is no more than `bound`.
+ZTestResult at_most_test(const RunningStatistics& values, double bound);
 
 }  // namespace alabaster::testing

@@ -84,7 +84,7 @@ void expect_reciprocal(const DisneyParameters& p, float eta, const Pair& w, Ener
 }
 
 TEST(DisneyLayers, WhatPassesASheetOrAnInterfaceIsReciprocal) {
-  Rng rng(81, 1);
+  Rng rng(testing::run_seed(81), 1);
   for (int i = 0; i < 30000 && !::testing::Test::HasFailure(); ++i) {
     DisneyParameters p = layered(rng);
     if (p.spec_trans > 0) p.diff_trans = 0;
@@ -100,7 +100,7 @@ TEST(DisneyLayers, WhatPassesASheetOrAnInterfaceIsReciprocal) {
 /// The share of light from `wi`, on the upper side, that a sheet sends on to both sides.
 RunningStatistics sent_on(const DisneyParameters& p, const Vec3f& wi, EnergyModel energy, Rng& rng) {
   RunningStatistics share;
-  for (int i = 0; i < 20000; ++i) {
+  for (int i = 0; i < testing::run_samples(20000); ++i) {
     const Vec3f wo = sample_cosine_hemisphere(uniform2(rng));
     const Rgb reflected = DisneyTransmissiveBsdf(p, wo, {p.ior, false}, energy).evaluate(wi).f;
     const Rgb passed = DisneyTransmissiveBsdf(p, wo, {p.ior, false}, energy).evaluate(below(wi)).f;
@@ -112,7 +112,7 @@ RunningStatistics sent_on(const DisneyParameters& p, const Vec3f& wi, EnergyMode
 /// The share of white light from everywhere that a viewer at `wo` sees, of the brightest channel.
 RunningStatistics seen_of(const DisneyTransmissiveBsdf& bsdf, Rng& rng) {
   RunningStatistics share;
-  for (int i = 0; i < 20000; ++i) {
+  for (int i = 0; i < testing::run_samples(20000); ++i) {
     const float u_lobe = rng.uniform();
     const auto sample = bsdf.sample(u_lobe, uniform2(rng));
     const bool straight = sample && sample->lobe == Lobe::straight;
@@ -132,7 +132,7 @@ DisneyParameters white_sheet(float diff_trans) {
 
 // Today's failure: 1.53 of the light that grazes a sheet under fibres.
 TEST(DisneyLayers, ASheetSendsOnNoMoreLightThanItGets) {
-  Rng rng(81, 2);
+  Rng rng(testing::run_seed(81), 2);
   for (const float diff_trans : {1.0f, 2.0f})
     for (const bool coated : {true, false})
       for (const float roughness : {0.1f, 0.4f, 0.8f})
@@ -141,15 +141,15 @@ TEST(DisneyLayers, ASheetSendsOnNoMoreLightThanItGets) {
           p.coat = coated ? 1 : 0, p.sheen = coated ? 0 : 1;
           p.coat_roughness = p.sheen_roughness = roughness;
           const auto to_lights = sent_on(p, along(degrees), EnergyModel::bounded, rng);
-          EXPECT_LE(to_lights.mean() - 5 * to_lights.standard_error(), 1.01)
+          EXPECT_TRUE(plausible(testing::at_most_test(to_lights, 1.01)))
               << diff_trans << coated << " roughness " << roughness << " at " << degrees;
           const auto to_viewers = seen_of({p, along(degrees), {p.ior, false}, EnergyModel::bounded}, rng);
-          EXPECT_LE(to_viewers.mean() - 5 * to_viewers.standard_error(), 1.01) << roughness << " at " << degrees;
+          EXPECT_TRUE(plausible(testing::at_most_test(to_viewers, 1.01))) << roughness << " at " << degrees;
         }
 }
 
 TEST(DisneyLayers, ClearSheetsAndInterfacesUnderLayersSendOnNoMoreThanTheyGet) {
-  Rng rng(81, 3);
+  Rng rng(testing::run_seed(81), 3);
   for (int i = 0; i < 300; ++i) {
     DisneyParameters p = layered(rng);
     p.base_color = p.diff_trans_color = p.sheen_color = Rgb(1.0f);
@@ -159,13 +159,13 @@ TEST(DisneyLayers, ClearSheetsAndInterfacesUnderLayersSendOnNoMoreThanTheyGet) {
     const Vec3f wo = along(89 * rng.uniform());
     // The index is equal on both sides of a solid: light that crosses into another medium has its radiance scaled.
     const auto seen = seen_of({p, wo, {p.thin ? p.ior : 1.0f, inside}, EnergyModel::bounded}, rng);
-    EXPECT_LE(seen.mean() - 5 * seen.standard_error(), 1.01) << i << " at " << wo.z << " inside " << inside;
+    EXPECT_TRUE(plausible(testing::at_most_test(seen, 1.01))) << i << " at " << wo.z << " inside " << inside;
   }
 }
 
 // Light that the layers do not let out of a solid comes back into it: coated glass in a furnace is not seen.
 TEST(DisneyLayers, SmoothGlassUnderLayersLosesNothing) {
-  Rng rng(81, 4);
+  Rng rng(testing::run_seed(81), 4);
   for (const bool coated : {true, false})
     for (const bool inside : {true, false})
       for (const float degrees : {0.0f, 30.0f, 41.0f, 60.0f, 80.0f}) {
@@ -178,19 +178,19 @@ TEST(DisneyLayers, SmoothGlassUnderLayersLosesNothing) {
         const float eta = inside ? 1 / 1.5f : 1.5f;
         const DisneyTransmissiveBsdf bsdf(p, along(degrees), {eta, inside}, EnergyModel::bounded);
         RunningStatistics share;
-        for (int i = 0; i < 20000; ++i) {
+        for (int i = 0; i < testing::run_samples(20000); ++i) {
           const float u_lobe = rng.uniform();
           const auto s = bsdf.sample(u_lobe, uniform2(rng));
           // Radiance that enters a medium is larger by its index squared.
           share.add(s ? double(s->f.g * std::abs(s->wi.z) / s->pdf * (s->wi.z < 0 ? eta * eta : 1)) : 0);
         }
-        EXPECT_NEAR(share.mean(), 1, 6e-3 + 4 * share.standard_error()) << coated << inside << " at " << degrees;
+        EXPECT_TRUE(plausible(z_test(share, 1, {.slack = 6e-3}))) << coated << inside << " at " << degrees;
       }
 }
 
 // Diffuse light that comes to the layers from inside a solid, and does not pass them, goes back in.
 TEST(DisneyLayers, SolidsThatDiffuseLightPassesLoseNothingBelowLayers) {
-  Rng rng(81, 5);
+  Rng rng(testing::run_seed(81), 5);
   for (const int layers : {1, 2, 3})
     for (const float degrees : {0.0f, 60.0f, 85.0f}) {
       DisneyParameters p = white_sheet(2);
@@ -199,14 +199,14 @@ TEST(DisneyLayers, SolidsThatDiffuseLightPassesLoseNothingBelowLayers) {
       p.coat_roughness = 0.3f, p.sheen_roughness = 0.5f;
       const DisneyTransmissiveBsdf bsdf(p, along(degrees), {1, true}, EnergyModel::burley2015);
       const auto seen = seen_of(bsdf, rng);
-      EXPECT_NEAR(seen.mean(), 1, 3e-3 + 4 * seen.standard_error()) << layers << " at " << degrees;
+      EXPECT_TRUE(plausible(z_test(seen, 1, {.slack = 3e-3}))) << layers << " at " << degrees;
       // Samples and evaluation are of one function.
       RunningStatistics evaluated;
-      for (int i = 0; i < 20000; ++i) {
+      for (int i = 0; i < testing::run_samples(20000); ++i) {
         const Vec3f wi = sample_cosine_hemisphere(uniform2(rng));
         evaluated.add(double(bsdf.evaluate(wi).f.g + bsdf.evaluate(below(wi)).f.g) * double(kPi));
       }
-      EXPECT_NEAR(evaluated.mean(), seen.mean(), 1e-3 + 4 * (evaluated.standard_error() + seen.standard_error()));
+      EXPECT_TRUE(plausible(z_test(evaluated, seen, {.slack = 1e-3})));
     }
 }
 
