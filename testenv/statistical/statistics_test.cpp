@@ -1,4 +1,4 @@
-// The decision of statistical tests: what is rare once runs again, what is rare twice fails.
+// Statistical tests run again after a rare value, and fail after a second one.
 #include "testenv/support/statistics.h"
 
 #include <gtest/gtest.h>

@@ -38,7 +38,7 @@ template <class Result>
   return plausible(result.p_value, result.report);
 }
 
-/// That a value which is wrong on purpose would make its test run again and then fail. Wrong values must be so wrong
+/// For values that are wrong on purpose: their test would run again and then fail. Wrong values must be so wrong
 /// that chance does not hide them.
 template <class Result>
 ::testing::AssertionResult noticed(const Result& result) {

@@ -92,7 +92,7 @@ ZTestResult z_test(const RunningStatistics& values, double expected, const ZTest
 }
 
 ZTestResult z_test(const RunningStatistics& a, const RunningStatistics& b, const ZTestOptions& options) {
-  // Of Welch's degrees of freedom the fewest that there can be.
+  // Welch's degrees of freedom lie above this number.
   const uint64_t fewer = std::min(a.count(), b.count()), freedom = fewer > 1 ? fewer - 1 : 0;
   return described(
       expectation(a.mean(), b.mean()),

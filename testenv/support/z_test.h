@@ -46,9 +46,9 @@ struct ZTestResult {
 /// The values must be independent; their mean is taken as normally distributed. With zero variance p is 1 if the mean
 /// lies within `slack`, else 0. It is 0 for a mean that is not finite, and for fewer than two values.
 ZTestResult z_test(const RunningStatistics& values, double expected, const ZTestOptions& options = {});
-/// Of two independent means.
+/// Compares two independent means.
 ZTestResult z_test(const RunningStatistics& a, const RunningStatistics& b, const ZTestOptions& options = {});
-/// Of a mean of many values, whose standard error is known.
+/// Tests a mean of many values with a known standard error.
 ZTestResult z_test(double mean, double standard_error, double expected, const ZTestOptions& options = {});
 /// One-sided: that the expected value is no more than `bound`.
 ZTestResult at_most_test(const RunningStatistics& values, double bound);

@@ -1,5 +1,5 @@
-// Meshes through Sync: what is told, and changes that must not cost a rebuild. Faults of meshes are rows of the
-// conformance suite (harm) and of core's cage_test (codes).
+// Meshes through Sync: diagnostics, and changes that must not cost a rebuild. The conformance suite has rows for the
+// harm of faulty meshes, and core's cage_test for their codes.
 #include <gtest/gtest.h>
 
 #include <algorithm>
