@@ -58,7 +58,7 @@ def build(base):
         sys.exit(f"The history of {TOP} has no commit {base.commit}: git fetch --unshallow")
     subprocess.run(["tar", "-x", "-C", str(source)], input=archive.stdout, check=True)
     subprocess.run(["cmake", "-S", str(source), "-B", str(built), "-G", "Ninja", "-DCMAKE_BUILD_TYPE=Release", "-DALABASTER_TESTS=OFF",
-                    "-DALABASTER_BENCHMARKS=OFF"], check=True)
+                    "-DALABASTER_BENCHMARKS=OFF", f"-DALABASTER_WERROR={'ON' if os.environ.get('CI') else 'OFF'}"], check=True)
     subprocess.run(["cmake", "--build", str(built), "--target", "alabaster"], check=True)
     for file in built.rglob("*.o"):
         file.unlink()

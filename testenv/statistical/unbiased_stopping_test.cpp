@@ -150,7 +150,7 @@ TEST(UnbiasedStopping, AdaptiveFramesWithLightPathsKeepTheirMean) {
     request.settings.seed = seed;
     frames.add(mean_of(*testing::render(request)));
   }
-  expect_mean_kept(frames, truth, 0.002);
+  expect_mean_kept(frames, truth, 0.0025);
 }
 
 TEST(UnbiasedStopping, RendersOfRareBrightPathsKeepTheirMean) {
