@@ -154,6 +154,27 @@ Interiors interiors_beyond(const PathContext& context, const SubsurfaceExit& exi
   return beyond;
 }
 
+bool has_clear_share(const PathContext& context, const TriangleHit& hit) {
+  return context.scene.instance(hit.instance).material(hit.triangle).constants.spec_trans > 0;
+}
+
+/// Sets path->interiors to those beyond *exit. Where the index falls from the entry to the exit, the share (low /
+/// high)^2 of the walks passes, and the others come out at the entry: *exit becomes it (random_walk.md, "Clear bodies
+/// that touch"). For lobes at both ends.
+void cross_to_interiors(const PathContext& context, const PixelSampler& sampler, const VertexBelow& below,
+                        PathState* path, SubsurfaceExit* exit) {
+  const PathVertex& v = below.vertex;
+  const Interiors beyond = interiors_beyond(context, *exit, *v.instance->body, *path);
+  const float share = sqr(beyond.index() / path->interiors.index());
+  if (share < 1 && !below.within && !has_clear_share(context, v.triangle) && !has_clear_share(context, exit->hit) &&
+      sampler.draw(Dimension::exit_bsdf, path->depth)[2] >= share) {
+    exit->hit = v.triangle;
+    exit->direction = v.hit.ng;
+  } else {
+    path->interiors = beyond;
+  }
+}
+
 /// The exit lobe: light sampling, and the direction in which the path goes on. Its albedo is kMeanDiffuseTransmittance.
 /// The lobes at the entry compensate for that. For a walk without an entry the exit lobe is normalised instead.
 bool leave_surface(const PathContext& context, const PixelSampler& sampler, const Leaving& leaving, PathState* path) {
@@ -255,7 +276,7 @@ bool scatter_below_surface(const PathContext& context, const PixelSampler& sampl
   if (has_twin) DCHECK(below.medium().medium.albedo == below.vertex.material.base_color);
   if (has_twin) twin = entry.throughput * obtained_albedo(below.vertex.material.base_color, context.settings.inversion);
   const SubsurfaceBody& body = *below.vertex.instance->body;
-  const auto exit = carry<kMode>(context, sampler, entry, body, *path, has_twin ? &twin : nullptr);
+  auto exit = carry<kMode>(context, sampler, entry, body, *path, has_twin ? &twin : nullptr);
   path->twin_light = has_twin ? twin * below.flat->light * -1.0f : Rgb(0.0f);
   path->radiance += path->twin_light;
   if (context.record && has_twin) context.record->twin_leaves(path->twin_light);
@@ -264,7 +285,7 @@ bool scatter_below_surface(const PathContext& context, const PixelSampler& sampl
   path->walk_events = exit->events;
   const Leaving leaving{*exit, below, came_along, path->interiors.indices()};
   if (!path->interiors.empty() || !body.touched.empty()) [[unlikely]]
-    path->interiors = interiors_beyond(context, *exit, body, *path);
+    cross_to_interiors(context, sampler, below, path, &*exit);
   // The walk has left the union's medium, so the path is not in its hollow any more.
   if (body.is_union() && !path->hollows.empty()) [[unlikely]]
     path->hollows.leave(body.members.front().instance);

@@ -182,7 +182,7 @@ class LambertLimit:
         scene, camera = scene_of(scenery, Look(white=False, distance=1e-4))
         distant(scene, SIDE, 60.0 if scenery.clear else 0.0)  # a drop shows a point of light as a glint that few paths meet
         scene.set_light("/sky", "domeLight", intensity=0.2)
-        renderer = renderer_of(scene, samples=16, subsurface=mode)
+        renderer = renderer_of(scene, samples=128 if scenery.any("below glass") else 16, subsurface=mode)
 
         def one(seed):
             renderer.set(seed=seed)
@@ -191,7 +191,7 @@ class LambertLimit:
 
     @classmethod
     def run(cls, scenery):
-        error = 0.002 if scenery.any("opacity", "touching") else 0.001  # light goes in and out of holes and drops
+        error = 0.002 if scenery.clear or scenery.any("opacity") else 0.001  # light goes in and out of holes and drops
         return same(cls.draw(scenery, "walk"), cls.draw(scenery, "lambert"), cls.RULE, error)
 
 

@@ -94,10 +94,19 @@ def face_to_face(draft):
     draft.bodies.append(other)
 
 
-def below_glass(draft):
+def glass_on_its_face(draft):
     """A box, and a box of glass on its front."""
+    put_glass(draft, 0.6)
+
+
+def below_glass(draft):
+    """A box of glass that is sunk a little into the front of the main one, so that no faces coincide."""
+    put_glass(draft, 0.59, 0.97)
+
+
+def put_glass(draft, z, size=1.0):
     draft.main.shape, draft.main.place = "box", moved(0, 0, -0.6)
-    slab = Body("glass", moved(0, 0, 0.6), "/slab")
+    slab = Body("glass", np.diag([size, size, 1.0, 1.0]) @ moved(0, 0, z), "/slab")
     slab.shape = "box"
     draft.bodies.append(slab)
 
@@ -137,6 +146,7 @@ FEATURES = {  # in the order of the issue
     "motion": has("moves"),
     "face to face": face_to_face,  # other ways to touch
     "below glass": below_glass,
+    "glass on its face": glass_on_its_face,
     "pyramid": pyramid,
 }
 LAYERS = ("coat", "fibre sheen", "clearcoat", "rough specular")
@@ -158,7 +168,7 @@ class Scenery(NamedTuple):
     @property
     def clear(self):
         """True if light passes a clear boundary somewhere."""
-        return any(k != "opaque body" for k in self.kinds) or self.any("touching", "below glass")
+        return any(k != "opaque body" for k in self.kinds) or self.any("touching", "below glass", "glass on its face")
 
     def draft(self):
         draft = Draft(self.kind)

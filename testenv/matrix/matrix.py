@@ -24,9 +24,12 @@ from rules import EXEMPT, MOST_EXEMPT, OPEN, QUICK
 from sheet_checks import OF_METALS, Sheet
 
 
+ALONE = ("face to face", "below glass", "glass on its face", "pyramid")  # not with each other feature
+
+
 def bodies():
     opaque, others = KINDS[0], KINDS[1:]
-    features = [f for f in FEATURES if f not in ("face to face", "below glass", "pyramid")]
+    features = [f for f in FEATURES if f not in ALONE]
     yield from (Scenery(kind, ()) for kind in KINDS)
     yield from (Scenery(kind, (feature,)) for kind in KINDS for feature in FEATURES if feature != "pyramid")
     yield from (Scenery(kind, ("opacity", "pyramid")) for kind in KINDS)

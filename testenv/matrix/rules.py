@@ -58,6 +58,7 @@ QUICK = {
     "opaque body + motion": ("furnace, viewer", "crops and threads"),
     "opaque body + union + cut": ("furnace, viewer",),
     "opaque body + glass": ("furnace, viewer",),
+    "opaque body + below glass": ("furnace, light",),
     "cloudy body + opacity": ("furnace, viewer",),
     "cloudy body + opacity + union": ("furnace, viewer",),
     "glass + face to face": ("furnace, viewer",),
