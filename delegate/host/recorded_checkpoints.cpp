@@ -9,9 +9,16 @@ void RecordedCheckpoints::report(Severity severity, const std::string& text) con
   if (options_.diagnostics) options_.diagnostics({severity, "record.checkpoint", settings_.str(), text});
 }
 
+// A command that succeeds answers with an empty text. One that the delegate does not have, or that ends in an
+// exception, answers with nothing.
+std::string RecordedCheckpoints::invoke(const char* command, const Dictionary& arguments) const {
+  const Value answer = delegate_->InvokeCommand(command, arguments);
+  return answer.empty() ? std::string("the delegate could not run the command ") + command : answer.text_or("");
+}
+
 bool RecordedCheckpoints::resume() {
   if (!options_.resume) return true;
-  const std::string fault = delegate_->InvokeCommand("resumeCheckpoint", {{"file", options_.checkpoint}}).text_or("");
+  const std::string fault = invoke("resumeCheckpoint", {{"file", options_.checkpoint}});
   if (!fault.empty()) report(Severity::error, "checkpoint '" + options_.checkpoint + "': " + fault);
   return fault.empty();
 }
@@ -43,7 +50,7 @@ std::string RecordedCheckpoints::note(const RenderSettingsDescription& d) const 
 std::string RecordedCheckpoints::write(const RenderSettingsDescription& settings) {
   const auto begun = std::chrono::steady_clock::now();
   const Dictionary arguments{{"file", options_.checkpoint}, {"note", note(settings)}};
-  const std::string fault = delegate_->InvokeCommand("writeCheckpoint", arguments).text_or("");
+  const std::string fault = invoke("writeCheckpoint", arguments);
   saved_ = std::chrono::steady_clock::now();
   seconds_ += std::chrono::duration<double>(saved_ - begun).count();
   ++count_;

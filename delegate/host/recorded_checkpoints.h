@@ -25,6 +25,8 @@ class RecordedCheckpoints {
   void add_to(Dictionary* stats) const;
 
  private:
+  // Why the command failed; empty if it did not.
+  std::string invoke(const char* command, const Dictionary& arguments) const;
   std::string write(const RenderSettingsDescription& settings);
   std::string note(const RenderSettingsDescription& settings) const;
   void report(Severity severity, const std::string& text) const;
