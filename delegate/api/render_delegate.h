@@ -31,6 +31,23 @@ struct RenderSettingDescriptor {
   std::string documentation;
 };
 
+enum class CommandStatus {
+  done,
+  unknown,        // there is no such command
+  invalid,        // an argument is missing, unknown, of another type or out of range
+  failed,         // also where the delegate fails before it can tell why
+  out_of_memory,  // memory ran out, or the memory limit refused it
+};
+
+/// The end of a command, and its answer.
+struct CommandResult {
+  CommandStatus status = CommandStatus::failed;
+  std::string fault;  // why it is not done, for people
+  Value value;        // the answer of a command that has one and is done
+
+  bool ok() const { return status == CommandStatus::done; }
+};
+
 class ALABASTER_API RenderDelegate {
  public:
   virtual ~RenderDelegate();
@@ -108,25 +125,28 @@ class ALABASTER_API RenderDelegate {
 
   virtual AovDescriptor GetDefaultAovDescriptor(const Token& aov) const = 0;  // format invalid: unsupported
 
-  /// Commands; an unknown one gives an empty value. The first three wait until the scene that was committed last has
-  /// been built, unless the delegate is stopped.
-  /// - "dumpScene" -> string: stable text of the translated scene.
-  /// - "requirements" -> string: the features that the committed snapshot requires, and why.
-  /// - "waitForScene" {optionally seconds, the longest to wait} -> bool: the snapshot is there.
-  /// - "tracePixel" {x, y, and optionally sample} -> string: the path of a sample of the frame that Execute drew last,
+  /// Runs a command by name. An unknown command or argument is an error, which names the nearest known one. The first
+  /// three wait until the scene that was committed last has been built, unless the delegate is stopped. Values
+  /// answered:
+  /// - "dumpScene": string, stable text of the translated scene.
+  /// - "requirements": string, the features that the committed snapshot requires, and why.
+  /// - "waitForScene" {optionally seconds, the longest to wait}: bool, the snapshot is there.
+  /// - "tracePixel" {x, y, and optionally sample}: string, the path of a sample of the frame that Execute drew last,
   ///   vertex by vertex, traced with that frame's random numbers. Without a sample: the colour of each of the pixel's
   ///   samples, and the path of the first that fails a check, else of the first that is not finite, else of the
-  ///   brightest. x counts to the right and y down from the upper left corner of the display window. Empty before the
-  ///   first frame, for pixels outside of the data window and for numbers that are not whole.
+  ///   brightest. x counts to the right and y down from the upper left corner of the display window. Fails before the
+  ///   first frame; pixels outside of the data window and numbers that are not whole are invalid.
+  /// - "describeCheckpoint" {file, and optionally measure: bool}: a dictionary {firstSample, samples, complete: bool,
+  ///   note}. `measure` reads the pixels, too: meanSamples, which they have of these so far, and, where it is known,
+  ///   error.relativeRmse of their picture.
+  /// The others answer no value:
   /// - "reloadResource" {file}: an image that materials or lights name has been edited on disk, or one of a set that
   ///   they name by "<UDIM>", or a missing one has appeared. The builder reads it again for those that use it, and
-  ///   the picture follows as after an edit. Answers with an empty string, or with why not.
+  ///   the picture follows as after an edit.
   /// - "flush": the same for all images.
   /// - "measureNoise": GetRenderStats has a newer error.* after a pass. That takes a twentieth of one thread at most.
-  /// Those of checkpoints answer with an empty string, or with the reason why they failed:
   /// - "writeCheckpoint" {file, and optionally note: string, up to 64 KiB}: writes the state of the frame that Execute
-  /// drew last,
-  ///   while it is rendered or after, but not once a stop has ended a render with targetError. The file is
+  ///   drew last, while it is rendered or after, but not once a stop has ended a render with targetError. The file is
   ///   replaced whole.
   /// - "resumeCheckpoint" {file}: the next render that Execute starts continues it, to the very bits of a render
   ///   without interruption. A render of another scene, camera, framing, setting or version than the file's fails and
@@ -134,14 +154,11 @@ class ALABASTER_API RenderDelegate {
   /// - "showCheckpoints" {files: Array<string>}: Execute shows the sum of these, which must be parts of one frame
   ///   (setting firstSample) that begin with sample 0 and leave out none, instead of the scene; bound AOVs must be
   ///   among theirs, and the framing must be theirs. Without files: the scene again.
-  /// - "describeCheckpoint" {file, and optionally measure: bool} -> {firstSample, samples, complete: bool, note}, or
-  ///   the reason as a string. `measure` reads the pixels, too: meanSamples, which they have of these so far, and,
-  ///   where it is known, error.relativeRmse of their picture.
-  virtual Value InvokeCommand(const Token& command, const Dictionary& arguments) = 0;
+  virtual CommandResult InvokeCommand(const Token& command, const Dictionary& arguments) = 0;
 };
 
 /// Bumped whenever a class above changes its layout or meaning.
-inline constexpr uint32_t kAbiVersion = 9;
+inline constexpr uint32_t kAbiVersion = 10;
 
 struct DelegateOptions {
   DiagnosticSink diagnostics;  // empty: discarded

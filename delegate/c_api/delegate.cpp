@@ -199,6 +199,24 @@ AlabasterStatus progress(AlabasterDelegate* handle, AlabasterProgress* out) {
   });
 }
 
+namespace {
+AlabasterStatus status_of(CommandStatus status) {
+  switch (status) {
+    case CommandStatus::done:
+      return ALABASTER_OK;
+    case CommandStatus::unknown:
+      return ALABASTER_NOT_FOUND;
+    case CommandStatus::invalid:
+      return ALABASTER_INVALID_ARGUMENT;
+    case CommandStatus::failed:
+      return ALABASTER_INPUT_FAILED;
+    case CommandStatus::out_of_memory:
+      return ALABASTER_OUT_OF_MEMORY;
+  }
+  return ALABASTER_INTERNAL;
+}
+}  // namespace
+
 AlabasterStatus command(AlabasterDelegate* handle, const char* name, const AlabasterParameter* arguments, size_t count,
                         AlabasterVisit visit, void* user) {
   return guarded([&] {
@@ -209,11 +227,12 @@ AlabasterStatus command(AlabasterDelegate* handle, const char* name, const Alaba
     const Dictionary read = reader.dictionary(given, "arguments");
     reader.take();
     if (!visit) throw bad_argument("visit is null");
-    const Value answer = [&] {
+    const CommandResult result = [&] {
       const HostLock lock(*data);
       return data->delegate->InvokeCommand(command, read);
     }();
-    visit_value(name, answer, visit, user);
+    if (!result.ok()) throw Failure(status_of(result.status), result.fault);
+    visit_value(name, result.value, visit, user);
   });
 }
 

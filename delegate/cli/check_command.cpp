@@ -45,13 +45,16 @@ class Deadline {
   std::thread watch_;
 };
 
-bool check_products(const SceneSession& session, const hd::DiagnosticSink& sink) {
-  bool ok = true;
+// Reports all products that cannot be written; an exit code.
+int check_products(const SceneSession& session, const hd::DiagnosticSink& sink) {
+  int code = kDone;
   for (const auto& [path, settings] : session.scene.GetAllRenderSettings())
-    for (const hd::RenderProduct& product : settings.products)
-      ok = hd::host::CheckProduct(product, session.colors(), sink) &&
-           hd::host::CheckProductSize(product, settings.window(), sink) && ok;
-  return ok;
+    for (const hd::RenderProduct& product : settings.products) {
+      hd::host::ProductCheck check = hd::host::CheckProduct(product, session.colors(), sink);
+      if (check) check = hd::host::CheckProductSize(product, settings.window(), sink);
+      if (!check && code != kRender) code = check.status == hd::host::ProductStatus::out_of_memory ? kRender : kInput;
+    }
+  return code;
 }
 
 int check(const CheckArguments& a, Console* console) {
@@ -60,13 +63,13 @@ int check(const CheckArguments& a, Console* console) {
   if (!a.memory_limit.empty()) options.overrides.push_back("memoryLimit=" + a.memory_limit);
   options.overrides.insert(options.overrides.end(), a.overrides.begin(), a.overrides.end());
   options.allow_outside = a.allow_outside;
-  if (!session.load(a.scene, options, console->sink())) return load_failure(console->last_error(), options);
+  if (const int code = session.load(a.scene, options, console->sink()); code != kDone) return code;
   if (!session.choose_colors("", console->sink())) return kInput;
-  const bool products_ok = check_products(session, console->sink());
+  const int products = check_products(session, console->sink());
   if (!session.start(console->sink())) return kRender;
   if (!session.index()->SyncAll()) return kRender;
   if (const int code = session.scene_faults(); code != kDone) return code;
-  return products_ok ? kDone : kInput;
+  return products;
 }
 
 }  // namespace
@@ -77,7 +80,7 @@ int run_check(const CheckArguments& a) {
   if (seconds.value_or(0) == 0)
     return console.usage_error("--time-limit", "'" + a.time_limit + "' is not a number of seconds above 0.");
   const Deadline deadline(*seconds, a.scene);
-  const int code = console.final_code(check(a, &console));
+  const int code = check(a, &console);
   if (code == kDone) console.note(a.scene + ": can be rendered");
   return code;
 }

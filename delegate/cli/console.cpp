@@ -74,11 +74,6 @@ hd::DiagnosticSink Console::sink() {
 void Console::show(const hd::Diagnostic& d) {
   const std::lock_guard lock(mutex_);
   const bool error = d.severity == hd::Severity::error;
-  if (error) {
-    last_error_ = d;
-    // Refusals name the flag that lifts them, also where another message quotes them.
-    memory_refused_ |= d.code.ends_with(".memory") || d.text.find("(--memory-limit)") != std::string::npos;
-  }
   if (quiet_ && d.severity == hd::Severity::info) return;
   // The end of a run is told, whatever came before.
   const bool told = d.code == "cli" || d.code.starts_with("record.") || d.code.starts_with("product.") ||
@@ -106,16 +101,6 @@ void Console::error(const std::string& where, const std::string& text) {
 int Console::usage_error(const std::string& where, const std::string& text) {
   error(where, text);
   return kUsage;
-}
-
-hd::Diagnostic Console::last_error() const {
-  const std::lock_guard lock(mutex_);
-  return last_error_;
-}
-
-int Console::final_code(int code) const {
-  const std::lock_guard lock(mutex_);
-  return memory_refused_ && (code == kInput || code == kDegraded) ? kRender : code;
 }
 
 void Console::count_rest() {

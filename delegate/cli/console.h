@@ -32,11 +32,6 @@ class Console {
   void progress(const hd::host::RecordProgress& progress);
   /// Leaves the bar as it is; the next text starts on a new line.
   void end_progress();
-  /// The last error that was reported; its texts are empty if there was none.
-  hd::Diagnostic last_error() const;
-  /// kRender where memory was refused: neither the scene nor the command is at fault, whatever it was refused to and
-  /// whether or not the run went on without it. Else `code`.
-  int final_code(int code) const;
 
  private:
   void show(const hd::Diagnostic& diagnostic);
@@ -48,8 +43,6 @@ class Console {
   bool bar_shown_ = false;
   size_t counts_[3] = {0, 0, 0}, unshown_[3] = {0, 0, 0};  // of messages, by severity
   int tenths_shown_ = -1;
-  hd::Diagnostic last_error_;
-  bool memory_refused_ = false;
 };
 
 }  // namespace alabaster::cli

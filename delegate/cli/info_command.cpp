@@ -147,8 +147,7 @@ int run_info(const InfoArguments& arguments) {
   if (const int code = check_arguments(arguments, &console); code != kDone) return code;
   SceneSession session;
   const hd::description::LoadOptions options = load_options(arguments);
-  if (!session.load(arguments.scene, options, console.sink()))
-    return console.final_code(load_failure(console.last_error(), options));
+  if (const int code = session.load(arguments.scene, options, console.sink()); code != kDone) return code;
   if (!session.choose_colors("", console.sink())) return kInput;
   if (const auto size = parse_size(arguments.size)) resize(&session, *size);
   print_geometry(session.scene);
@@ -162,12 +161,12 @@ int run_info(const InfoArguments& arguments) {
   session.index()->SyncAll();
   // It waits until the scene is built with its images.
   const std::string requirements =
-      without_control_characters(session.delegate()->InvokeCommand("requirements", {}).text_or(""), "\n");
+      without_control_characters(session.delegate()->InvokeCommand("requirements", {}).value.text_or(""), "\n");
   spent.sync = {sync_watch.wall(), sync_watch.cpu()};
   std::printf("requires:\n%s%s", requirements.c_str(), requirements.ends_with('\n') ? "" : "\n");
   std::printf("peak memory so far: %.1f MB\n", double(hd::support::peak_memory_bytes()) / 1e6);
   std::fflush(stdout);
-  if (const int code = session.scene_faults(); code != kDone) return console.final_code(code);
+  if (const int code = session.scene_faults(); code != kDone) return code;
   const auto target = parse_target_error(arguments.predict);
   return target ? print_prediction(&session, &console, spent, *target) : kDone;
 }

@@ -70,7 +70,7 @@ class MergeCommand {
     if (code != kDone) return code;
     if (!session_.start(console_.sink())) return kRender;
     code = a_.outputs.empty() ? tell() : merge();
-    return console_.final_code(code);
+    return code;
   }
 
  private:
@@ -95,10 +95,8 @@ class MergeCommand {
     if (problem.empty() && !a_.outputs.empty()) products_ = make_products(products, {}, &problem);
     if (!problem.empty()) return console_.usage_error("merge", problem);
     for (const hd::RenderProduct& product : products_)
-      if (!hd::host::CheckProduct(product, session_.colors(), console_.sink())) {
-        const std::string code = console_.last_error().code;
-        return code == "product.invalid" ? kUsage : code == "product.memory" ? kRender : kOutput;
-      }
+      if (const auto check = hd::host::CheckProduct(product, session_.colors(), console_.sink()); !check)
+        return exit_code(check.status, true);
     return kDone;
   }
 
@@ -137,10 +135,8 @@ class MergeCommand {
   }
 
   int read(PartState* part, bool measure) {
-    const hd::Value described =
-        session_.delegate()->InvokeCommand("describeCheckpoint", {{"file", part->file}, {"measure", measure}});
-    const auto dictionary = described.get_or(std::shared_ptr<const hd::Dictionary>());
-    if (!dictionary) return fail(part->file, described.text_or(""));
+    std::shared_ptr<const hd::Dictionary> dictionary;
+    if (const int code = describe_file(part->file, measure, &dictionary); code != kDone) return code;
     const auto number = [&](const char* name, double unknown) {
       const auto found = dictionary->find(name);
       return found == dictionary->end() ? unknown : found->second.number_or(unknown);
@@ -193,7 +189,7 @@ class MergeCommand {
     hd::host::RecordResult result = hd::host::RecordFrame(session_.index(), &session_.scene, path_, options);
     if (const std::string text = noise_text(result.stats); !text.empty()) std::printf("%s\n", text.c_str());
     *stats = std::move(result.stats);
-    return exit_code(result.status);
+    return exit_code(result);
   }
 
   // Tells that tasks have not run, which a farm's merge finds out first.
@@ -220,9 +216,8 @@ class MergeCommand {
     std::optional<hd::RenderSettingsDescription> frame;
     int64_t samples = 0;
     for (const std::string& part : parts) {
-      const hd::Value described = session_.delegate()->InvokeCommand("describeCheckpoint", {{"file", part}});
-      const auto dictionary = described.get_or(std::shared_ptr<const hd::Dictionary>());
-      if (!dictionary) return fail(part, described.text_or(""));
+      std::shared_ptr<const hd::Dictionary> dictionary;
+      if (const int code = describe_file(part, false, &dictionary); code != kDone) return code;
       samples = std::max(samples, dictionary->at("samples").get_or(int64_t(0)));
       const json note = json::parse(dictionary->at("note").text_or(""), nullptr, false);
       degraded_ = degraded_ || (note.is_object() && note.value("degraded", json()) == json(true));
@@ -237,8 +232,7 @@ class MergeCommand {
       if (!hd::host::CheckProductSize(product, frame->window(), console_.sink())) return kUsage;
     session_.scene.SetRenderSettings(path_, std::move(*frame));
     const hd::Dictionary files{{"files", hd::Array<std::string>(parts)}};
-    const std::string fault = session_.delegate()->InvokeCommand("showCheckpoints", files).text_or("");
-    return fault.empty() ? kDone : fail("merge", fault);
+    return ended("merge", session_.delegate()->InvokeCommand("showCheckpoints", files));
   }
 
   int write() {
@@ -255,6 +249,18 @@ class MergeCommand {
       console_.note("the parts were rendered with --keep-going, without all that their scene names");
       return kDegraded;
     }
+    return exit_code(result);
+  }
+
+  int describe_file(const std::string& file, bool measure, std::shared_ptr<const hd::Dictionary>* description) {
+    const hd::CommandResult described =
+        session_.delegate()->InvokeCommand("describeCheckpoint", {{"file", file}, {"measure", measure}});
+    *description = described.value.get_or(std::make_shared<const hd::Dictionary>());
+    return ended(file, described);
+  }
+
+  int ended(const std::string& where, const hd::CommandResult& result) {
+    if (!result.ok()) console_.error(where, result.fault);
     return exit_code(result.status);
   }
 

@@ -31,10 +31,10 @@ class RenderCommand {
     int code = check_arguments();
     if (code == kDone) code = load();
     if (code == kDone && a_.pixel.empty()) code = plan_products();
-    if (code != kDone) return console_.final_code(code);
+    if (code != kDone) return code;
     if (!session_.start(console_.sink())) return kRender;
-    if (!a_.pixel.empty()) return console_.final_code(trace_pixel());
-    code = console_.final_code(render());
+    if (!a_.pixel.empty()) return trace_pixel();
+    code = render();
     const int stats_code = write_stats(code);
     if ((code == kDone || code == kDegraded) && stats_code != kDone) code = stats_code;
     if (code == kDone || code == kDegraded) summarize();
@@ -69,7 +69,8 @@ class RenderCommand {
     // The scene may name the OCIO config, so names of displays are checked once it is loaded.
     for (hd::RenderProduct product : products) {
       product.display = product.view = product.look = "";
-      if (!hd::host::CheckProduct(product, {"built-in"}, console_.sink())) return product_failure();
+      if (const auto check = hd::host::CheckProduct(product, {"built-in"}, console_.sink()); !check)
+        return product_failure(check.status);
     }
     return kDone;
   }
@@ -95,15 +96,9 @@ class RenderCommand {
     return kDone;
   }
 
-  // An invalid product is a fault of the command line or of the description; one that cannot be written is one of
-  // output.
-  int product_failure() const {
-    const std::string code = console_.last_error().code;
-    if (code == "product.memory") return kRender;
-    if (code == "product.outside") return kInput;
-    if (code != "product.invalid" && !code.starts_with("ocio.")) return kOutput;
-    const bool named = !a_.outputs.empty() || !a_.display.empty() || !a_.view.empty() || !a_.look.empty();
-    return named ? kUsage : kInput;
+  // An invalid product is a fault of the command line or of the description.
+  int product_failure(hd::host::ProductStatus status) const {
+    return exit_code(status, !a_.outputs.empty() || !a_.display.empty() || !a_.view.empty() || !a_.look.empty());
   }
 
   int load() {
@@ -114,11 +109,11 @@ class RenderCommand {
     return code;
   }
 
-  bool pose(double seconds) {
+  int pose(double seconds) {
     const Stopwatch watch;
-    const bool ok = session_.pose(seconds, console_.sink());
+    const int code = session_.pose(seconds, console_.sink());
     stats_.add_load(watch.wall(), watch.cpu());
-    return ok;
+    return code;
   }
 
   std::vector<hd::Path> settings_paths() const {
@@ -158,10 +153,11 @@ class RenderCommand {
         return console_.usage_error("--crop", "'" + a_.crop + "' lies wholly outside the frame of " +
                                                   std::to_string(settings.width) + "x" +
                                                   std::to_string(settings.height) + ".");
-      for (const hd::RenderProduct& product : settings.products)
-        if (!hd::host::CheckProduct(product, session_.colors(), console_.sink()) ||
-            !hd::host::CheckProductSize(product, settings.window(), console_.sink()))
-          return product_failure();
+      for (const hd::RenderProduct& product : settings.products) {
+        hd::host::ProductCheck check = hd::host::CheckProduct(product, session_.colors(), console_.sink());
+        if (check) check = hd::host::CheckProductSize(product, settings.window(), console_.sink());
+        if (!check) return product_failure(check.status);
+      }
       session_.scene.SetRenderSettings(path, std::move(settings));
     }
     return kDone;
@@ -235,7 +231,7 @@ class RenderCommand {
       if (interrupted()) return kInterrupted;
       const uint32_t frame = frames_[i];
       const double seconds = seconds_at(a_, frame);
-      if (i > 0 && !pose(seconds)) return kInput;
+      if (const int posed = i > 0 ? pose(seconds) : kDone; posed != kDone) return posed;
       for (const hd::Path& path : settings_paths()) {
         hd::RenderSettingsDescription settings = described.at(path);
         settings.settings["frame"] = int64_t(frame);
@@ -273,7 +269,7 @@ class RenderCommand {
       stats_.add_render(session_.scene.GetAllRenderSettings().at(path), result);
       written_.insert(written_.end(), result.written.begin(), result.written.end());
       say_error(result.stats);
-      const int one = exit_code(result.status);
+      const int one = exit_code(result);
       say_suspect(result.stats, one);
       if (one != kDone) code = one;
       if (one != kDone && one != kDegraded) break;
@@ -317,9 +313,13 @@ class RenderCommand {
     const RecordResult result = hd::host::RecordFrame(session_.index(), &session_.scene, path, options);
     hd::Dictionary arguments{{"x", hd::Value(pixel.x)}, {"y", hd::Value(pixel.y)}};
     if (pixel.sample) arguments["sample"] = hd::Value(static_cast<int64_t>(*pixel.sample));
-    const std::string text = session_.delegate()->InvokeCommand(hd::Token("tracePixel"), arguments).text_or("");
+    const hd::CommandResult traced = session_.delegate()->InvokeCommand("tracePixel", arguments);
+    const std::string text = traced.value.text_or("");
     std::fputs((text + prim_names(text)).c_str(), stdout);
-    return exit_code(result.status);
+    const int code = exit_code(result);
+    if (traced.ok() || (code != kDone && code != kDegraded)) return code;
+    console_.error("--pixel", traced.fault);
+    return kRender;
   }
 
   // The paths of the prims whose ids a text names.

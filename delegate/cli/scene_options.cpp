@@ -82,7 +82,7 @@ hd::description::LoadOptions scene_load_options(const SceneArguments& a) {
 
 int load_scene(const SceneArguments& a, const hd::description::LoadOptions& options, Console& console,
                const hd::DiagnosticSink& sink, SceneSession* session) {
-  if (!session->load(a.scene, options, sink)) return load_failure(console.last_error(), options);
+  if (const int code = session->load(a.scene, options, sink); code != kDone) return code;
   if (!session->choose_colors(a.ocio, sink)) return kInput;
   for (const std::string& note : session->file.notes) console.note("note: " + note);
   const auto& models = session->file.gltf;

@@ -1,6 +1,5 @@
 #include "delegate/cli/scene_session.h"
 
-#include <algorithm>
 #include <set>
 
 #include "delegate/cli/exit_codes.h"
@@ -13,12 +12,16 @@ SceneSession::~SceneSession() {
   delegate_.reset();
 }
 
-bool SceneSession::load(const std::string& name, const hd::description::LoadOptions& options,
-                        const hd::DiagnosticSink& sink) {
+int SceneSession::load(const std::string& name, const hd::description::LoadOptions& options,
+                       const hd::DiagnosticSink& sink) {
   options_ = options;
   file = source_.Load(name, &scene, sink, options);
   if (!is_posed_) source_ = {};
-  return file.ok;
+  return exit_code(file.cause);
+}
+
+int SceneSession::pose(double time, const hd::DiagnosticSink& sink) {
+  return exit_code(source_.Pose(time, sink));
 }
 
 bool SceneSession::choose_colors(const std::string& asked, const hd::DiagnosticSink& sink) {
@@ -56,15 +59,6 @@ int SceneSession::scene_faults() const {
   const hd::Dictionary stats = delegate_->GetRenderStats();
   if (!stats.contains("scene.faults")) return kDone;
   return stats.at("scene.outOfMemory").number_or(0) != 0 ? kRender : kInput;
-}
-
-int load_failure(const hd::Diagnostic& error, const hd::description::LoadOptions& options) {
-  if (error.code == "gltf.choice" && !(options.scene + options.animation + options.variant).empty()) return kUsage;
-  std::vector<std::string> asked = options.overrides;
-  asked.push_back("camera " + options.camera);
-  asked.push_back("dome " + options.dome);
-  const bool by_command = std::find(asked.begin(), asked.end(), error.where) != asked.end();
-  return by_command && !error.code.starts_with("asset.") ? kUsage : kInput;
 }
 
 }  // namespace alabaster::cli

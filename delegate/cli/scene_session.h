@@ -17,13 +17,13 @@ class SceneSession {
   hd::host::RetainedSceneDelegate scene;
   hd::description::SceneFile file;
 
-  /// False after a report.
-  bool load(const std::string& name, const hd::description::LoadOptions& options, const hd::DiagnosticSink& sink);
+  /// An exit code; else than kDone after a report.
+  int load(const std::string& name, const hd::description::LoadOptions& options, const hd::DiagnosticSink& sink);
   /// Those that the scene was loaded with.
   const hd::description::LoadOptions& options() const { return options_; }
   /// Gives the models of the loaded scene the pose of LoadOptions::time `time`. The default look stays as it was
-  /// loaded. False after a report.
-  bool pose(double time, const hd::DiagnosticSink& sink) { return source_.Pose(time, sink); }
+  /// loaded. An exit code.
+  int pose(double time, const hd::DiagnosticSink& sink);
   /// Chooses the colour configuration: `asked`, or the scene's if that is empty. False after a report if it cannot be
   /// used.
   bool choose_colors(const std::string& asked, const hd::DiagnosticSink& sink);
@@ -52,9 +52,5 @@ class SceneSession {
   std::unique_ptr<hd::RenderDelegate, Destroy> delegate_;
   std::unique_ptr<hd::host::RenderIndex> index_;
 };
-
-/// The exit code of a load that failed with `error`. An error about an option names the option's own text as its place,
-/// and is one of usage. A file that is missing or unreadable is bad input, wherever it is named.
-int load_failure(const hd::Diagnostic& error, const hd::description::LoadOptions& options);
 
 }  // namespace alabaster::cli

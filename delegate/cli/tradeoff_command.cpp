@@ -53,7 +53,7 @@ std::string image_checksums(const std::map<hd::Token, hd::Value>& parameters) {
 /// images of textures and lights. It does not cover the values of normals and UVs, creases, the wrapping and colour
 /// space of textures, or the OCIO config.
 std::string scene_hash(const SceneSession& session) {
-  std::string text = session.delegate()->InvokeCommand("dumpScene", {}).text_or("");
+  std::string text = session.delegate()->InvokeCommand("dumpScene", {}).value.text_or("");
   for (const auto& [path, light] : session.scene.GetLights()) text += image_checksums(light.parameters) + "\n";
   for (const auto& [path, network] : session.scene.GetMaterials())
     for (const auto& [node_path, node] : network.nodes) text += image_checksums(node.parameters) + "\n";
@@ -76,7 +76,7 @@ class TradeoffCommand {
     if (code == kDone) code = load();
     if (code == kDone) code = open_store();
     if (code == kDone) code = choose_identity();
-    if (code != kDone) return console_.final_code(code);
+    if (code != kDone) return code;
     std::string problem;
     const StudyOutcome outcome = run_study(list_, budget_, &store_, hooks(), &problem);
     if (outcome == StudyOutcome::output_failed) console_.error("tradeoff", problem);
@@ -122,7 +122,7 @@ class TradeoffCommand {
     hd::description::LoadOptions options;
     options.overrides = a_.overrides;
     options.allow_outside = a_.allow_outside;
-    if (!session_.load(a_.scene, options, console_.sink())) return load_failure(console_.last_error(), options);
+    if (const int code = session_.load(a_.scene, options, console_.sink()); code != kDone) return code;
     if (!session_.choose_colors("", console_.sink())) return kInput;
     for (const std::string& note : session_.file.notes) console_.note("note: " + note);
     choose_display();

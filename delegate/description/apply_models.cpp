@@ -52,11 +52,30 @@ void sample_shutter(const LoadOptions& asked, gltf::GltfOptions* model) {
   model->shutter_close = asked.shutter->close / asked.frames_per_second;
 }
 
+bool load_model(const std::string& file, const gltf::GltfOptions& options, OpenModel model, LoadState* state) {
+  const gltf::GltfSummary loaded = model.source.Load(file, options, state->scene, *state->sink);
+  state->result->gltf.push_back(loaded);
+  const LoadOptions& asked = state->options;
+  if (loaded.fault == gltf::GltfFault::choice && !(asked.scene + asked.animation + asked.variant).empty())
+    state->note_cause(LoadCause::option);
+  else if (!loaded.ok)
+    state->note_cause(loaded.fault == gltf::GltfFault::out_of_memory ? LoadCause::out_of_memory : LoadCause::input);
+  state->held.resize(state->held.bytes() + loaded.memory_bytes, file);
+  if (!loaded.ok) return false;
+  if (!model.motion.values.empty()) {
+    move_prims(loaded.meshes, model.motion, state->scene);
+    move_prims(loaded.cameras, model.motion, state->scene);
+  }
+  state->models.push_back(std::move(model));
+  return true;
+}
+
 bool apply_models(const Reader& reader) {
   const auto models = reader.value().find("gltf");
   if (models == reader.value().end()) return true;
   const LoadOptions& asked = reader.state().options;
   if (models->size() > 1 && !(asked.scene + asked.animation + asked.variant).empty()) {
+    reader.state().note_cause(LoadCause::option);
     if (*reader.state().sink)
       (*reader.state().sink)({Severity::error, "gltf.choice", reader.place("/gltf"),
                               "There are several models: write scene, animation or variant beside each one's file."});
@@ -93,17 +112,7 @@ bool apply_models(const Reader& reader) {
       motion = *samples;
       options.transform = transform_at(motion, 0);
     }
-    reader.state().result->gltf.push_back(
-        open.source.Load(file.resolved, options, &reader.scene(), *reader.state().sink));
-    const gltf::GltfSummary& loaded = reader.state().result->gltf.back();
-    ok = ok && loaded.ok;
-    MemoryReservation& held = reader.state().held;
-    held.resize(held.bytes() + loaded.memory_bytes, file.resolved);
-    if (loaded.ok && !motion.values.empty()) {
-      move_prims(loaded.meshes, motion, &reader.scene());
-      move_prims(loaded.cameras, motion, &reader.scene());
-    }
-    reader.state().models.push_back(std::move(open));
+    ok = load_model(file.resolved, options, std::move(open), &reader.state()) && ok;
   }
   return ok;
 }

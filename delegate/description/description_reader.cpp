@@ -65,6 +65,7 @@ std::string Reader::resolve(const std::string& pointer, const std::string& file)
     for (const UdimTile& tile : udim_tiles(resolved))
       if (fault.empty()) fault = outside_fault(within_, tile.path);
   if (fault.empty()) return resolved;
+  state_.note_cause(LoadCause::input);
   if (*state_.sink) (*state_.sink)({Severity::error, "asset.outside", place(pointer), fault + "."});
   return {};
 }
@@ -74,6 +75,7 @@ AssetPath Reader::asset(const std::string& pointer, const std::string& file) con
   if (resolved.empty()) return {};
   const InputFile opened(resolved, within_);
   if (opened) return {file, resolved, nullptr, within_};
+  state_.note_cause(LoadCause::input);
   if (!*state_.sink) return {};
   if (opened.fault() == InputFile::Fault::missing)
     (*state_.sink)({Severity::error, "asset.missing", place(pointer),
@@ -95,9 +97,13 @@ AssetPath Reader::image(const std::string& pointer, const std::string& file) con
   if (found.resolved.empty()) return found;
   const auto [known, is_new] = state_.image_faults.try_emplace({found.resolved, found.within});
   std::string& problem = known->second;  // an image may be named often, and is opened once
-  if (is_new && !is_image(source, [&](const alabaster::Diagnostic& d) { problem = d.text; }) && problem.empty())
-    problem = "it is no image";
+  const auto note = [&](const alabaster::Diagnostic& d) {
+    problem = d.text;
+    if (d.code == "texture.memory") state_.note_cause(LoadCause::out_of_memory);
+  };
+  if (is_new && !is_image(source, note) && problem.empty()) problem = "it is no image";
   if (problem.empty()) return found;
+  state_.note_cause(LoadCause::input);
   if (*state_.sink)
     (*state_.sink)({Severity::error, "asset.unreadable", place(pointer), "'" + found.resolved + "': " + problem + "."});
   return {};

@@ -71,6 +71,10 @@ struct LoadState {
   std::map<std::string, Path> mesh_materials;  // that meshes were given, by pattern
   /// `scene` holds only the prims that a pose moves, so that a name may match none.
   bool posing = false;
+  LoadCause cause = LoadCause::none;  // of the failure; the first that is noted counts
+  void note_cause(LoadCause noted) {
+    if (cause == LoadCause::none) cause = noted;
+  }
 };
 
 /// One document being applied.
@@ -109,6 +113,9 @@ bool load_scene(const std::string& file, const LoadOptions& options, LoadState* 
 
 /// True if a memory limit in MiB, of a description, is none or above the one that holds without it.
 bool loosens_memory_limit(double mib);
+
+/// Adds a model to the scene, and notes the cause if it cannot be read.
+bool load_model(const std::string& file, const gltf::GltfOptions& options, OpenModel model, LoadState* state);
 
 /// Has the animation sampled over the shutter, if that is open.
 void sample_shutter(const LoadOptions& asked, gltf::GltfOptions* model);

@@ -51,10 +51,10 @@ class Loader {
         limit_memory(document.value, true);
     }
     if (!load_file(file)) return false;
-    for (const std::string& assignment : options.overrides)
-      if (!apply_override(assignment)) return false;
-    if (!options.dome.empty() && !replace_domes(options.dome)) return false;
-    if (!options.camera.empty() && !choose_camera(options.camera)) return false;
+    if (!apply_options(options)) {
+      state_.note_cause(LoadCause::option);
+      return false;
+    }
     if (options.shutter) {
       state_.camera.parameters["shutterOpen"] = static_cast<float>(options.shutter->open);
       state_.camera.parameters["shutterClose"] = static_cast<float>(options.shutter->close);
@@ -67,6 +67,13 @@ class Loader {
   }
 
  private:
+  bool apply_options(const LoadOptions& options) {
+    for (const std::string& assignment : options.overrides)
+      if (!apply_override(assignment)) return false;
+    return (options.dome.empty() || replace_domes(options.dome)) &&
+           (options.camera.empty() || choose_camera(options.camera));
+  }
+
   bool fail(const char* code, const std::string& where, const std::string& text) {
     if (sink_) sink_({Severity::error, code, where, text});
     return false;
@@ -90,9 +97,7 @@ class Loader {
       options.allow_outside = o.allow_outside;
       sample_shutter(o, &options);
       options.memory_limit = state_.memory->left();
-      OpenModel& model = state_.models.emplace_back();
-      state_.result->gltf.push_back(model.source.Load(file, options, state_.scene, sink_));
-      return state_.result->gltf.back().ok;
+      return load_model(file, options, {}, &state_);
     }
     const bool is_usd = extension == ".usd" || extension == ".usda" || extension == ".usdc" || extension == ".usdz";
     return fail("scene.kind", file,

@@ -35,8 +35,13 @@ struct LoadOptions {
   std::string scene, animation, variant;
 };
 
+/// The cause of a failed load. `option`: LoadOptions name or set something that the scene does not have or take; a file
+/// that is missing or unreadable is `input`, wherever it is named.
+enum class LoadCause { none, input, option, out_of_memory };
+
 struct SceneFile {
   bool ok = false;
+  LoadCause cause = LoadCause::none;
   Path settings;                       // the RenderSettings prim, from the file or else from defaults
   std::vector<Path> further_settings;  // one for each further resolution or crop of the products
   std::string color_config;            // OCIO config that the description names; empty if none
@@ -68,8 +73,8 @@ class ALABASTER_API SceneSource {
   /// Gives the models of the scene the pose at `time`, in place of LoadOptions::time, with the changes that the
   /// description and the options make: their prims are those that a load for this time makes. Only what the animations
   /// move or deform is set again, and meshes that the pose lacks are removed. A camera that was framed, and the lights
-  /// of a studio, stay as they were loaded. Warnings are not given again. False after a reported error.
-  bool Pose(double time, const DiagnosticSink& sink);
+  /// of a studio, stay as they were loaded. Warnings are not given again. `none`, or the cause of a reported error.
+  LoadCause Pose(double time, const DiagnosticSink& sink);
 
  private:
   struct Open;

@@ -24,13 +24,16 @@ struct SceneSource::Open {
   SceneFile result;
   LoadState state;
 
-  // False after a report of what was thrown.
-  bool run_guarded(const DiagnosticSink& sink, const std::function<bool()>& work) {
+  // Reports what is thrown, too.
+  LoadCause run_guarded(const DiagnosticSink& sink, const std::function<bool()>& work) {
     const FloatEnvironment environment;
     std::string fault, code = "scene.memory";
     state.sink = &sink;
+    state.cause = LoadCause::none;
     try {
-      return work();
+      if (work()) return LoadCause::none;
+      state.note_cause(LoadCause::input);
+      return state.cause;
     } catch (const MemoryRefused& e) {
       fault = e.what();
     } catch (const std::bad_alloc&) {
@@ -39,14 +42,16 @@ struct SceneSource::Open {
       fault = std::string("The scene could not be loaded: ") + e.what(), code = "scene.load";
     }
     if (sink) sink({Severity::error, code, file, fault});
-    return false;
+    return code == "scene.memory" ? LoadCause::out_of_memory : LoadCause::input;
   }
 
   bool pose(double time) {
     host::RetainedSceneDelegate posed;  // what moves
     std::vector<Path> removed;
     for (OpenModel& model : state.models) {
-      auto prims = model.source.Pose(time + model.time, *state.sink);
+      gltf::GltfFault fault = gltf::GltfFault::none;
+      auto prims = model.source.Pose(time + model.time, *state.sink, &fault);
+      if (fault == gltf::GltfFault::out_of_memory) state.note_cause(LoadCause::out_of_memory);
       if (!prims) return false;
       removed.insert(removed.end(), prims->removed.begin(), prims->removed.end());
       take(std::move(*prims), model.motion, &posed);
@@ -112,22 +117,24 @@ SceneFile SceneSource::Load(const std::string& file, host::RetainedSceneDelegate
   } catch (const std::bad_alloc&) {
     open_.reset();
     if (sink) sink({Severity::error, "scene.memory", file, "Not enough memory to load the scene."});
+    result.cause = LoadCause::out_of_memory;
     return result;
   }
   LoadState& state = open_->state;
   state.result = &open_->result;
   state.scene = open_->scene = scene;
-  open_->result.ok = open_->run_guarded(sink, [&] { return load_scene(file, options, &state); });
+  open_->result.cause = open_->run_guarded(sink, [&] { return load_scene(file, options, &state); });
+  open_->result.ok = open_->result.cause == LoadCause::none;
   result = open_->result;
   if (!result.ok) open_.reset();
   return result;
 }
 
-bool SceneSource::Pose(double time, const DiagnosticSink& sink) {
+LoadCause SceneSource::Pose(double time, const DiagnosticSink& sink) {
   const DiagnosticSink errors = [&sink](const Diagnostic& diagnostic) {
     if (diagnostic.severity == Severity::error && sink) sink(diagnostic);
   };
-  return open_ && open_->run_guarded(errors, [&] { return open_->pose(time); });
+  return open_ ? open_->run_guarded(errors, [&] { return open_->pose(time); }) : LoadCause::input;
 }
 
 SceneFile LoadScene(const std::string& file, host::RetainedSceneDelegate* scene, const DiagnosticSink& sink,

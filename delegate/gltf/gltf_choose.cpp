@@ -50,6 +50,7 @@ void choose(const Json& root, const GltfOptions& options, Report& report, Docume
   } else if (options.time && !document->animations.empty()) {
     document->animation = 0;
   }
+  document->is_choice_wrong = report.failed();
 }
 
 }  // namespace alabaster::hd::gltf

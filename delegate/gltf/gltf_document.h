@@ -37,6 +37,7 @@ struct Document {
   int scene = -1, variant = -1, animation = -1;  // that GltfOptions choose; -1: none
   MemoryReservation memory;                      // of all that is read, and of what it becomes
   size_t geometry_bytes = 0;                     // of meshes, decoded
+  bool is_choice_wrong = false;                  // GltfOptions name a scene, animation or variant that it lacks
 };
 
 /// False if an error was reported; the document must not be used then. Throws MemoryRefused.

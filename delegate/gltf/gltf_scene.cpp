@@ -16,21 +16,23 @@
 namespace alabaster::hd::gltf {
 namespace {
 
-// False after a report of what was thrown.
-bool run_guarded(Report& report, const std::function<bool()>& work) {
+// Reports what is thrown, too.
+GltfFault run_guarded(Report& report, const std::function<bool()>& work) {
   const FloatEnvironment environment;
-  bool ok = false;
+  GltfFault fault = GltfFault::document;
   try {
-    ok = work();
+    if (work()) fault = GltfFault::none;
   } catch (const MemoryRefused& e) {
     report.error("memory", "", e.what());
+    fault = GltfFault::out_of_memory;
   } catch (const std::bad_alloc&) {
     report.error("memory", "", "not enough memory; split the file or lower max_file_bytes");
+    fault = GltfFault::out_of_memory;
   } catch (const std::exception& e) {
     report.error("internal", "", std::string("reading failed (") + e.what() + "); export the file again");
   }
   report.finish();
-  return ok;
+  return fault;
 }
 
 // Paths of meshes and instancers, in that order: a mesh is removed before its instancer.
@@ -151,26 +153,29 @@ GltfSummary GltfSource::Load(const std::string& file, const GltfOptions& options
                              const DiagnosticSink& sink) {
   Report report(file, sink);
   GltfSummary summary;
-  summary.ok = run_guarded(report, [&] {
+  summary.fault = run_guarded(report, [&] {
     open_ = std::make_unique<Open>();
     open_->options = options;
     return open_->load(file, scene, report, &summary);
   });
+  summary.ok = summary.fault == GltfFault::none;
+  if (open_ && open_->document.is_choice_wrong) summary.fault = GltfFault::choice;
   if (!summary.ok || open_->document.animation < 0) open_.reset();
   return summary;
 }
 
-std::optional<GltfPrims> GltfSource::Pose(double time, const DiagnosticSink& sink) {
+std::optional<GltfPrims> GltfSource::Pose(double time, const DiagnosticSink& sink, GltfFault* fault) {
+  *fault = GltfFault::none;
   if (!open_) return GltfPrims();
   Report report(open_->document.file, [&sink](const Diagnostic& diagnostic) {
     if (diagnostic.severity == Severity::error && sink) sink(diagnostic);
   });
   std::optional<GltfPrims> prims;
-  const bool ok = run_guarded(report, [&] {
+  *fault = run_guarded(report, [&] {
     prims = open_->pose(time, report);
     return !report.failed();
   });
-  return ok ? std::move(prims) : std::nullopt;
+  return *fault == GltfFault::none ? std::move(prims) : std::nullopt;
 }
 
 GltfSummary LoadGltf(const std::string& file, const GltfOptions& options, host::RetainedSceneDelegate* scene,

@@ -40,8 +40,12 @@ struct GltfAnimation {
   double seconds = 0;  // the time of the last key
 };
 
+/// The cause of a failed load. `choice`: the document lacks the scene, animation or variant that the options name.
+enum class GltfFault { none, document, choice, out_of_memory };
+
 struct GltfSummary {
   bool ok = false;  // false: nothing was added, for the reason reported
+  GltfFault fault = GltfFault::none;
   std::vector<Path> meshes, materials, cameras, lights;
   std::vector<std::string> extensionsUsed, extensionsRequired, extensionsIgnored;
   std::vector<std::string> files;             // that were read: the document and its buffers
@@ -51,8 +55,7 @@ struct GltfSummary {
 };
 
 /// Adds the document's scene to `scene`. Never throws. Errors name the file, the element ("buffers[0].uri") and a
-/// remedy. A harmless fault is a warning, and everything else is loaded. A scene, animation or variant that the file
-/// lacks is an error with code "gltf.choice".
+/// remedy. A harmless fault is a warning, and everything else is loaded.
 ALABASTER_API GltfSummary LoadGltf(const std::string& file, const GltfOptions& options,
                                    host::RetainedSceneDelegate* scene, const DiagnosticSink& sink);
 
@@ -79,8 +82,8 @@ class ALABASTER_API GltfSource {
                    const DiagnosticSink& sink);
   /// All prims that the animation moves or deforms, at `time` in place of GltfOptions::time and with samples over the
   /// shutter about it: with those that stand still they are what LoadGltf adds for this time. They may be equal to
-  /// those of the pose before. Warnings are not given again. Empty after a reported error.
-  std::optional<GltfPrims> Pose(double time, const DiagnosticSink& sink);
+  /// those of the pose before. Warnings are not given again. Empty after a reported error, with its cause.
+  std::optional<GltfPrims> Pose(double time, const DiagnosticSink& sink, GltfFault* fault);
 
  private:
   struct Open;

@@ -140,7 +140,7 @@ class Recording {
       // Held, because its files may vanish while the picture is made. CheckFrame reports one that cannot be read, and
       // has the tables read that its products need.
       options_.colors.held = options_.colors.config({});
-      result_.status = CheckFrame(*scene_, settings_, *delegate_, options_, &requests_);
+      end(CheckFrame(*scene_, settings_, *delegate_, options_, &requests_));
       for (at_ = 0; at_ < requests_.size() && succeeded(); ++at_) record();
     } catch (const std::exception& e) {
       refuse_exception(e.what());
@@ -172,6 +172,7 @@ class Recording {
     Value previous_;
   };
 
+  void end(RecordEnd end) { static_cast<RecordEnd&>(result_) = std::move(end); }
   bool succeeded() const { return result_.status == RecordStatus::done || result_.status == RecordStatus::degraded; }
   const FrameRequest& request() const { return requests_[at_]; }
 
@@ -181,24 +182,28 @@ class Recording {
     const Borrowed borrowed(this);
     allocate();
     if (!sync()) return;
-    if (!interrupted() && have_buffers() && scene_is_whole()) {
-      if (!checkpoints_.resume())
-        result_.status = RecordStatus::input_failed;
-      else
-        render();
-    }
+    if (!interrupted() && have_buffers() && scene_is_whole() && resume()) render();
     collect_stats();
     if (rendered_ && (succeeded() || result_.status == RecordStatus::interrupted)) write();
-    if (checkpoints_.last_failed() && succeeded()) result_.status = RecordStatus::output_failed;
+    if (const std::string& fault = checkpoints_.last_fault(); !fault.empty() && succeeded())
+      end({RecordStatus::output_failed, RecordedCheckpoints::kCode, fault});
+  }
+
+  bool resume() {
+    const CommandResult resumed = checkpoints_.resume();
+    if (resumed.ok()) return true;
+    const bool memory = resumed.status == CommandStatus::out_of_memory;
+    end({memory ? RecordStatus::render_failed : RecordStatus::input_failed, RecordedCheckpoints::kCode, resumed.fault});
+    return false;
   }
 
   void refuse_exception(const char* what) noexcept {
     result_.status = RecordStatus::render_failed;
-    quietly([&] { report("record.exception", std::string("failed: ") + what); });
+    quietly([&] { refuse(RecordStatus::render_failed, "record.exception", std::string("failed: ") + what); });
   }
 
   bool refuse(RecordStatus status, const char* code, const std::string& text) {
-    result_.status = status;
+    end({status, code, text});
     report(code, text);
     return false;
   }
@@ -230,8 +235,10 @@ class Recording {
     if (!scene_->PopulateRest() || !index_->SyncAll())
       return refuse(RecordStatus::render_failed, "record.sync",
                     "the scene could not be synced: memory or threads ran out");
-    delegate_->InvokeCommand("waitForScene", {});  // its faults are known then; the watch ends it
-    return true;
+    // The scene's faults are known after this wait, which the watch ends. A delegate without the command has built it.
+    const CommandResult built = delegate_->InvokeCommand("waitForScene", {});
+    return built.ok() || built.status == CommandStatus::unknown ||
+           refuse(RecordStatus::render_failed, "record.sync", "the scene could not be built: " + built.fault);
   }
 
   // A delegate refuses buffers that are too large and reports it. Nothing is rendered without them.
@@ -314,12 +321,12 @@ class Recording {
     }
     if (pass->GetState() != PassState::failed && !delegate_->IsStopped())
       checkpoints_.write_last(request().description);
-    end(pass);
+    finish(pass);
     rendered_ = true;
   }
 
   // An interrupted render is stopped before its statistics are read, so that they agree with the pixels.
-  void end(std::unique_ptr<RenderPass>& pass) {
+  void finish(std::unique_ptr<RenderPass>& pass) {
     std::shared_ptr<const void> stop;
     if (!pass->IsConverged() && interrupted()) {
       stop = delegate_->HoldStopped();
@@ -328,10 +335,16 @@ class Recording {
     }
     result_.stats = delegate_->GetRenderStats();
     if (result_.stats.empty()) refuse(RecordStatus::render_failed, "record.memory", "memory ran out");
-    if (pass->GetState() == PassState::failed)
-      result_.status = stat(result_.stats, "refused") != 0 ? RecordStatus::input_failed : RecordStatus::render_failed;
-    else if (result_.status == RecordStatus::done && result_.stats.contains("scene.faults"))
-      result_.status = RecordStatus::degraded;
+    if (pass->GetState() == PassState::failed) {
+      const bool refused = stat(result_.stats, "refused") != 0;
+      const auto error = result_.stats.find("error");
+      end({refused ? RecordStatus::input_failed : RecordStatus::render_failed, "record.render",
+           error == result_.stats.end() ? std::string("the render failed") : error->second.text_or({})});
+    } else if (result_.status == RecordStatus::done && result_.stats.contains("scene.faults")) {
+      result_.out_of_memory = stat(result_.stats, "scene.outOfMemory") != 0;
+      const auto faults = result_.stats.find("scene.faults");
+      end({RecordStatus::degraded, "record.scene", faults->second.text_or({})});
+    }
     if (options_.progress && pass->GetState() != PassState::failed) options_.progress(progress());
     pass.reset();
     warn_of_empty_pixels();
@@ -415,13 +428,17 @@ class Recording {
     if (options_.picture) options_.picture(*image);
     const auto written = WriteProducts(d.products, *image, options_.colors, options_.diagnostics);
     result_.written.insert(result_.written.end(), written.begin(), written.end());
-    bool complete = written.size() == d.products.size();
+    const bool interrupted = result_.status == RecordStatus::interrupted;
+    const auto fail = [&](const char* code, std::string text) {
+      if (!interrupted) end({RecordStatus::output_failed, code, std::move(text)});
+    };
+    if (written.size() != d.products.size()) fail("record.product", "not all files could be written");
     if (const auto error = result_.stats.find("denoise.error"); error != result_.stats.end()) {
-      report("record.denoise",
-             "The picture could not be denoised: " + error->second.text_or("") + ". Files show it as it was rendered.");
-      complete = false;
+      const std::string text =
+          "The picture could not be denoised: " + error->second.text_or("") + ". Files show it as it was rendered.";
+      report("record.denoise", text);
+      fail("record.denoise", text);
     }
-    if (!complete && result_.status != RecordStatus::interrupted) result_.status = RecordStatus::output_failed;
   }
 
   RenderIndex* index_;

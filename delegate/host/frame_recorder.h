@@ -10,6 +10,7 @@ namespace alabaster::hd::host {
 
 /// `interrupted`: cancelled, or stopped by another thread, which alone may restart the delegate.
 /// `degraded`: rendered and written by RecordOptions::keep_going, although the scene has faults.
+/// `render_failed`: also where memory was refused, to whatever it was.
 enum class RecordStatus { done, input_failed, render_failed, output_failed, interrupted, degraded };
 
 struct RecordProgress {
@@ -45,8 +46,16 @@ struct RecordOptions {
   DiagnosticSink diagnostics;
 };
 
-struct RecordResult {
+/// How a recording ended. Where it failed, `cause` is the code of the report about it ("record.scene"), and `text` says
+/// the same to people.
+struct RecordEnd {
   RecordStatus status = RecordStatus::done;
+  std::string cause, text;
+};
+
+struct RecordResult : RecordEnd {
+  /// True if a degraded picture lacks parts because memory for them was refused.
+  bool out_of_memory = false;
   Dictionary stats;  // RenderDelegate::GetRenderStats at the end, plus phase.<sync|render|write>.wall / .cpu seconds
   std::vector<std::string> written;  // files
 };

@@ -102,44 +102,44 @@ std::vector<FrameRequest> pictures_of(const RenderSettingsDescription& settings)
 
 }  // namespace
 
-RecordStatus CheckFrame(const RetainedSceneDelegate& scene, const Path& settings, const RenderDelegate& delegate,
-                        const RecordOptions& options, std::vector<FrameRequest>* requests) {
-  // Reports a fault, if there is one.
-  const auto refuse = [&](const Fault& fault) {
-    if (fault.code && options.diagnostics)
-      options.diagnostics({Severity::error, fault.code, settings.str(), fault.text});
-    return fault.code != nullptr;
+RecordEnd CheckFrame(const RetainedSceneDelegate& scene, const Path& settings, const RenderDelegate& delegate,
+                     const RecordOptions& options, std::vector<FrameRequest>* requests) {
+  const auto refusal = [&](const Fault& fault) -> RecordEnd {
+    if (options.diagnostics) options.diagnostics({Severity::error, fault.code, settings.str(), fault.text});
+    return {RecordStatus::input_failed, fault.code, fault.text};
   };
   const auto found = scene.GetAllRenderSettings().find(settings);
-  if (found == scene.GetAllRenderSettings().end()) {
-    refuse({"record.settings", "there are no such render settings"});
-    return RecordStatus::input_failed;
-  }
+  if (found == scene.GetAllRenderSettings().end())
+    return refusal({"record.settings", "there are no such render settings"});
   RenderSettingsDescription all = found->second;
   if (!options.products.empty()) all.products = options.products;
   const bool denoise = wants_denoised(all, delegate);
   for (RenderProduct& product : all.products) product.denoise = product.denoise.value_or(denoise);
   *requests = pictures_of(all);
-  for (const FrameRequest& picture : *requests)
-    if (refuse(request_fault(picture.description)) || refuse(camera_fault(scene, picture.description.camera)))
-      return RecordStatus::input_failed;
-  if (requests->size() > 1 && (options.resume || !options.checkpoint.empty())) {
-    refuse({"record.checkpoint",
-            "a checkpoint holds one picture, but the products have several cameras or sizes: render them one by one"});
-    return RecordStatus::input_failed;
+  for (const FrameRequest& picture : *requests) {
+    if (const Fault fault = request_fault(picture.description); fault.code) return refusal(fault);
+    if (const Fault fault = camera_fault(scene, picture.description.camera); fault.code) return refusal(fault);
   }
+  if (requests->size() > 1 && (options.resume || !options.checkpoint.empty()))
+    return refusal(
+        {"record.checkpoint",
+         "a checkpoint holds one picture, but the products have several cameras or sizes: render them one by one"});
   for (const FrameRequest& picture : *requests)
-    for (const RenderProduct& product : picture.description.products)
-      if (!CheckProduct(product, options.colors, options.diagnostics) ||
-          !CheckProductSize(product, picture.description.window(), options.diagnostics))
-        return RecordStatus::output_failed;
+    for (const RenderProduct& product : picture.description.products) {
+      ProductCheck check = CheckProduct(product, options.colors, options.diagnostics);
+      if (check) check = CheckProductSize(product, picture.description.window(), options.diagnostics);
+      const bool memory = check.status == ProductStatus::out_of_memory;
+      if (!check)
+        return {memory ? RecordStatus::render_failed : RecordStatus::output_failed, "record.product",
+                "'" + product.file + "': " + check.text};
+    }
   for (FrameRequest& picture : *requests) {
     picture.aovs = aovs_of(picture.description.products);
     if (denoise && picture.aovs.contains("color")) picture.aovs.insert("denoised");  // else color would show it
     picture.aovs.insert(options.aovs.begin(), options.aovs.end());
-    if (refuse(aov_fault(delegate, picture.aovs))) return RecordStatus::input_failed;
+    if (const Fault fault = aov_fault(delegate, picture.aovs); fault.code) return refusal(fault);
   }
-  return RecordStatus::done;
+  return {};
 }
 
 std::string NoSuchAov(const std::string& name) {

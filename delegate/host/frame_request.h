@@ -18,7 +18,7 @@ struct FrameRequest {
 /// `delegate` lacks, a product that cannot be written, a checkpoint of several pictures. A camera that does not exist
 /// is the pass's to refuse. Returns `done` if the frame can be rendered: a request for each picture, in the order of
 /// the products.
-RecordStatus CheckFrame(const RetainedSceneDelegate& scene, const Path& settings, const RenderDelegate& delegate,
-                        const RecordOptions& options, std::vector<FrameRequest>* requests);
+RecordEnd CheckFrame(const RetainedSceneDelegate& scene, const Path& settings, const RenderDelegate& delegate,
+                     const RecordOptions& options, std::vector<FrameRequest>* requests);
 
 }  // namespace alabaster::hd::host

@@ -5,8 +5,9 @@
 
 namespace alabaster::hd::host {
 
-/// Checks that the product's file can hold the pixels of `window`, RenderSettingsDescription::window(). Returns false
-/// after a report, and where CheckProduct refuses the product's kind or AOVs.
-ALABASTER_API bool CheckProductSize(const RenderProduct& product, const Rect2i& window, const DiagnosticSink& sink);
+/// Checks that the product's file can hold the pixels of `window`, RenderSettingsDescription::window(). Also false
+/// where CheckProduct refuses the product's kind or AOVs.
+ALABASTER_API ProductCheck CheckProductSize(const RenderProduct& product, const Rect2i& window,
+                                            const DiagnosticSink& sink);
 
 }  // namespace alabaster::hd::host

@@ -201,32 +201,56 @@ std::string lines(const std::string& title, const std::vector<std::string>& name
 
 }  // namespace
 
-bool CheckProduct(const RenderProduct& product, const OutputColors& colors, const DiagnosticSink& sink) {
-  const FloatEnvironment environment;
-  try {
-    ProductPlan plan;
-    std::string error;
-    if (!PlanProduct(product, plan, error)) return fail(sink, "product.invalid", product.file, error);
-    if (!check_output(product, sink)) return false;
-    if (!image_functions(&error)) return fail(sink, "images.library", product.file, error);
-    OutputTransform out;
-    return make_output_transform(product, plan, colors, sink, out);
-  } catch (const MemoryRefused& e) {
-    return fail(sink, "product.memory", product.file, e.what());
-  } catch (const std::exception& e) {
-    return fail(sink, "product.invalid", product.file, std::string(e.what()) + "; check the product's settings");
-  }
+namespace {
+
+ProductStatus status_of(const std::string& code) {
+  if (code.starts_with("ocio.")) return ProductStatus::colors;
+  if (code == "product.invalid") return ProductStatus::invalid;
+  if (code == "product.outside") return ProductStatus::outside;
+  return code == "product.memory" ? ProductStatus::out_of_memory : ProductStatus::output;
 }
 
-bool CheckProductSize(const RenderProduct& product, const Rect2i& window, const DiagnosticSink& sink) {
+/// Runs a check, which reports its faults; the last error is the cause.
+template <class Check>
+ProductCheck run_check(const RenderProduct& product, const DiagnosticSink& sink, const Check& check) {
+  const FloatEnvironment environment;
+  ProductCheck result;
+  const DiagnosticSink noted = [&](const Diagnostic& diagnostic) {
+    if (diagnostic.severity == Severity::error) result = {status_of(diagnostic.code), diagnostic.text};
+    if (sink) sink(diagnostic);
+  };
+  bool ok = false;
   try {
+    ok = check(noted);
+  } catch (const MemoryRefused& e) {
+    fail(noted, "product.memory", product.file, e.what());
+  } catch (const std::exception& e) {
+    fail(noted, "product.invalid", product.file, std::string(e.what()) + "; check the product's settings");
+  }
+  return ok ? ProductCheck() : result;
+}
+
+}  // namespace
+
+ProductCheck CheckProduct(const RenderProduct& product, const OutputColors& colors, const DiagnosticSink& sink) {
+  return run_check(product, sink, [&](const DiagnosticSink& noted) {
+    ProductPlan plan;
+    std::string error;
+    if (!PlanProduct(product, plan, error)) return fail(noted, "product.invalid", product.file, error);
+    if (!check_output(product, noted)) return false;
+    if (!image_functions(&error)) return fail(noted, "images.library", product.file, error);
+    OutputTransform out;
+    return make_output_transform(product, plan, colors, noted, out);
+  });
+}
+
+ProductCheck CheckProductSize(const RenderProduct& product, const Rect2i& window, const DiagnosticSink& sink) {
+  return run_check(product, sink, [&](const DiagnosticSink& noted) {
     ProductPlan plan;
     std::string error;
     if (PlanProduct(product, plan, error)) error = window_fault(plan, window);
-    return error.empty() || fail(sink, "product.invalid", product.file, error);
-  } catch (const std::exception& e) {
-    return fail(sink, "product.invalid", product.file, std::string(e.what()) + "; check the product's settings");
-  }
+    return error.empty() || fail(noted, "product.invalid", product.file, error);
+  });
 }
 
 namespace {

@@ -50,9 +50,26 @@ ALABASTER_API const std::vector<std::string>& ProductAovs();
 /// The AOV under its own name in the data type that suits it: ids and counts int, distances float, all else half.
 ALABASTER_API RenderVar UsualRenderVar(const std::string& aov);
 
+enum class ProductStatus {
+  done,
+  invalid,  // the product contradicts itself, or its kind of file cannot hold it
+  colors,   // the colour configuration cannot be read, or lacks its space, display, view or look
+  outside,  // the file lies outside of RenderProduct::within
+  output,   // the file cannot be written, or no image can
+  out_of_memory,
+};
+
+/// True if the product can be written. Else it has been reported, and `text` says why not.
+struct ProductCheck {
+  ProductStatus status = ProductStatus::done;
+  std::string text;
+  explicit operator bool() const { return status == ProductStatus::done; }
+};
+
 /// Checks a product before anything is rendered: extension, data type, AOVs, folder and its permissions, and that the
-/// config knows its colour space, or its display and view. Returns false after a report.
-ALABASTER_API bool CheckProduct(const RenderProduct& product, const OutputColors& colors, const DiagnosticSink& sink);
+/// config knows its colour space, or its display and view.
+ALABASTER_API ProductCheck CheckProduct(const RenderProduct& product, const OutputColors& colors,
+                                        const DiagnosticSink& sink);
 
 /// Writes all products at once and returns the files that were written, in the order of `products`. A failure is
 /// reported (file, reason, remedy) and leaves no partial file under the final name; a picture that its file cannot take

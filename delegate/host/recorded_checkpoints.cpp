@@ -6,21 +6,14 @@
 namespace alabaster::hd::host {
 
 void RecordedCheckpoints::report(Severity severity, const std::string& text) const {
-  if (options_.diagnostics) options_.diagnostics({severity, "record.checkpoint", settings_.str(), text});
+  if (options_.diagnostics) options_.diagnostics({severity, kCode, settings_.str(), text});
 }
 
-// A command that succeeds answers with an empty text. One that the delegate does not have, or that ends in an
-// exception, answers with nothing.
-std::string RecordedCheckpoints::invoke(const char* command, const Dictionary& arguments) const {
-  const Value answer = delegate_->InvokeCommand(command, arguments);
-  return answer.empty() ? std::string("the delegate could not run the command ") + command : answer.text_or("");
-}
-
-bool RecordedCheckpoints::resume() {
-  if (!options_.resume) return true;
-  const std::string fault = invoke("resumeCheckpoint", {{"file", options_.checkpoint}});
-  if (!fault.empty()) report(Severity::error, "checkpoint '" + options_.checkpoint + "': " + fault);
-  return fault.empty();
+CommandResult RecordedCheckpoints::resume() {
+  if (!options_.resume) return {CommandStatus::done, {}, {}};
+  CommandResult resumed = delegate_->InvokeCommand("resumeCheckpoint", {{"file", options_.checkpoint}});
+  if (!resumed.ok()) report(Severity::error, "checkpoint '" + options_.checkpoint + "': " + resumed.fault);
+  return resumed;
 }
 
 // The values from which `alabaster merge` writes the files of a render of all samples.
@@ -50,11 +43,12 @@ std::string RecordedCheckpoints::note(const RenderSettingsDescription& d) const 
 std::string RecordedCheckpoints::write(const RenderSettingsDescription& settings) {
   const auto begun = std::chrono::steady_clock::now();
   const Dictionary arguments{{"file", options_.checkpoint}, {"note", note(settings)}};
-  const std::string fault = invoke("writeCheckpoint", arguments);
+  const CommandResult written = delegate_->InvokeCommand("writeCheckpoint", arguments);
   saved_ = std::chrono::steady_clock::now();
   seconds_ += std::chrono::duration<double>(saved_ - begun).count();
   ++count_;
-  return fault.empty() ? fault : "checkpoint '" + options_.checkpoint + "' could not be written: " + fault;
+  if (written.ok()) return {};
+  return "checkpoint '" + options_.checkpoint + "' could not be written: " + written.fault;
 }
 
 void RecordedCheckpoints::write_if_due(const RenderSettingsDescription& settings) {
@@ -66,9 +60,8 @@ void RecordedCheckpoints::write_if_due(const RenderSettingsDescription& settings
 
 void RecordedCheckpoints::write_last(const RenderSettingsDescription& settings) {
   if (options_.checkpoint.empty()) return;
-  const std::string fault = write(settings);
-  last_failed_ = !fault.empty();
-  if (last_failed_) report(Severity::error, fault);
+  last_fault_ = write(settings);
+  if (!last_fault_.empty()) report(Severity::error, last_fault_);
 }
 
 void RecordedCheckpoints::add_to(Dictionary* stats) const {

@@ -178,11 +178,7 @@ CheckpointReader::CheckpointReader(const std::string& file, const std::shared_pt
     return;
   }
   left_ = file_.size();
-  try {
-    read_header();
-  } catch (const MemoryRefused& e) {
-    fail(e.what());
-  }
+  read_header();
 }
 
 bool CheckpointReader::fail(const std::string& fault) {

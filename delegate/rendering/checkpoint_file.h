@@ -38,8 +38,8 @@ std::string write_checkpoint(const std::string& file, const CheckpointHeader& he
 /// Reads a regular file, whatever it holds: nothing of it is trusted.
 class CheckpointReader {
  public:
-  /// Reads the header, which `memory` holds as long as the reader. fault() says why the file cannot be read, and is
-  /// empty if it can.
+  /// Reads the header, which `memory` holds as long as the reader (MemoryRefused). fault() says why the file cannot be
+  /// read, and is empty if it can.
   CheckpointReader(const std::string& file, const std::shared_ptr<MemoryBudget>& memory);
   const CheckpointHeader& header() const { return header_; }
   const std::string& fault() const { return fault_; }

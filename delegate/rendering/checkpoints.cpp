@@ -5,6 +5,7 @@
 #include "core/convergence/frame_error.h"
 #include "core/session/frame_memory.h"
 #include "delegate/prims/scene_digest.h"
+#include "delegate/rendering/commands.h"
 #include "delegate/rendering/render_core.h"
 #include "delegate/rendering/render_pass.h"
 
@@ -44,6 +45,10 @@ std::string note_of(const CheckpointHeader& header) {
   return note != header.end() && note->is_string() ? note->get<std::string>() : std::string();
 }
 
+CommandResult done_unless(std::string fault) {
+  return fault.empty() ? command_done() : command_failed(std::move(fault));
+}
+
 std::string in_quotes(const std::string& file) {
   return "'" + file + "'";
 }
@@ -70,43 +75,51 @@ std::shared_ptr<const Checkpoints::Digests> Checkpoints::digests_of(const BuiltS
   return digests_;
 }
 
-std::string Checkpoints::write(const RenderCore& core, const std::string& file, const std::string& note) const {
+CommandResult Checkpoints::write(const RenderCore& core, const std::string& file, const std::string& note) const {
   const auto request = core.last_request();
   const auto pass = core.last_pass();
-  if (!request || !request->scene || !pass) return "nothing has been rendered";
+  if (!request || !request->scene || !pass) return command_failed("nothing has been rendered");
   const auto scene = core.scene(request->scene);
-  if (!scene) return "the scene has changed since it was rendered";
-  if (note.size() > kMostNoteBytes) return "the note is longer than " + std::to_string(kMostNoteBytes) + " bytes";
+  if (!scene) return command_failed("the scene has changed since it was rendered");
+  if (note.size() > kMostNoteBytes)
+    return {CommandStatus::invalid, "the note is longer than " + std::to_string(kMostNoteBytes) + " bytes", {}};
   CheckpointHeader header = checkpoint_header(*request, *digests_of(*scene));
   header["samples"] = samples_of(*request);
   header["complete"] = pass->progress().state == SessionState::finished;
   header["note"] = note;
-  return write_checkpoint(file, header, [&](const BlockSink& sink) { return pass->save(sink); });
+  const auto save = [&](const BlockSink& sink) { return pass->save(sink); };
+  return done_unless(write_checkpoint(file, header, save));
 }
 
 namespace {
 
-// Answers with the reader's fault, or with that of memory.
-std::string read(CheckpointReader* reader, const MemoryBudget& memory, RenderState* state) {
+// Has the text of refused memory name the file.
+template <class Body>
+void naming(const std::string& file, Body&& body) {
   try {
-    if (reader->fault().empty()) reader->finish(read_state(reader->source(), memory, state));
-    return reader->fault();
+    body();
   } catch (const MemoryRefused& e) {
-    return e.what();
+    throw MemoryRefused(in_quotes(file) + ": " + e.what());
   }
+}
+
+// Answers with the reader's fault.
+std::string read(CheckpointReader* reader, const MemoryBudget& memory, RenderState* state) {
+  if (reader->fault().empty()) reader->finish(read_state(reader->source(), memory, state));
+  return reader->fault();
 }
 
 }  // namespace
 
-std::string Checkpoints::resume(const std::string& file, const Memory& memory) {
+CommandResult Checkpoints::resume(const std::string& file, const Memory& memory) {
   set_pending(nullptr, false);
-  if (file.empty()) return {};
+  if (file.empty()) return command_done();
   CheckpointReader reader(file, memory);
   auto state = std::make_shared<RenderState>();
-  if (std::string fault = read(&reader, *memory, state.get()); !fault.empty()) return fault;
+  if (std::string fault = read(&reader, *memory, state.get()); !fault.empty()) return command_failed(std::move(fault));
   set_pending(std::make_shared<const Pending>(Pending{file, reader.header(), std::move(state), reader.take_memory()}),
               false);
-  return {};
+  return command_done();
 }
 
 namespace {
@@ -126,17 +139,20 @@ std::string measure_pixels(CheckpointReader* reader, const MemoryBudget& memory,
 
 }  // namespace
 
-std::string Checkpoints::describe(const std::string& file, bool measure, const Memory& memory,
-                                  Dictionary* description) {
+CommandResult Checkpoints::describe(const std::string& file, bool measure, const Memory& memory) {
   CheckpointReader reader(file, memory);
-  if (!reader.fault().empty()) return reader.fault();
+  if (!reader.fault().empty()) return command_failed(reader.fault());
   const SampleRange range = range_of(reader.header());
-  if (const std::string fault = range_fault(range); !fault.empty()) return fault;
-  (*description)["firstSample"] = static_cast<int64_t>(range.begin);
-  (*description)["samples"] = static_cast<int64_t>(range.end);
-  (*description)["complete"] = is_complete(reader.header());
-  (*description)["note"] = note_of(reader.header());
-  return measure ? measure_pixels(&reader, *memory, description) : std::string();
+  if (const std::string fault = range_fault(range); !fault.empty()) return command_failed(fault);
+  Dictionary description;
+  description["firstSample"] = static_cast<int64_t>(range.begin);
+  description["samples"] = static_cast<int64_t>(range.end);
+  description["complete"] = is_complete(reader.header());
+  description["note"] = note_of(reader.header());
+  if (measure)
+    if (std::string fault = measure_pixels(&reader, *memory, &description); !fault.empty())
+      return command_failed(std::move(fault));
+  return command_done(std::make_shared<const Dictionary>(std::move(description)));
 }
 
 namespace {
@@ -152,7 +168,8 @@ std::vector<Part> open_parts(const Array<std::string>& files, const std::shared_
                              std::string* fault) {
   std::vector<Part> parts;
   for (const std::string& file : files) {
-    auto reader = std::make_unique<CheckpointReader>(file, memory);
+    std::unique_ptr<CheckpointReader> reader;
+    naming(file, [&] { reader = std::make_unique<CheckpointReader>(file, memory); });
     *fault = reader->fault();
     if (fault->empty() && !is_complete(reader->header()))
       *fault = "it does not have all samples of its part yet; let its render end first (--resume)";
@@ -181,25 +198,27 @@ std::vector<Part> open_parts(const Array<std::string>& files, const std::shared_
 
 }  // namespace
 
-std::string Checkpoints::show(const Array<std::string>& files, const Memory& memory) {
+CommandResult Checkpoints::show(const Array<std::string>& files, const Memory& memory) {
   set_pending(nullptr, false);
-  if (files.empty()) return {};
+  if (files.empty()) return command_done();
   std::string fault;
   const std::vector<Part> parts = open_parts(files, memory, &fault);
-  if (!fault.empty()) return fault;
+  if (!fault.empty()) return command_failed(fault);
   auto state = std::make_shared<RenderState>();
   for (const Part& part : parts) {
     CheckpointReader& reader = *part.reader;
-    if (&part == parts.data())
-      fault = read(&reader, *memory, state.get());
-    else
-      reader.finish(append_state(reader.source(), state.get())), fault = reader.fault();
-    if (!fault.empty()) return in_quotes(part.file) + ": " + fault;
+    naming(part.file, [&] {
+      if (&part == parts.data())
+        fault = read(&reader, *memory, state.get());
+      else
+        reader.finish(append_state(reader.source(), state.get())), fault = reader.fault();
+    });
+    if (!fault.empty()) return command_failed(in_quotes(part.file) + ": " + fault);
   }
   set_pending(std::make_shared<const Pending>(
                   Pending{parts[0].file, parts[0].reader->header(), std::move(state), parts[0].reader->take_memory()}),
               true);
-  return {};
+  return command_done();
 }
 
 namespace {

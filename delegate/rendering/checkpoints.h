@@ -8,7 +8,7 @@
 #include <mutex>
 #include <string>
 
-#include "delegate/api/types.h"
+#include "delegate/api/render_delegate.h"
 #include "delegate/rendering/checkpoint_file.h"
 
 namespace alabaster::hd::rendering {
@@ -20,15 +20,15 @@ class Checkpoints {
  public:
   using Memory = std::shared_ptr<MemoryBudget>;
 
-  // Commands. Each returns nothing on success, else the reason. A film that `memory` has no room for is not read.
+  // Commands. A film that `memory` has no room for is not read.
   /// Writes the state of the frame that Execute drew last, with a note for who reads it.
-  std::string write(const RenderCore& core, const std::string& file, const std::string& note) const;
+  CommandResult write(const RenderCore& core, const std::string& file, const std::string& note) const;
   /// The next render that starts continues from this file; an empty name takes that back.
-  std::string resume(const std::string& file, const Memory& memory);
+  CommandResult resume(const std::string& file, const Memory& memory);
   /// Passes show the sum of these files, which are parts of one frame, instead of the scene; no file takes that back.
-  std::string show(const Array<std::string>& files, const Memory& memory);
+  CommandResult show(const Array<std::string>& files, const Memory& memory);
   /// Reads {firstSample, samples, complete, note} of a file, and with `measure` what its pixels tell of themselves.
-  static std::string describe(const std::string& file, bool measure, const Memory& memory, Dictionary* description);
+  static CommandResult describe(const std::string& file, bool measure, const Memory& memory);
 
   /// Why a render of the scene cannot go on from the file; empty if it can, or none was named. Null: of no scene.
   std::string fault(const BuiltScene* scene, const RenderRequest& request) const;

@@ -1,11 +1,9 @@
 #include "delegate/rendering/render_delegate_impl.h"
 
-#include <cmath>
-#include <limits>
 #include <nlohmann/json.hpp>
 
-#include "core/session/sample_report.h"
 #include "delegate/prims/prims.h"
+#include "delegate/rendering/commands.h"
 #include "delegate/rendering/pixel_format.h"
 #include "delegate/rendering/render_pass.h"
 #include "delegate/support/schema_text.h"
@@ -161,72 +159,9 @@ AovDescriptor RenderDelegateImpl::GetDefaultAovDescriptor(const Token& aov) cons
   return answer<AovDescriptor>("GetDefaultAovDescriptor", [&](auto& d) { d = default_aov_descriptor(aov); });
 }
 
-// Waits for as many seconds as it is told, else without limit.
-bool RenderDelegateImpl::wait_for_scene(const Dictionary& arguments) const {
-  const auto found = arguments.find("seconds");
-  return core_->wait_for_build(found == arguments.end() ? std::numeric_limits<double>::infinity()
-                                                        : found->second.number_or(0));
-}
-
-std::string RenderDelegateImpl::trace_pixel(const Dictionary& arguments) const {
-  const auto request = core_->last_request();
-  if (!request) return {};
-  // Whole numbers within a range, else none.
-  const auto whole = [&](const char* key, double low, double high) -> std::optional<int64_t> {
-    const auto found = arguments.find(key);
-    const double value = found == arguments.end() ? NAN : found->second.number_or(NAN);
-    if (!(value >= low && value <= high) || value != std::floor(value)) return std::nullopt;
-    return static_cast<int64_t>(value);
-  };
-  const PixelRect& window = request->data_window;
-  const auto x = whole("x", window.x0, window.x1 - 1), y = whole("y", window.y0, window.y1 - 1);
-  const auto sample = whole("sample", 0, std::numeric_limits<uint32_t>::max());
-  if (!x || !y || (!sample && arguments.contains("sample"))) return {};
-  return report_sample(*request, static_cast<int>(*x), static_cast<int>(*y),
-                       sample ? std::optional(static_cast<uint32_t>(*sample)) : std::nullopt);
-}
-
-Value RenderDelegateImpl::InvokeCommand(const Token& command, const Dictionary& arguments) {
-  return answer<Value>("InvokeCommand", [&](Value& value) {
-    if (command == Token("dumpScene")) value = core_->dump();
-    if (command == Token("requirements")) value = core_->requirements();
-    if (command == Token("waitForScene")) value = wait_for_scene(arguments);
-    if (command == Token("tracePixel")) value = trace_pixel(arguments);
-    if (command == Token("measureNoise")) {
-      if (const auto passes = core_->passes(); !passes.empty()) passes.back()->ask_for_noise();
-      value = std::string();
-    }
-    const auto text = [&](const char* key) {
-      const auto found = arguments.find(key);
-      return found == arguments.end() ? std::string() : found->second.text_or("");
-    };
-    if (command == Token("reloadResource")) {
-      if (text("file").empty())
-        value = std::string("reloadResource needs the file");
-      else
-        core_->param->reload(text("file")), value = std::string();
-    }
-    if (command == Token("flush")) core_->param->reload({}), value = std::string();
-    Checkpoints& checkpoints = core_->checkpoints;
-    const std::shared_ptr<MemoryBudget> memory = core_->param->memory();
-    if (command == Token("writeCheckpoint")) value = checkpoints.write(*core_, text("file"), text("note"));
-    if (command == Token("resumeCheckpoint")) value = checkpoints.resume(text("file"), memory);
-    if (command == Token("showCheckpoints")) {
-      const auto files = arguments.find("files");
-      value = checkpoints.show(
-          files == arguments.end() ? Array<std::string>() : files->second.get_or(Array<std::string>()), memory);
-    }
-    if (command == Token("describeCheckpoint")) {
-      Dictionary description;
-      const auto measure = arguments.find("measure");
-      const bool measured = measure != arguments.end() && measure->second.get_or(false);
-      const std::string fault = Checkpoints::describe(text("file"), measured, memory, &description);
-      if (fault.empty())
-        value = std::make_shared<const Dictionary>(std::move(description));
-      else
-        value = fault;
-    }
-  });
+CommandResult RenderDelegateImpl::InvokeCommand(const Token& command, const Dictionary& arguments) {
+  return answer<CommandResult>("InvokeCommand",
+                               [&](CommandResult& result) { result = run_command(*core_, command, arguments); });
 }
 
 }  // namespace alabaster::hd::rendering

@@ -48,11 +48,9 @@ class RenderDelegateImpl final : public RenderDelegate {
   std::shared_ptr<const void> HoldStopped() override;
 
   AovDescriptor GetDefaultAovDescriptor(const Token& aov) const override;
-  Value InvokeCommand(const Token& command, const Dictionary& arguments) override;
+  CommandResult InvokeCommand(const Token& command, const Dictionary& arguments) override;
 
  private:
-  bool wait_for_scene(const Dictionary& arguments) const;
-  std::string trace_pixel(const Dictionary& arguments) const;
   /// Runs an entry point; an exception becomes a report. Returns the result as far as `body` has made it.
   template <class Result, class Body>
   Result answer(const char* entry, Body&& body) const {

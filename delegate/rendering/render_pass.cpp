@@ -175,7 +175,6 @@ PassInputs PassControl::inputs(const Asked& asked, std::vector<alabaster::Diagno
     const MemoryBudget& memory = *core_->param->memory();
     if (needed > held && needed - held > memory.left())
       in.error = memory.refusal(MemoryUse::frames, needed - held, frame_text(in));
-    in.refused = !in.error.empty();
   }
   if (!in.error.empty()) faults->push_back({alabaster::Severity::error, "pass.failed", camera.str(), in.error});
   return in;

@@ -195,7 +195,7 @@ std::string Configuration::fingerprint() const {
 
 SceneTraits traits_of(const hd::host::RetainedSceneDelegate& scene, hd::RenderDelegate* delegate) {
   SceneTraits traits;
-  traits.subsurface = delegate->InvokeCommand("requirements", {}).text_or("").starts_with("subsurface: yes");
+  traits.subsurface = delegate->InvokeCommand("requirements", {}).value.text_or("").starts_with("subsurface: yes");
   for (const auto& [path, mesh] : scene.GetMeshes())
     if (mesh.topology.scheme != hd::Token("none"))
       traits.refine_level = std::max(traits.refine_level, mesh.displayStyle.refineLevel);

@@ -190,7 +190,8 @@ class Resume : public testing::Test {
   void TearDown() override { std::filesystem::remove_all(folder_); }
   std::string file(const char* name) const { return folder_ / name; }
   static std::string command(Host& host, const char* name, const Dictionary& arguments) {
-    return host.delegate->InvokeCommand(name, arguments).text_or("the command is not known");
+    const CommandResult result = host.delegate->InvokeCommand(name, arguments);
+    return result.ok() ? std::string() : result.fault.empty() ? "no reason" : result.fault;
   }
   std::filesystem::path folder_;
 };

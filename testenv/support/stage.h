@@ -91,7 +91,7 @@ class Stage {
 
   std::string dump() {
     index->SyncAll();
-    return delegate->InvokeCommand("dumpScene", {}).text_or("");
+    return delegate->InvokeCommand("dumpScene", {}).value.text_or("");
   }
   /// The builder has made the scene that was committed last.
   void wait_for_scene() const { delegate->InvokeCommand("waitForScene", {}); }

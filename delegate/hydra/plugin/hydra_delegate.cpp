@@ -40,7 +40,8 @@ class Registry final : public pxr::HdResourceRegistry {
  public:
   explicit Registry(hd::RenderDelegate* delegate) : delegate_(delegate) {}
   void ReloadResource(const pxr::TfToken&, const std::string& path) override {
-    delegate_->InvokeCommand("reloadResource", {{"file", path}});
+    const hd::CommandResult result = delegate_->InvokeCommand("reloadResource", {{"file", path}});
+    if (!result.ok()) TF_WARN("Alabaster: %s", result.fault.c_str());
   }
 
  private:

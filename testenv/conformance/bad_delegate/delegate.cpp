@@ -175,7 +175,7 @@ class Delegate final : public RenderDelegate {
   AovDescriptor GetDefaultAovDescriptor(const Token& aov) const override {
     return real().GetDefaultAovDescriptor(is("takes_any_aov") && aov.str()[0] == 'n' ? Token("color") : aov);
   }
-  Value InvokeCommand(const Token& command, const Dictionary& arguments) override;
+  CommandResult InvokeCommand(const Token& command, const Dictionary& arguments) override;
 
  private:
   RenderDelegate& real() const { return *memory_.real; }
@@ -220,12 +220,12 @@ void Delegate::Stop() {
   real().Stop();
 }
 
-Value Delegate::InvokeCommand(const Token& command, const Dictionary& arguments) {
+CommandResult Delegate::InvokeCommand(const Token& command, const Dictionary& arguments) {
   if (is("resumes_with_another_seed") && command == Token("resumeCheckpoint")) {
     real().SetRenderSetting("seed", 1);
-    return "";
+    return {CommandStatus::done, {}, {}};
   }
-  if (is("resumes_anything") && command == Token("resumeCheckpoint")) return "";
+  if (is("resumes_anything") && command == Token("resumeCheckpoint")) return {CommandStatus::done, {}, {}};
   if (is("shows_the_first_part_alone") && command == Token("showCheckpoints")) {
     const auto files = arguments.at("files").get_or(Array<std::string>());
     return real().InvokeCommand(command, {{"files", Array<std::string>{files[0]}}});

@@ -71,7 +71,7 @@ class SceneSourceTest : public SceneFiles {
     const auto sink = [](const Diagnostic& d) { EXPECT_NE(d.severity, Severity::error) << d.where << ": " << d.text; };
     ASSERT_TRUE(source.Load(folder_ / name, &scene, sink, options).ok);
     for (const double time : {0.1, 0.5, 1.5, 1.6, 2.5, 0.0, 1.5, 9.0, 0.5}) {
-      ASSERT_TRUE(source.Pose(time, sink));
+      ASSERT_EQ(source.Pose(time, sink), LoadCause::none);
       host::RetainedSceneDelegate fresh;
       options.time = time;
       ASSERT_TRUE(LoadScene(folder_ / name, &fresh, sink, options).ok);
@@ -103,13 +103,13 @@ TEST_F(SceneSourceTest, APoseIsWhatALoadForItsTimeGives) {
 
 TEST_F(SceneSourceTest, WithoutAnAnimationOrASceneNothingMoves) {
   SceneSource source;
-  EXPECT_FALSE(source.Pose(1, {})) << "nothing is loaded";
+  EXPECT_EQ(source.Pose(1, {}), LoadCause::input) << "nothing is loaded";
   ASSERT_TRUE(source.Load(folder_ / "lit.gltf", &scene, {}, {}).ok);
   const auto before = scene.GetMeshes();
-  EXPECT_TRUE(source.Pose(1, {}));
+  EXPECT_EQ(source.Pose(1, {}), LoadCause::none);
   EXPECT_TRUE(before == scene.GetMeshes());
   EXPECT_FALSE(source.Load(folder_ / "none.gltf", &scene, {}, {}).ok);
-  EXPECT_FALSE(source.Pose(1, {}));
+  EXPECT_EQ(source.Pose(1, {}), LoadCause::input);
 }
 
 double cpu_ms_of(const std::function<void()>& work) {
@@ -144,7 +144,7 @@ TEST_F(SceneSourceTest, APoseCostsWhatMoves) {
     const double load = cpu_ms_of([&] { ASSERT_TRUE(source.Load(folder_ / "many.glb", &scene, {}, options).ok); });
     constexpr int kPoses = 20;
     const double poses = cpu_ms_of([&] {
-      for (int i = 1; i <= kPoses; ++i) EXPECT_TRUE(source.Pose(i, {}));
+      for (int i = 1; i <= kPoses; ++i) EXPECT_EQ(source.Pose(i, {}), LoadCause::none);
     });
     EXPECT_LT(poses / kPoses, load / 10) << "with a shutter of " << close;
     EXPECT_EQ(scene.GetMeshes().at("/gltf/many/nodes/0/0").transform.translation().x, kPoses);

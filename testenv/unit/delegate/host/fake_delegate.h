@@ -88,7 +88,9 @@ class FakeDelegate final : public RenderDelegate {
   bool IsStopped() const override { return false; }
   std::shared_ptr<const void> HoldStopped() override { return nullptr; }
   AovDescriptor GetDefaultAovDescriptor(const Token&) const override { return {}; }
-  Value InvokeCommand(const Token&, const Dictionary&) override { return {}; }
+  CommandResult InvokeCommand(const Token&, const Dictionary&) override {
+    return {CommandStatus::unknown, "there are no commands", {}};
+  }
 
  private:
   template <class Base>

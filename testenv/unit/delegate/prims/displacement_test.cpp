@@ -119,7 +119,7 @@ TEST(DisplacementSync, AMeshIsBuiltOnceForItsInstancesAndOnlyWhenItsShapeChanges
   seen.scene.SetInstancer("/i", instancer);
   EXPECT_NEAR(seen.height(), 0.5f, 1e-3f);
   EXPECT_EQ(seen.mesh_lines().size(), 3u);
-  EXPECT_NE(seen.delegate->InvokeCommand("requirements", {}).text_or("").find("1 meshes"), std::string::npos);
+  EXPECT_NE(seen.delegate->InvokeCommand("requirements", {}).value.text_or("").find("1 meshes"), std::string::npos);
   const double built = seen.stat("sync.refineWallSeconds");
   MaterialNetwork red = seen.scene.GetMaterials().at("/m");
   red.nodes["/m/surface"].parameters["roughness"] = 0.1f;

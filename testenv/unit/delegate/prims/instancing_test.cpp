@@ -243,7 +243,7 @@ TEST(Instancing, AnArrayIsNamedInWhatASceneRequires) {
   stage.scene.SetMesh("/mesh", crowd.mesh);
   stage.index->SyncAll();
   stage.wait_for_scene();
-  const std::string text = stage.delegate->InvokeCommand("requirements", {}).text_or("");
+  const std::string text = stage.delegate->InvokeCommand("requirements", {}).value.text_or("");
   EXPECT_NE(text.find("named leaves: 9990 objects"), std::string::npos) << text;
 }
 

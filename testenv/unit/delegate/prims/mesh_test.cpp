@@ -151,8 +151,9 @@ TEST(MeshSync, SubsurfaceSetsAreNamedOrByMaterial) {
   };
   EXPECT_NE(dump_with({Interpolation::constant, {}, Token("body"), {}}).find("subsurfaceSet named body\n"),
             std::string::npos);
-  EXPECT_NE(stage.delegate->InvokeCommand("requirements", {}).text_or("").find("subsurface sets: yes (named body: 1 "),
-            std::string::npos);
+  EXPECT_NE(
+      stage.delegate->InvokeCommand("requirements", {}).value.text_or("").find("subsurface sets: yes (named body: 1 "),
+      std::string::npos);
   EXPECT_NE(
       dump_with({Interpolation::constant, {}, std::string("byMaterial"), {}}).find("subsurfaceSet material /wax\n"),
       std::string::npos);

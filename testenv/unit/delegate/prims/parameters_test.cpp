@@ -280,7 +280,7 @@ TEST(Materials, ScatterDistanceTakesATexture) {
     mesh.material = "/m";
     stage.scene.SetMesh("/mesh", mesh);
     std::string text = stage.dump();
-    text += stage.delegate->InvokeCommand("requirements", {}).text_or("");
+    text += stage.delegate->InvokeCommand("requirements", {}).value.text_or("");
     size_t said = 0;
     for (const Diagnostic& d : stage.take_diagnostics()) said += d.code.starts_with("texture.");
     EXPECT_EQ(said, reports);
@@ -419,12 +419,26 @@ TEST(Delegate, AnotherAbiIsRefused) {
   EXPECT_EQ(CreateAlabasterRenderDelegate(kAbiVersion + 1, &options), nullptr);
 }
 
-TEST(Delegate, UnknownCommandsAnswerEmpty) {
+TEST(Delegate, UnknownCommandsAndArgumentsAreErrors) {
   Stage stage;
-  EXPECT_TRUE(stage.delegate->InvokeCommand("dance", {}).empty());
+  const auto expect = [&](const char* command, const Dictionary& arguments, CommandStatus status, const char* fault) {
+    const CommandResult result = stage.delegate->InvokeCommand(command, arguments);
+    EXPECT_EQ(result.status, status) << command;
+    EXPECT_NE(result.fault.find(fault), std::string::npos) << result.fault;
+    EXPECT_TRUE(result.value.empty());
+  };
+  expect("dance", {}, CommandStatus::unknown, "there is no command 'dance'");
+  expect("dumpscene", {}, CommandStatus::unknown, "did you mean 'dumpScene'?");
+  expect("resumeCheckpoint", {{"flie", "a"}}, CommandStatus::invalid, "did you mean 'file'?");
+  expect("writeCheckpoint", {}, CommandStatus::invalid, "needs the argument 'file'");
+  expect("reloadResource", {{"file", 3}}, CommandStatus::invalid, "'file' must be a text");
+  expect("showCheckpoints", {{"files", "a"}}, CommandStatus::invalid, "'files' must be an array of texts");
+  expect("waitForScene", {{"seconds", "long"}}, CommandStatus::invalid, "'seconds' must be a number");
+  expect("writeCheckpoint", {{"file", "a"}}, CommandStatus::failed, "nothing has been rendered");
+  EXPECT_TRUE(stage.delegate->InvokeCommand("flush", {}).ok());
   stage.add_basic_scene();
   stage.index->SyncAll();
-  const std::string requirements = stage.delegate->InvokeCommand("requirements", {}).text_or("");
+  const std::string requirements = stage.delegate->InvokeCommand("requirements", {}).value.text_or("");
   EXPECT_NE(requirements.find("subsurface: no"), std::string::npos) << requirements;
   EXPECT_NE(requirements.find("instances: 1 of 1 meshes"), std::string::npos) << requirements;
 }

@@ -250,10 +250,10 @@ TEST(Edits, StopCancelsTheBuildAndRestartTakesItUp) {
   drawn.stage.index->SyncAll();
   drawn.stage.delegate->Stop();
   std::this_thread::sleep_for(milliseconds(5));
-  EXPECT_FALSE(drawn.stage.delegate->InvokeCommand("waitForScene", {}).get_or<bool>(true)) << "does not wait";
+  EXPECT_FALSE(drawn.stage.delegate->InvokeCommand("waitForScene", {}).value.get_or<bool>(true)) << "does not wait";
   EXPECT_EQ(drawn.number(), before);
   drawn.stage.delegate->Restart();
-  EXPECT_TRUE(drawn.stage.delegate->InvokeCommand("waitForScene", {}).get_or<bool>(false));
+  EXPECT_TRUE(drawn.stage.delegate->InvokeCommand("waitForScene", {}).value.get_or<bool>(false));
   EXPECT_EQ(drawn.number(), before + 1);
   EXPECT_TRUE(Stage::finish(*drawn.pass, drawn.state));
 }

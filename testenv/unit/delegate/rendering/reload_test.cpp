@@ -42,7 +42,8 @@ class Reload : public ::testing::Test {
     return Stage::pixels<float>(buffer);
   }
   std::string command(const char* name, const Dictionary& arguments = {}) const {
-    return stage.delegate->InvokeCommand(name, arguments).text_or("no text");
+    const CommandResult result = stage.delegate->InvokeCommand(name, arguments);
+    return result.ok() ? std::string() : result.fault.empty() ? "no reason" : result.fault;
   }
   static bool is_red(const std::vector<float>& p) { return p[4 * 5] > 2 * p[4 * 5 + 2]; }
   static bool is_blue(const std::vector<float>& p) { return p[4 * 5 + 2] > 2 * p[4 * 5]; }

@@ -51,7 +51,7 @@ void fail_at_every_allocation(size_t at_least, Refusals... refusals) {
     ASSERT_EQ(stage.text_stat("error"), "") << "after " << allowed << " allocations";
     ASSERT_GT(stage.stat("sceneNumber"), before) << "after " << allowed << " allocations";
     const std::string expected = std::to_string(allowed) + ".25, 0, 0, 1";
-    const std::string dump = stage.delegate->InvokeCommand("dumpScene", {}).text_or("");
+    const std::string dump = stage.delegate->InvokeCommand("dumpScene", {}).value.text_or("");
     ASSERT_NE(dump.find(expected), std::string::npos) << "after " << allowed << " allocations: " << dump;
     ASSERT_EQ(stage.text_stat("scene.faults"), "") << "after " << allowed << " allocations";
     const double now = stage.stat("sceneNumber");

@@ -21,14 +21,17 @@ struct Frame {
     pass = stage.delegate->CreateRenderPass();
     state = Stage::state_for(8, 8, "color", buffer);
   }
+  CommandStatus status(const Dictionary& arguments) const {
+    return stage.delegate->InvokeCommand("tracePixel", arguments).status;
+  }
   std::string trace(const Dictionary& arguments) const {
-    return stage.delegate->InvokeCommand("tracePixel", arguments).text_or("nothing");
+    return stage.delegate->InvokeCommand("tracePixel", arguments).value.text_or("");
   }
 };
 
 TEST(TracePixel, AnswersForPixelsOfTheDataWindowAndWholeNumbers) {
   Frame f;
-  EXPECT_EQ(f.trace({{"x", 1}, {"y", 1}}), "") << "before the first frame";
+  EXPECT_EQ(f.status({{"x", 1}, {"y", 1}}), CommandStatus::failed) << "before the first frame";
   f.state.framing.dataWindow = {-2, 1, 6, 8};
   ASSERT_TRUE(Stage::finish(*f.pass, f.state));
   for (const Dictionary& good : std::vector<Dictionary>{{{"x", -2}, {"y", 1}},
@@ -52,7 +55,7 @@ TEST(TracePixel, AnswersForPixelsOfTheDataWindowAndWholeNumbers) {
                                                        {{"x", 1}, {"y", 1}, {"sample", 0.5}},
                                                        {{"x", 1}, {"y", 1}, {"sample", int64_t(4294967296)}},
                                                        {{"x", 1}, {"y", 1}, {"sample", "first"}}})
-    EXPECT_EQ(f.trace(bad), "") << Value(std::make_shared<const Dictionary>(bad)).to_string();
+    EXPECT_EQ(f.status(bad), CommandStatus::invalid) << Value(std::make_shared<const Dictionary>(bad)).to_string();
 }
 
 // The quad, which pixels 2 to 5 of the display window see, shines as brightly as a float can, and a sky lights it.
