@@ -99,7 +99,7 @@ class Copy:
         archive = subprocess.run(["git", "-C", str(TOP), "archive", "HEAD"], capture_output=True, check=True)
         subprocess.run(["tar", "-x", "-C", str(self.source)], input=archive.stdout, check=True)
         subprocess.run(["cmake", "-S", str(self.source), "-B", str(self.built), "-G", "Ninja", "-DCMAKE_BUILD_TYPE=Release",
-                        "-DALABASTER_BENCHMARKS=OFF"], check=True, stdout=subprocess.DEVNULL)
+                        "-DALABASTER_BENCHMARKS=OFF", f"-DALABASTER_WERROR={'ON' if os.environ.get('CI') else 'OFF'}"], check=True, stdout=subprocess.DEVNULL)
         self.build()
 
     def build(self):

@@ -51,6 +51,12 @@ def thick_body(scene):
     set_ball(scene, "/wax_ball", at(0, 1.5, 1, 1.5), material="/wax", refine_level=3)
 
 
+def matt(scene):
+    """Nothing that light paths start from."""
+    for material in ("/glass", "/metal"):
+        scene.set_material(material, roughness=1.0, specular=0.0)
+
+
 def large_image(scene):
     """2048 x 1024 texels, more than half of 1 MiB."""
     file = pathlib.Path(FOLDER) / "large.png"
@@ -86,7 +92,8 @@ TABLE = {
     "frame": [Row({"frame": 1}, color)],
     "maxDepth": [Row({"maxDepth": 1}, color), Row({"maxDepth": 0}, color, {"maxDepth": 1})],
     "threads": [Row({"threads": 2}, same_color, {"threads": 1}, refused="")],  # and test_threads
-    "subsurface": [Row({"subsurface": "reference"}, color, scene=caustic)],  # light paths are a shortcut
+    "subsurface": [Row({"subsurface": "reference"}, color, scene=caustic),  # light paths are a shortcut
+                   Row({"subsurface": "reference"}, color, {"walkGuiding": False, "walkSphereSteps": False}, scene=matt)],  # and so are twins
     "inversion": [Row({"inversion": "chiang2016"}, color)],
     "walkGuiding": [Row({"walkGuiding": False}, color), Row({"walkGuiding": False}, same_color, {"subsurface": "reference"})],
     "walkSphereSteps": [Row({"walkSphereSteps": False}, color, scene=thick_body),
