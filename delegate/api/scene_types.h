@@ -34,16 +34,6 @@ inline constexpr DirtyBits kCullStyle = 1u << 18;
 inline constexpr DirtyBits kAll = ~0u;
 }  // namespace dirty
 
-// Motion -------------------------------------------------------------------------------------------
-/// Values at increasing times, in frames, relative to the frame that is drawn. They may lie outside of the shutter and
-/// need not be evenly spaced. Less than two: nothing moves, and the value is the one that is pulled without samples.
-template <class T>
-struct TimeSamples {
-  std::vector<double> times;
-  std::vector<T> values;
-  bool operator==(const TimeSamples&) const = default;
-};
-
 // Meshes -------------------------------------------------------------------------------------------
 enum class Interpolation { constant, uniform, varying, vertex, faceVarying, instance };
 
@@ -140,6 +130,11 @@ struct MaterialNetwork {
   std::map<Token, MaterialConnection> terminals;
   bool operator==(const MaterialNetwork&) const = default;
 };
+
+// Lights and cameras --------------------------------------------------------------------------------
+/// The prim types of lights. Their parameters have the names of schemas/lights.json.
+inline constexpr const char* kLightTypes[] = {"rectLight", "sphereLight", "distantLight",
+                                              "domeLight", "diskLight",   "cylinderLight"};
 
 // Selections and cameras of a pass --------------------------------------------------------------------
 /// Rprims by path: those at or below a root, and not at or below an excluded path. Paths are compared by their parts

@@ -4,6 +4,9 @@
 
 #include <charconv>
 #include <cmath>
+#include <cstddef>
+#include <cstring>
+#include <limits>
 #include <mutex>
 #include <type_traits>
 #include <unordered_set>
@@ -46,12 +49,75 @@ const std::string& Token::str() const {
 
 namespace {
 
+constexpr const char* kTypeNames[] = {
+    "none",   "bool",       "int",  "int64",   "uint",       "float",  "double",  "float2",  "float3",
+    "float4", "int2",       "int3", "double3", "quaternion", "matrix", "token",   "string",  "path",
+    "asset",  "dictionary", "half", "half2",   "half3",      "half4",  "double2", "double4", "quaternion of halves",
+    "samples"};
+
+template <class T>
+constexpr Scalar scalar_of() {
+  if constexpr (std::is_same_v<T, bool>) return Scalar::boolean;
+  if constexpr (std::is_same_v<T, int32_t>) return Scalar::int32;
+  if constexpr (std::is_same_v<T, int64_t>) return Scalar::int64;
+  if constexpr (std::is_same_v<T, uint32_t>) return Scalar::uint32;
+  if constexpr (std::is_same_v<T, Half>) return Scalar::float16;
+  if constexpr (std::is_same_v<T, float>) return Scalar::float32;
+  if constexpr (std::is_same_v<T, double>) return Scalar::float64;
+  return Scalar::other;
+}
+
+// Hosts' numbers are read as Imath's types where they lie: scalars of one type, one after the other.
+template <class T>
+constexpr TypeInfo info_of(const char* name) {
+  if constexpr (scalar_of<T>() != Scalar::other) {
+    return {name, scalar_of<T>(), 1, sizeof(T)};
+  } else if constexpr (requires { typename T::BaseType; }) {
+    using Base = typename T::BaseType;
+    static_assert(sizeof(T) % sizeof(Base) == 0);
+    return {name, scalar_of<Base>(), sizeof(T) / sizeof(Base), sizeof(T)};
+  } else {
+    return {name};
+  }
+}
+static_assert(sizeof(bool) == 1 && sizeof(Vec3f) == 12 && sizeof(Vec3h) == 6 && sizeof(Matrix4d) == 128);
+
+template <size_t... kIndex>
+constexpr auto make_type_infos(std::index_sequence<kIndex...>) {
+  return std::array{info_of<std::tuple_element_t<kIndex, ValueTypes>>(kTypeNames[kIndex])...};
+}
+constexpr size_t kTypeCount = std::tuple_size_v<ValueTypes>;
+static_assert(std::size(kTypeNames) == kTypeCount);
+constexpr auto kTypeInfos = make_type_infos(std::make_index_sequence<kTypeCount>());
+
+/// Calls visit(std::type_identity<T>) with the C++ type of `type`.
+template <class Visit, size_t... kIndex>
+void visit_type_of(int32_t type, const Visit& visit, std::index_sequence<kIndex...>) {
+  const auto at = [&]<size_t kOne>(std::integral_constant<size_t, kOne>) {
+    if (static_cast<size_t>(type) == kOne) visit(std::type_identity<std::tuple_element_t<kOne, ValueTypes>>());
+  };
+  (at(std::integral_constant<size_t, kIndex>()), ...);
+}
+template <class Visit>
+void visit_type(int32_t type, const Visit& visit) {
+  visit_type_of(type, visit, std::make_index_sequence<kTypeCount>());
+}
+
+bool is_of_numbers(int32_t type) {
+  return GetTypeInfo(type).bytes != 0;
+}
+bool is_quaternion(int32_t type) {
+  return type == ALABASTER_QUATERNION || type == ALABASTER_QUATERNION16;
+}
+
 // The shortest decimal that reads back as the same float or integer. A double has nine digits: the further ones of a
 // transform are rounding, which differs between machines.
 template <class T>
 std::string number_text(T v) {
   char text[40];
-  if constexpr (std::is_same_v<T, Half>)
+  if constexpr (std::is_same_v<T, bool>)
+    return v ? "true" : "false";
+  else if constexpr (std::is_same_v<T, Half>)
     return {text, std::to_chars(text, text + sizeof text, float(v)).ptr};
   else if constexpr (std::is_same_v<T, double>)
     return {text, std::to_chars(text, text + sizeof text, v, std::chars_format::general, 9).ptr};
@@ -59,30 +125,43 @@ std::string number_text(T v) {
     return {text, std::to_chars(text, text + sizeof text, v).ptr};
 }
 
-template <class V>
-std::string components_text(const V& v) {
-  std::string text = "(";
-  for (unsigned i = 0; i < V::dimensions(); ++i) text += (i ? ", " : "") + number_text(v[int(i)]);
-  return text + ")";
+template <class T>
+std::string text_at(const void* data, size_t i) {
+  return number_text(static_cast<const T*>(data)[i]);
+}
+std::string number_text_at(Scalar scalar, const void* data, size_t i) {
+  switch (scalar) {
+    case Scalar::boolean:
+      return text_at<bool>(data, i);
+    case Scalar::int32:
+      return text_at<int32_t>(data, i);
+    case Scalar::int64:
+      return text_at<int64_t>(data, i);
+    case Scalar::uint32:
+      return text_at<uint32_t>(data, i);
+    case Scalar::float16:
+      return text_at<Half>(data, i);
+    case Scalar::float32:
+      return text_at<float>(data, i);
+    case Scalar::float64:
+      return text_at<double>(data, i);
+    case Scalar::other:
+      break;
+  }
+  return {};
+}
+std::string numbers_text(const TypeInfo& info, const void* data, size_t element) {
+  const size_t first = element * info.components;
+  if (info.components == 1) return number_text_at(info.scalar, data, first);
+  const bool is_matrix = info.components == 16;
+  std::string text = is_matrix ? "((" : "(";
+  for (size_t i = 0; i < info.components; ++i) {
+    if (i > 0) text += is_matrix && i % 4 == 0 ? "), (" : ", ";
+    text += number_text_at(info.scalar, data, first + i);
+  }
+  return text + (is_matrix ? "))" : ")");
 }
 
-template <class V>
-requires requires {
-  V::dimensions();
-}
-std::string text_of(const V& v) {
-  return components_text(v);
-}
-template <class T>
-std::string text_of(const Imath::Quat<T>& q) {
-  return components_text(Vec4f(float(q.r), float(q.v.x), float(q.v.y), float(q.v.z)));
-}
-std::string text_of(const Matrix4d& m) {
-  std::string text = "(";
-  for (int row = 0; row < 4; ++row)
-    text += (row ? ", " : "") + components_text(Imath::V4d(m[row][0], m[row][1], m[row][2], m[row][3]));
-  return text + ")";
-}
 std::string text_of(const std::string& v) {
   return '"' + v + '"';
 }
@@ -101,29 +180,18 @@ std::string text_of(const std::shared_ptr<const Dictionary>& v) {
     for (const auto& [key, value] : *v) text += (text.size() > 1 ? ", " : "") + key + ": " + value.to_string();
   return text + "}";
 }
-std::string text_of(Half v) {
-  return number_text(v);
+std::string text_of(const std::shared_ptr<const TimeSamples<Value>>& v) {
+  std::string text = "{";
+  for (size_t i = 0; v && i < v->times.size() && i < v->values.size(); ++i)
+    text += (i ? ", " : "") + number_text(v->times[i]) + ": " + v->values[i].to_string();
+  return text + "}";
 }
 template <class T>
-requires std::is_arithmetic_v<T> std::string text_of(T v) {
-  if constexpr (std::is_same_v<T, bool>)
-    return v ? "true" : "false";
+std::string element_text(const void* data, size_t i) {
+  if constexpr (info_of<T>("").bytes != 0)
+    return numbers_text(kTypeInfos[kTypeOf<T>], data, i);
   else
-    return number_text(v);
-}
-template <class T>
-std::string text_of(const Array<T>& array) {
-  std::string text = "[";
-  for (size_t i = 0; i < array.size(); ++i) text += (i ? ", " : "") + text_of(array[i]);
-  return text + "]";
-}
-
-template <class T>
-T float_or_double(T v) {
-  return v;
-}
-float float_or_double(Half v) {
-  return v;
+    return text_of(static_cast<const T*>(data)[i]);
 }
 
 template <class T>
@@ -134,58 +202,112 @@ bool same(const T& a, const T& b) {
   else
     return a == b;
 }
-bool same(const std::shared_ptr<const Dictionary>& a, const std::shared_ptr<const Dictionary>& b) {
+template <class T>
+bool same(const std::shared_ptr<const T>& a, const std::shared_ptr<const T>& b) {
   return a == b || (a && b && *a == *b);
 }
 
 }  // namespace
 
+const TypeInfo& GetTypeInfo(int32_t type) {
+  static constexpr TypeInfo kUnknown = {"unknown type"};
+  return type >= 0 && static_cast<size_t>(type) < kTypeCount ? kTypeInfos[static_cast<size_t>(type)] : kUnknown;
+}
+
 Value::Value() = default;
 Value::Value(const Value& o) = default;
-Value::Value(Value&& o) noexcept = default;
+Value::Value(Value&& o) noexcept
+    : type_(std::exchange(o.type_, ALABASTER_NONE)),
+      is_array_(std::exchange(o.is_array_, false)),
+      inline_(o.inline_),
+      held_(std::move(o.held_)) {}
 Value& Value::operator=(const Value& o) = default;
-Value& Value::operator=(Value&& o) noexcept = default;
+Value& Value::operator=(Value&& o) noexcept {
+  if (this == &o) return *this;
+  type_ = std::exchange(o.type_, ALABASTER_NONE);
+  is_array_ = std::exchange(o.is_array_, false);
+  inline_ = o.inline_;
+  held_ = std::move(o.held_);
+  return *this;
+}
 Value::~Value() = default;
 
+Value Value::number(int32_t type, const void* data) {
+  Value made;
+  if (!is_of_numbers(type)) return made;
+  visit_type(type, [&]<class T>(std::type_identity<T>) {
+    if constexpr (info_of<T>("").bytes != 0) {
+      T value;
+      std::memcpy(static_cast<void*>(&value), data, sizeof value);
+      made = value;
+    }
+  });
+  return made;
+}
+
+Value Value::array(int32_t type, std::shared_ptr<const void> owner, const void* data, size_t count, uint64_t version) {
+  Value made;
+  if (!is_of_numbers(type)) return made;
+  visit_type(type, [&]<class T>(std::type_identity<T>) {
+    if constexpr (info_of<T>("").bytes != 0) {
+      if (owner) {
+        made = Array<T>(std::move(owner), static_cast<const T*>(data), count, version);
+      } else if constexpr (std::is_same_v<T, bool>) {
+        made = std::vector<bool>(static_cast<const bool*>(data), static_cast<const bool*>(data) + count);
+      } else {
+        std::vector<T> copy(count);
+        if (count > 0) std::memcpy(static_cast<void*>(copy.data()), data, count * sizeof(T));
+        made = std::move(copy);
+      }
+    }
+  });
+  return made;
+}
+
+double Value::component(size_t i) const {
+  const TypeInfo& info = GetTypeInfo(type_);
+  const auto at = [&]<class T>(const T* numbers) { return static_cast<double>(numbers[i]); };
+  if (i >= count() * info.components) return std::numeric_limits<double>::quiet_NaN();
+  switch (info.scalar) {
+    case Scalar::boolean:
+      return at(static_cast<const bool*>(data()));
+    case Scalar::int32:
+      return at(static_cast<const int32_t*>(data()));
+    case Scalar::int64:
+      return at(static_cast<const int64_t*>(data()));
+    case Scalar::uint32:
+      return at(static_cast<const uint32_t*>(data()));
+    case Scalar::float16:
+      return double(float(static_cast<const Half*>(data())[i]));
+    case Scalar::float32:
+      return at(static_cast<const float*>(data()));
+    case Scalar::float64:
+      return at(static_cast<const double*>(data()));
+    case Scalar::other:
+      break;
+  }
+  return std::numeric_limits<double>::quiet_NaN();
+}
+
 double Value::number_or(double fallback) const {
-  return std::visit(
-      [&](const auto& v) {
-        using T = std::decay_t<decltype(v)>;
-        if constexpr (std::is_same_v<T, Half>)
-          return double(float(v));
-        else if constexpr (std::is_arithmetic_v<T>)
-          return static_cast<double>(v);
-        else
-          return fallback;
-      },
-      storage_);
+  const bool is_number = !is_array_ && GetTypeInfo(type_).bytes != 0 && GetTypeInfo(type_).components == 1;
+  return is_number ? component(0) : fallback;
 }
 
 size_t Value::components(std::array<double, 4>* out) const {
-  return std::visit(
-      [&]<class T>(const T& v) -> size_t {
-        if constexpr (requires { T::dimensions(); } && !std::is_same_v<T, Matrix4d>) {
-          for (unsigned i = 0; i < T::dimensions(); ++i) (*out)[i] = double(float_or_double(v[int(i)]));
-          return T::dimensions();
-        } else if constexpr (std::is_arithmetic_v<T> || std::is_same_v<T, Half>) {
-          (*out)[0] = double(float_or_double(v));
-          return 1;
-        } else {
-          return 0;
-        }
-      },
-      storage_);
+  const TypeInfo& info = GetTypeInfo(type_);
+  if (is_array_ || info.bytes == 0 || info.components > 4 || is_quaternion(type_)) return 0;
+  for (size_t i = 0; i < info.components; ++i) (*out)[i] = component(i);
+  return info.components;
 }
 
 Value Value::frozen() const {
-  return std::visit(
-      [&](const auto& v) -> Value {
-        if constexpr (requires { v.frozen(); })
-          return v.version() != 0 ? Value(v.frozen()) : *this;
-        else
-          return *this;
-      },
-      storage_);
+  if (!is_array_ || array_memory()->version() == 0) return *this;
+  Value copy;
+  visit_type(type_, [&]<class T>(std::type_identity<T>) {
+    if constexpr (kIsElement<T>) copy = get<Array<T>>()->frozen();
+  });
+  return copy;
 }
 
 std::string Value::text_or(std::string fallback) const {
@@ -197,24 +319,28 @@ std::string Value::text_or(std::string fallback) const {
 }
 
 std::string Value::to_string() const {
-  return std::visit(
-      [](const auto& v) {
-        if constexpr (std::is_same_v<std::decay_t<decltype(v)>, std::monostate>)
-          return std::string("empty");
-        else
-          return text_of(v);
-      },
-      storage_);
+  std::string text = is_array_ ? "[" : "";
+  visit_type(type_, [&]<class T>(std::type_identity<T>) {
+    if constexpr (std::is_same_v<T, std::monostate>)
+      text = "empty";
+    else
+      for (size_t i = 0; i < count(); ++i) text += (i ? ", " : "") + element_text<T>(data(), i);
+  });
+  return is_array_ ? text + "]" : text;
 }
 
 bool Value::operator==(const Value& o) const {
-  if (storage_.index() != o.storage_.index()) return false;
-  return std::visit(
-      [&](const auto& v) {
-        using T = std::decay_t<decltype(v)>;
-        return same(v, *std::get_if<T>(&o.storage_));
-      },
-      storage_);
+  if (type_ != o.type_ || is_array_ != o.is_array_) return false;
+  bool equal = true;
+  visit_type(type_, [&]<class T>(std::type_identity<T>) {
+    if constexpr (kIsElement<T>)
+      if (is_array_) {
+        equal = *get<Array<T>>() == *o.get<Array<T>>();
+        return;
+      }
+    if constexpr (kTypeOf<T> != ALABASTER_NONE) equal = same(*get<T>(), *o.get<T>());
+  });
+  return equal;
 }
 
 int FormatComponents(Format format) {

@@ -14,11 +14,13 @@
 #include <memory>
 #include <string>
 #include <string_view>
+#include <tuple>
 #include <utility>
 #include <variant>
 #include <vector>
 
 #include "delegate/api/export.h"
+#include "delegate/api/value_type.h"
 
 namespace alabaster::hd {
 
@@ -73,40 +75,54 @@ class ALABASTER_API Path {
   Token token_;
 };
 
+/// The memory of an Array, whatever its elements are.
+class ArrayMemory {
+ public:
+  size_t size() const { return size_; }
+  bool empty() const { return size_ == 0; }
+  uint64_t version() const { return version_; }
+
+ protected:
+  ArrayMemory() = default;
+  ArrayMemory(std::shared_ptr<const void> owner, const void* data, size_t size, uint64_t version)
+      : owner_(std::move(owner)), data_(data), size_(size), version_(version) {}
+  std::shared_ptr<const void> owner_;
+  const void* data_ = nullptr;
+  size_t size_ = 0;
+  uint64_t version_ = 0;
+  friend class Value;
+};
+
 /// An array that may be shared: it either owns its elements or holds the host's own memory by an owner handle. Two
 /// arrays over the same memory count as equal if their versions are, and are not looked into.
 template <class T>
-class Array {
+class Array : public ArrayMemory {
  public:
   Array() = default;
   Array(std::vector<T> values) {  // NOLINT(google-explicit-constructor)
+    size_ = values.size();
     if constexpr (std::is_same_v<T, bool>) {
       auto held = std::make_shared<bool[]>(values.size());
       std::copy(values.begin(), values.end(), held.get());
       data_ = held.get();
-      size_ = values.size();
       owner_ = std::move(held);
     } else {
       auto held = std::make_shared<const std::vector<T>>(std::move(values));
       data_ = held->data();
-      size_ = held->size();
       owner_ = std::move(held);
     }
   }
   Array(std::initializer_list<T> values) : Array(std::vector<T>(values)) {}
   /// Memory of the host's, valid for as long as `owner` lives. Version 0: it never changes, and is not copied. Any
   /// other version: the host edits it in place, outside of Sync, and gives the array another version after each edit.
-  /// Such memory is read by prims in Sync, which copy it, and by nobody else.
+  /// Prims read such memory in Sync, and copy it.
   Array(std::shared_ptr<const void> owner, const T* data, size_t size, uint64_t version = 0)
-      : owner_(std::move(owner)), data_(data), size_(size), version_(version) {}
+      : ArrayMemory(std::move(owner), data, size, version) {}
 
-  const T* data() const { return data_; }
-  size_t size() const { return size_; }
-  bool empty() const { return size_ == 0; }
-  const T& operator[](size_t i) const { return data_[i]; }
-  const T* begin() const { return data_; }
-  const T* end() const { return data_ + size_; }
-  uint64_t version() const { return version_; }
+  const T* data() const { return static_cast<const T*>(data_); }
+  const T& operator[](size_t i) const { return data()[i]; }
+  const T* begin() const { return data(); }
+  const T* end() const { return data() + size_; }
   /// Itself, or a copy of memory that the host edits in place.
   Array frozen() const { return version_ == 0 ? *this : Array(std::vector<T>(begin(), end())); }
   /// Memory that the host edits in place cannot be compared with its values of before: other memory counts as changed.
@@ -115,15 +131,9 @@ class Array {
     if (data_ == o.data_) return version_ == o.version_;
     if (version_ != 0 || o.version_ != 0) return size_ == 0;
     for (size_t i = 0; i < size_; ++i)
-      if (!(data_[i] == o.data_[i])) return false;
+      if (!((*this)[i] == o[i])) return false;
     return true;
   }
-
- private:
-  std::shared_ptr<const void> owner_;
-  const T* data_ = nullptr;
-  size_t size_ = 0;
-  uint64_t version_ = 0;
 };
 
 /// An asset as authored and as found on disk; or, when `bytes` is set, encoded contents held in memory (an image
@@ -141,55 +151,110 @@ struct AssetPath {
 class Value;
 using Dictionary = std::map<std::string, Value>;
 
-/// One of a closed set of types.
+/// Values at increasing times, in frames, relative to the frame that is drawn. They may lie outside of the shutter and
+/// need not be evenly spaced. Less than two: nothing moves, and the value is the one that is pulled without samples.
+template <class T>
+struct TimeSamples {
+  std::vector<double> times;
+  std::vector<T> values;
+  bool operator==(const TimeSamples&) const = default;
+};
+
+/// The C++ type of each AlabasterType, by its number.
+using ValueTypes =
+    std::tuple<std::monostate, bool, int32_t, int64_t, uint32_t, float, double, Vec2f, Vec3f, Vec4f, Vec2i, Vec3i,
+               Vec3d, Quatf, Matrix4d, Token, std::string, Path, AssetPath, std::shared_ptr<const Dictionary>, Half,
+               Vec2h, Vec3h, Vec4h, Vec2d, Vec4d, Quath, std::shared_ptr<const TimeSamples<Value>>>;
+static_assert(std::tuple_size_v<ValueTypes> == ALABASTER_SAMPLES + 1);
+
+template <class T, class... Types>
+constexpr AlabasterType FindType(const std::tuple<Types...>*) {
+  constexpr bool kIsT[] = {std::is_same_v<T, Types>...};
+  for (size_t i = 1; i < sizeof...(Types); ++i)
+    if (kIsT[i]) return static_cast<AlabasterType>(i);
+  return ALABASTER_NONE;
+}
+/// ALABASTER_NONE: no value is a T.
+template <class T>
+inline constexpr AlabasterType kTypeOf = FindType<T>(static_cast<ValueTypes*>(nullptr));
+template <class T>
+inline constexpr bool kIsElement = kTypeOf<T> != ALABASTER_NONE&& kTypeOf<T> != ALABASTER_ASSET&& kTypeOf<T> !=
+                                   ALABASTER_DICTIONARY&& kTypeOf<T> != ALABASTER_SAMPLES;
+
+enum class Scalar : uint8_t { other, boolean, int32, int64, uint32, float16, float32, float64 };
+struct TypeInfo {
+  const char* name;  // for messages: "float3"
+  Scalar scalar = Scalar::other;
+  uint8_t components = 1;  // of scalars
+  uint8_t bytes = 0;       // of an element; 0: no number
+};
+/// A type that does not exist has the name "unknown type".
+ALABASTER_API const TypeInfo& GetTypeInfo(int32_t type);
+
+/// A scalar or an array of one of the ValueTypes. Copies share what is larger than 32 bytes.
 class ALABASTER_API Value {
  public:
-  using Storage =
-      std::variant<std::monostate, bool, int32_t, int64_t, uint32_t, float, double, Vec2f, Vec3f, Vec4f, Vec2i, Vec3i,
-                   Vec3d, Quatf, Matrix4d, Token, std::string, Path, AssetPath, std::shared_ptr<const Dictionary>,
-                   Array<int32_t>, Array<float>, Array<double>, Array<Vec2f>, Array<Vec3f>, Array<Vec4f>, Array<Quatf>,
-                   Array<Matrix4d>, Array<Token>, Array<std::string>, Half, Vec2d, Vec4d, Vec2h, Vec3h, Vec4h,
-                   Array<bool>, Array<int64_t>, Array<uint32_t>, Array<Half>, Array<Vec2i>, Array<Vec3i>, Array<Vec2d>,
-                   Array<Vec3d>, Array<Vec4d>, Array<Vec2h>, Array<Vec3h>, Array<Vec4h>, Array<Quath>, Array<Path>>;
-  template <class T, class... Types>
-  static constexpr bool is_one_of(const std::variant<Types...>*) {
-    return (std::is_same_v<T, Types> || ...);
-  }
-  template <class T>
-  static constexpr bool kIsAlternative = is_one_of<T>(static_cast<Storage*>(nullptr));
-  /// No other number becomes a Half by itself.
-  template <class T>
-  static constexpr bool kIsNarrowed =
-      std::is_arithmetic_v<T> &&
-      !std::is_constructible_v<std::variant<bool, int32_t, int64_t, uint32_t, float, double>, T>;
   Value();
-  // In the library: these of a variant of fifty types would be half of what a file that includes this takes to compile.
+  // In the library, for they are made in many files.
   Value(const Value& o);
   Value(Value&& o) noexcept;
   Value& operator=(const Value& o);
   Value& operator=(Value&& o) noexcept;
   ~Value();
   template <class T>
-  requires(kIsAlternative<T>) Value(T value)  // NOLINT(google-explicit-constructor)
-      : storage_(std::in_place_type<T>, std::move(value)) {}
-  /// Takes what converts to just one of the types.
+  requires(kTypeOf<T> != ALABASTER_NONE) Value(T value)  // NOLINT(google-explicit-constructor)
+      : type_(kTypeOf<T>) {
+    if constexpr (kIsInline<T>)
+      new (inline_.data()) T(std::move(value));
+    else
+      held_ = std::make_shared<const T>(std::move(value));
+  }
   template <class T>
-  requires(!kIsAlternative<T> && !std::is_same_v<T, Value> && std::is_constructible_v<Storage, T> && !kIsNarrowed<T>)
-      Value(T value)  // NOLINT(google-explicit-constructor)
-      : storage_(std::move(value)) {}
-  Value(const char* text) : storage_(std::string(text)) {}  // NOLINT(google-explicit-constructor)
+  requires(kIsElement<T>) Value(Array<T> array)  // NOLINT(google-explicit-constructor)
+      : type_(kTypeOf<T>), is_array_(true) {
+    std::shared_ptr<const ArrayMemory> memory = std::make_shared<const Array<T>>(std::move(array));
+    held_ = std::move(memory);
+  }
+  template <class T>
+  requires(kIsElement<T>) Value(std::vector<T> values)  // NOLINT(google-explicit-constructor)
+      : Value(Array<T>(std::move(values))) {}
+  Value(const char* text) : Value(std::string(text)) {}  // NOLINT(google-explicit-constructor)
+  Value(std::shared_ptr<Dictionary> dictionary)          // NOLINT(google-explicit-constructor)
+      : Value(std::shared_ptr<const Dictionary>(std::move(dictionary))) {}
 
-  bool empty() const { return std::holds_alternative<std::monostate>(storage_); }
+  /// A scalar number, vector, quaternion or matrix of `type`, copied. Empty if `type` is none of these.
+  static Value number(int32_t type, const void* data);
+  /// An array of such: of the memory of `owner` (see Array), or of a copy if `owner` is null. Empty if `type` is none
+  /// of these. The memory must be aligned as the elements are.
+  static Value array(int32_t type, std::shared_ptr<const void> owner, const void* data, size_t count,
+                     uint64_t version = 0);
+
+  bool empty() const { return type_ == ALABASTER_NONE; }
+  AlabasterType type() const { return type_; }  // of the elements of an array
+  bool is_array() const { return is_array_; }
+  /// Elements of an array; 1 of a scalar, 0 of an empty value.
+  size_t count() const { return is_array_ ? array_memory()->size() : empty() ? 0 : 1; }
+  /// The elements, or the scalar.
+  const void* data() const {
+    if (is_array_) return array_memory()->data_;
+    return held_ ? held_.get() : static_cast<const void*>(inline_.data());
+  }
+  /// Null: it is of another type.
   template <class T>
   const T* get() const {
-    return std::get_if<T>(&storage_);
+    if constexpr (kTypeOf<T> != ALABASTER_NONE)
+      return type_ == kTypeOf<T> && !is_array_ ? static_cast<const T*>(data()) : nullptr;
+    else
+      return get_array(static_cast<T*>(nullptr));
   }
   template <class T>
   T get_or(T fallback) const {
     const T* held = get<T>();
     return held ? *held : std::move(fallback);
   }
-  /// Any arithmetic alternative, and half, as double; `fallback` for the rest.
+  /// Number i of those that its elements have, one after the other; NaN if it has none there.
+  double component(size_t i) const;
+  /// A scalar number as double; `fallback` for the rest.
   double number_or(double fallback) const;
   /// The components of a vector, or one number. Returns how many: 0 for the rest.
   size_t components(std::array<double, 4>* out) const;
@@ -200,10 +265,20 @@ class ALABASTER_API Value {
   /// Stable text for dumps and messages: a float is the shortest decimal that reads back as the same float.
   std::string to_string() const;
   bool operator==(const Value& o) const;
-  const Storage& storage() const { return storage_; }
 
  private:
-  Storage storage_;
+  template <class T>
+  static constexpr bool kIsInline = sizeof(T) <= 32 && alignof(T) <= 8 && std::is_trivially_destructible_v<T>;
+  template <class T>
+  const Array<T>* get_array(const Array<T>*) const {
+    return type_ == kTypeOf<T> && is_array_ ? static_cast<const Array<T>*>(array_memory()) : nullptr;
+  }
+  const ArrayMemory* array_memory() const { return static_cast<const ArrayMemory*>(held_.get()); }
+
+  AlabasterType type_ = ALABASTER_NONE;
+  bool is_array_ = false;
+  alignas(8) std::array<std::byte, 32> inline_{};
+  std::shared_ptr<const void> held_;  // an ArrayMemory of an array
 };
 
 enum class Severity { info, warning, error };

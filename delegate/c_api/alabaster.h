@@ -1,14 +1,14 @@
 /* The stable interface of libhdAlabaster: C99, and no type of C++, of its standard library or of Imath. A program that
-   was built against this header runs with every library of the same ALABASTER_API_VERSION or above. All functions are
-   members of a table: const AlabasterApi* api = alabaster_api(ALABASTER_API_VERSION); null: the library is older.
+   was built against this header runs with every library of the same ALABASTER_API_VERSION. All functions are
+   members of a table: const AlabasterApi* api = alabaster_api(ALABASTER_API_VERSION); null: it has another version.
 
    Handles are opaque and owned by the host, which destroys them in any order: the library keeps what other handles
    still need. Null may be destroyed.
 
    Structs that begin with `size` grow at their end: set it to sizeof the struct and everything unused to zero, as
-   `AlabasterMesh mesh = {sizeof mesh};` does. Zero and null mean the default. Structs without it stand in arrays and
+   `AlabasterFrame frame = {sizeof frame};` does. Zero and null mean the default. Structs without it stand in arrays and
    never change. INVALID_ARGUMENT is returned for a count without its array, for a `size` that the struct has in no
-   version, and for a primvar, parameter, node, input or prototype without a name. Strings are UTF-8, end with a zero
+   version, and for a parameter without a name. Strings are UTF-8, end with a zero
    byte and are copied during the call.
 
    Every function that can fail returns a status. api->last_error() then says why, for the calling thread, until its
@@ -45,7 +45,7 @@
 extern "C" {
 #endif
 
-#define ALABASTER_API_VERSION 4
+#define ALABASTER_API_VERSION 1
 /* The table: further functions are added at its end -------------------------------------------- */
 typedef struct AlabasterApi {
   size_t size;
@@ -53,27 +53,25 @@ typedef struct AlabasterApi {
   const char* versions; /* "0.1.0", then a line per library that it stands on */
   const char* (*last_error)(void);
 
-  /* Scenes. A set replaces the prim of that path, of whatever kind it is, and finds out what differs; arrays that are
-     the same memory count as unchanged, but for ALABASTER_EDITED_ARRAY. A scene may be filled before or while a
-     delegate draws it. `report` may be null. */
+  /* Scenes. Arrays that are the same memory count as unchanged, but for ALABASTER_EDITED_ARRAY. A scene may be filled
+     before or while a delegate draws it. `report` may be null. */
   AlabasterStatus (*scene_create)(AlabasterReport report, void* user, AlabasterScene** scene);
   void (*scene_destroy)(AlabasterScene* scene);
   AlabasterStatus (*scene_load)(AlabasterScene*, const char* file, const AlabasterLoadOptions*, AlabasterLoaded*);
   AlabasterStatus (*scene_clear)(AlabasterScene*);
   AlabasterStatus (*remove)(AlabasterScene*, const char* path);
-  AlabasterStatus (*set_mesh)(AlabasterScene*, const char* path, const AlabasterMesh*);
-  AlabasterStatus (*set_primvar)(AlabasterScene*, const char* mesh, const AlabasterPrimvar*); /* none: removes it */
-  /* Of any prim with one. What moves stands still there: a transform that moves is set with the prim. */
-  AlabasterStatus (*set_transform)(AlabasterScene*, const char* path, const double* matrix);
-  AlabasterStatus (*set_visible)(AlabasterScene*, const char* path, int32_t visible); /* mesh or light */
-  AlabasterStatus (*bind_material)(AlabasterScene*, const char* mesh, const char* material);
-  AlabasterStatus (*set_instancer)(AlabasterScene*, const char* path, const AlabasterInstancer*);
-  AlabasterStatus (*set_material)(AlabasterScene*, const char* path, const AlabasterMaterial*);
-  AlabasterStatus (*set_light)(AlabasterScene*, const char* path, const AlabasterLight*);
-  AlabasterStatus (*set_camera)(AlabasterScene*, const char* path, const AlabasterCamera*);
-  AlabasterStatus (*set_render_settings)(AlabasterScene*, const char* path, const AlabasterRenderSettings*);
-  /* One parameter of a light, a camera or render settings, or "node.parameter" of a material. */
-  AlabasterStatus (*set_parameter)(AlabasterScene*, const char* path, const char* name, const AlabasterValue*);
+  /* Makes a prim of `kind`, or replaces the one of that path, of whatever kind it is, and finds out what differs.
+     Fields that are not given have their defaults. alabaster_types.h lists kinds and fields. */
+  AlabasterStatus (*scene_set)(AlabasterScene*, const char* path, const char* kind, const AlabasterParameter* fields,
+                               size_t count);
+  /* Changes the given fields of a prim, all or none. NOT_FOUND: there is no prim of that path. */
+  AlabasterStatus (*scene_edit)(AlabasterScene*, const char* path, const AlabasterParameter* fields, size_t count);
+  /* Replaces elements of an instancer's primvar ("hydra:instanceTranslations"), from number `first` on: positions,
+     scales, rotations or matrices. Costs what it changes; scene_edit costs a look at all instances. `values` has the
+     type that the primvar has: INVALID_ARGUMENT if not, or if they lie beyond its end. Instances that move stand still
+     there, at the cost of a copy of each sample; the others move as before. */
+  AlabasterStatus (*scene_set_instances)(AlabasterScene*, const char* instancer, const char* primvar, size_t first,
+                                         const AlabasterValue* values);
   AlabasterStatus (*get_prims)(AlabasterScene*, AlabasterVisit visit, void* user); /* path, and its type as token */
 
   /* Delegates. One delegate draws a scene; `scene` may be null and come later, by show. */
@@ -119,7 +117,7 @@ typedef struct AlabasterApi {
   AlabasterStatus (*pixels_unmap)(AlabasterPixels*);
   AlabasterStatus (*buffer_read)(AlabasterBuffer*, void* memory, size_t bytes, int32_t y_down);
 
-  /* Since version 2. A display is made once and kept; a new exposure needs no other one, but memory whose `shown` is 0.
+  /* A display is made once and kept; a new exposure needs no other one, but memory whose `shown` is 0.
      buffer_show writes what the memory does not show yet, in its format. A buffer of another size writes nothing and is
      NOT_FOUND: the memory then has the buffer's width and height. */
   AlabasterStatus (*display_create)(const AlabasterDisplayOptions*, AlabasterDisplay**);
@@ -134,14 +132,7 @@ typedef struct AlabasterApi {
      color; the pass goes on. A file of an unfinished render is marked so. */
   AlabasterStatus (*snapshot)(AlabasterPass*, const char* file);
 
-  /* Since version 3. Replaces elements of an instancer's primvar, from number `first` on: positions, scales, rotations
-     or matrices. Costs what it changes; set_instancer costs a look at all instances. `values` has the type that the
-     primvar has: INVALID_ARGUMENT if not, if they lie beyond its end, or if they have motion. Instances that move
-     stand still there, at the cost of a copy of each sample; the others move as before. */
-  AlabasterStatus (*set_instance_values)(AlabasterScene*, const char* instancer, const AlabasterPrimvar* values,
-                                         size_t first);
-
-  /* Since version 4. Writes the scene as a pass of `frame` draws it, as files that scene_load reads: `file`, a render
+  /* Writes the scene as a pass of `frame` draws it, as files that scene_load reads: `file`, a render
      description (NAME.json), and beside it NAME.gltf and NAME.bin, and images that are in memory. Files of these names
      are replaced. `frame` may be null; its bindings count for nothing. `settings` come over those of the frame's render
      settings, as a delegate's do. "ocio" among them names the OpenColorIO config; else it is that of the file that was
@@ -151,7 +142,7 @@ typedef struct AlabasterApi {
                                  const AlabasterParameter* settings, size_t count);
 } AlabasterApi;
 
-/* Null if the library is older than `version`. The table lives as long as the library is loaded. */
+/* Null if the library has another version. The table lives as long as the library is loaded. */
 #if defined(ALABASTER_BUILDING_LIBRARY)
 __attribute__((visibility("default")))
 #endif

@@ -1,5 +1,6 @@
-// The C door for C++17: handles that destroy themselves, values that hold what they point at, exceptions. Header only:
-// it is compiled into the host, and nothing of C++ crosses into the library. alabaster.h says what every call does.
+// The C interface for C++17: handles that destroy themselves, values that hold what they point at, exceptions. Header
+// only: it is compiled into the host, and nothing of C++ crosses into the library. alabaster.h says what every call
+// does.
 #pragma once
 
 #include <array>
@@ -30,7 +31,7 @@ inline void check(AlabasterStatus status) {
   if (status != ALABASTER_OK) throw Error(status, api().last_error());
 }
 
-/// A struct of the door with its size set.
+/// A struct with its size set.
 template <class T>
 T sized() {
   T made{};
@@ -47,20 +48,28 @@ inline const char* or_null(const std::string& text) {
 class Value {
  public:
   Value() = default;
-  Value(bool v) : Value(ALABASTER_BOOL, uint8_t(v)) {}                    // NOLINT(google-explicit-constructor)
-  Value(int32_t v) : Value(ALABASTER_INT, v) {}                           // NOLINT(google-explicit-constructor)
-  Value(int64_t v) : Value(ALABASTER_INT64, v) {}                         // NOLINT(google-explicit-constructor)
-  Value(float v) : Value(ALABASTER_FLOAT, v) {}                           // NOLINT(google-explicit-constructor)
-  Value(double v) : Value(ALABASTER_DOUBLE, v) {}                         // NOLINT(google-explicit-constructor)
-  Value(std::array<float, 2> v) : Value(ALABASTER_FLOAT2, v) {}           // NOLINT(google-explicit-constructor)
-  Value(std::array<float, 3> v) : Value(ALABASTER_FLOAT3, v) {}           // NOLINT(google-explicit-constructor)
-  Value(std::array<float, 4> v) : Value(ALABASTER_FLOAT4, v) {}           // NOLINT(google-explicit-constructor)
-  Value(const std::array<double, 16>& v) : Value(ALABASTER_MATRIX, v) {}  // NOLINT(google-explicit-constructor)
-  Value(const std::string& text) : Value(text.c_str()) {}                 // NOLINT(google-explicit-constructor)
-  Value(const char* text) : type_(ALABASTER_STRING), count_(1) {          // NOLINT(google-explicit-constructor)
-    const std::string held = text;
-    bytes_ = std::make_shared<const std::vector<char>>(held.c_str(), held.c_str() + held.size() + 1);
-    data_ = bytes_->data();
+  Value(bool v) : Value(ALABASTER_BOOL, uint8_t(v)) {}                     // NOLINT(google-explicit-constructor)
+  Value(int32_t v) : Value(ALABASTER_INT, v) {}                            // NOLINT(google-explicit-constructor)
+  Value(int64_t v) : Value(ALABASTER_INT64, v) {}                          // NOLINT(google-explicit-constructor)
+  Value(float v) : Value(ALABASTER_FLOAT, v) {}                            // NOLINT(google-explicit-constructor)
+  Value(double v) : Value(ALABASTER_DOUBLE, v) {}                          // NOLINT(google-explicit-constructor)
+  Value(std::array<float, 2> v) : Value(ALABASTER_FLOAT2, v) {}            // NOLINT(google-explicit-constructor)
+  Value(std::array<float, 3> v) : Value(ALABASTER_FLOAT3, v) {}            // NOLINT(google-explicit-constructor)
+  Value(std::array<float, 4> v) : Value(ALABASTER_FLOAT4, v) {}            // NOLINT(google-explicit-constructor)
+  Value(const std::array<double, 16>& v) : Value(ALABASTER_MATRIX, v) {}   // NOLINT(google-explicit-constructor)
+  Value(const std::string& text) : Value(text.c_str()) {}                  // NOLINT(google-explicit-constructor)
+  Value(const char* text) : Value(ALABASTER_STRING, std::string(text)) {}  // NOLINT(google-explicit-constructor)
+  /// Of a prim, or of what an input of a material's node is connected to: "node.output".
+  static Value path(const std::string& path) { return Value(ALABASTER_PATH, path); }
+  static Value paths(std::vector<std::string> paths) { return Value(ALABASTER_PATH, std::move(paths)); }
+  /// An array of words.
+  static Value tokens(std::vector<std::string> words) { return Value(ALABASTER_TOKEN, std::move(words)); }
+  /// Values at times.
+  static Value samples(std::vector<std::pair<double, Value>> values) {
+    Value made;
+    made.type_ = ALABASTER_SAMPLES, made.count_ = values.size();
+    made.samples_ = std::make_shared<const Samples>(Samples{std::move(values)});
+    return made;
   }
 
   /// An array that the library reads where it lies, for as long as it holds `owner`. Elements are of `type`. `edited`:
@@ -82,8 +91,9 @@ class Value {
     return lend(type, held, held->data(), held->size() / components);
   }
 
-  /// For one call, to which it gives what is lent.
+  /// For one call, to which it gives what is lent, and during which this lives. Any thread.
   AlabasterValue pass() const {
+    if (samples_) return samples_->pass();
     AlabasterValue raw = {type_, is_array_, data_, count_, nullptr, nullptr};
     if (!owner_) return raw;
     raw.owner = new std::shared_ptr<const void>(owner_);
@@ -93,6 +103,24 @@ class Value {
   int32_t type() const { return type_; }
 
  private:
+  struct Samples {
+    std::vector<std::pair<double, Value>> values;
+    AlabasterValue pass() const;
+  };
+  struct Texts {
+    std::vector<std::string> held;
+    std::vector<const char*> raw;
+  };
+  Value(int32_t type, const std::string& text) : type_(type), count_(1) {
+    bytes_ = std::make_shared<const std::vector<char>>(text.c_str(), text.c_str() + text.size() + 1);
+    data_ = bytes_->data();
+  }
+  Value(int32_t type, std::vector<std::string> texts)
+      : type_(type), is_array_(ALABASTER_ARRAY), count_(texts.size()), texts_(std::make_shared<Texts>()) {
+    texts_->held = std::move(texts);
+    for (const std::string& text : texts_->held) texts_->raw.push_back(text.c_str());
+    data_ = texts_->raw.data();
+  }
   template <class T>
   Value(int32_t type, const T& v) : type_(type), count_(1) {
     const auto* first = reinterpret_cast<const char*>(&v);
@@ -106,7 +134,21 @@ class Value {
   size_t count_ = 0;
   std::shared_ptr<const std::vector<char>> bytes_;  // of what is no array
   std::shared_ptr<const void> owner_;
+  std::shared_ptr<Texts> texts_;
+  std::shared_ptr<const Samples> samples_;
 };
+inline AlabasterValue Value::Samples::pass() const {
+  auto raw = std::make_unique<std::vector<AlabasterSample>>();
+  for (const auto& [time, value] : values) raw->push_back({time, value.pass()});
+  const size_t count = raw->size();
+  const void* data = raw->data();
+  return {ALABASTER_SAMPLES,
+          ALABASTER_SCALAR,
+          data,
+          count,
+          [](void* owner) { delete static_cast<std::vector<AlabasterSample>*>(owner); },
+          raw.release()};
+}
 
 using Parameters = std::vector<std::pair<std::string, Value>>;
 
@@ -164,6 +206,17 @@ inline Scene make_scene(AlabasterReport report = nullptr, void* user = nullptr) 
   AlabasterScene* made = nullptr;
   check(api().scene_create(report, user, &made));
   return Scene(made);
+}
+
+/// Makes a prim, or replaces the one of that path. alabaster_types.h lists kinds and fields.
+inline void set(const Scene& scene, const std::string& path, const std::string& kind, const Parameters& fields) {
+  const auto raw = pass(fields);
+  check(api().scene_set(scene.get(), path.c_str(), kind.c_str(), raw.data(), raw.size()));
+}
+/// Changes fields of a prim.
+inline void edit(const Scene& scene, const std::string& path, const Parameters& fields) {
+  const auto raw = pass(fields);
+  check(api().scene_edit(scene.get(), path.c_str(), raw.data(), raw.size()));
 }
 
 /// Writes the scene as a pass of `frame` draws it; null: as the first render settings say.

@@ -1,9 +1,11 @@
-/* Handles, values and structs of the C door: alabaster.h, which includes this, says how they are used. */
+/* Handles, values, fields and structs of the C interface: alabaster.h, which includes this, says how they are used. */
 #ifndef ALABASTER_TYPES_H
 #define ALABASTER_TYPES_H
 
 #include <stddef.h>
 #include <stdint.h>
+
+#include "delegate/api/value_type.h"
 
 #ifdef __cplusplus
 extern "C" {
@@ -30,37 +32,6 @@ enum {
 };
 
 /* Values --------------------------------------------------------------------------------------- */
-/* AlabasterValue.type: the type of `data`, or of its elements */
-enum {
-  ALABASTER_NONE = 0,
-  ALABASTER_BOOL = 1, /* one byte, 0 or 1 */
-  ALABASTER_INT = 2,  /* int32_t */
-  ALABASTER_INT64 = 3,
-  ALABASTER_UINT = 4,
-  ALABASTER_FLOAT = 5,
-  ALABASTER_DOUBLE = 6,
-  ALABASTER_FLOAT2 = 7,
-  ALABASTER_FLOAT3 = 8,
-  ALABASTER_FLOAT4 = 9,
-  ALABASTER_INT2 = 10,
-  ALABASTER_INT3 = 11,
-  ALABASTER_DOUBLE3 = 12,
-  ALABASTER_QUATERNION = 13, /* 4 floats: the real part first */
-  ALABASTER_MATRIX = 14,     /* 16 doubles */
-  ALABASTER_TOKEN = 15,      /* text: `data` is a const char*; of an array const char* const* */
-  ALABASTER_STRING = 16,
-  ALABASTER_PATH = 17,       /* of a prim */
-  ALABASTER_ASSET = 18,      /* the name of a file */
-  ALABASTER_DICTIONARY = 19, /* only in answers; `data` is const AlabasterParameter*, `count` their number */
-  ALABASTER_FLOAT16 = 20,    /* IEEE 754 binary16 */
-  ALABASTER_FLOAT16_2 = 21,
-  ALABASTER_FLOAT16_3 = 22,
-  ALABASTER_FLOAT16_4 = 23,
-  ALABASTER_DOUBLE2 = 24,
-  ALABASTER_DOUBLE4 = 25,
-  ALABASTER_QUATERNION16 = 26, /* 4 halves: the real part first; arrays only */
-};
-
 /* AlabasterValue.is_array */
 enum {
   ALABASTER_SCALAR = 0,
@@ -75,7 +46,7 @@ enum {
    and record alone, in their calling thread and those that they start and wait for. Each time it is lent it counts as
    edited. */
 typedef struct AlabasterValue {
-  int32_t type;
+  int32_t type; /* AlabasterType: of the value, or of the elements of an array */
   int32_t is_array;
   const void* data;
   size_t count; /* elements of an array; 1 else */
@@ -83,19 +54,19 @@ typedef struct AlabasterValue {
   void* owner;
 } AlabasterValue;
 
+/* A value at a time, in frames, relative to the frame that is drawn. ALABASTER_SAMPLES are values at increasing times;
+   fewer than two: nothing moves. */
+typedef struct AlabasterSample {
+  double time;
+  AlabasterValue value;
+} AlabasterSample;
+
 typedef struct AlabasterParameter {
   const char* name;
   AlabasterValue value;
 } AlabasterParameter;
 
 typedef void (*AlabasterVisit)(void* user, const char* name, const AlabasterValue* value); /* valid during the call */
-
-/* Values at increasing times, in frames, relative to the frame that is drawn. Fewer than two: nothing moves. */
-typedef struct AlabasterMotion {
-  const double* times;
-  const AlabasterValue* values;
-  size_t count;
-} AlabasterMotion;
 
 /* Diagnostics ---------------------------------------------------------------------------------- */
 enum { ALABASTER_INFO = 0, ALABASTER_WARNING = 1, ALABASTER_ERROR = 2 };
@@ -110,147 +81,70 @@ typedef struct AlabasterDiagnostic {
 /* Called by a thread of the host's or of ours, never under a lock of the renderer's. Must not call the library. */
 typedef void (*AlabasterReport)(void* user, const AlabasterDiagnostic* diagnostic);
 
-/* Scenes: prims by path, '/'-separated by custom ------------------------------------------------ */
-/* AlabasterPrimvar.interpolation */
-enum {
-  ALABASTER_CONSTANT = 0,
-  ALABASTER_UNIFORM = 1,
-  ALABASTER_VARYING = 2,
-  ALABASTER_VERTEX = 3,
-  ALABASTER_FACE_VARYING = 4,
-  ALABASTER_INSTANCE = 5,
-};
+/* Scenes: prims by path, '/'-separated by custom. A prim has a kind and fields, which are AlabasterParameters: a value
+   of type ALABASTER_NONE sets a field's default, and takes away what a scene has named (a primvar, an input, a node by
+   its type). Words and paths may be tokens, strings or paths. An unknown kind or field, a value of another type and one
+   out of range are INVALID_ARGUMENT, and nothing is changed; last_error names the nearest field, or what the value must
+   be. Parameters of lights, cameras and materials may be out of range: the renderer warns and uses the nearest value.
+   Setting transform or a primvar without its samples takes these away.
 
-typedef struct AlabasterPrimvar {
-  const char* name; /* "points" (float3), "normals" (float3), "st" (float2, v up), ...: delegate/README.md */
-  const char* role; /* null | color | vector | normal | point | textureCoordinate */
-  int32_t interpolation;
-  AlabasterValue value;
-  AlabasterValue indices; /* int array; none: not indexed */
-  AlabasterMotion motion; /* of points and normals */
-} AlabasterPrimvar;
-
-typedef struct AlabasterSubset {
-  const char* id;
-  const char* material;
-  AlabasterValue faces; /* int array */
-} AlabasterSubset;
-
-typedef struct AlabasterSubdivTags {
-  size_t size;
-  const char* interpolate_boundary;              /* none | edgeOnly | edgeAndCorner (default) */
-  const char* face_varying_linear_interpolation; /* all | none | boundaries | cornersOnly, default cornersPlus1, ...2 */
-  const char* crease_method;                     /* uniform | chaikin */
-  const char* triangle_subdivision;              /* catmullClark | smooth */
-  AlabasterValue crease_indices, crease_lengths, crease_weights; /* weights: floats, per crease or per edge */
-  AlabasterValue corner_indices, corner_weights;
-} AlabasterSubdivTags;
-
-/* AlabasterMesh.cull_style: sides of faces that are not shown. back and front hide them from the camera alone. */
-enum {
-  ALABASTER_CULL_DONT_CARE = 0, /* by single_sided */
-  ALABASTER_CULL_NOTHING = 1,   /* not single-sided, whatever it says */
-  ALABASTER_CULL_BACK = 2,
-  ALABASTER_CULL_FRONT = 3,
-  ALABASTER_CULL_BACK_UNLESS_DOUBLE_SIDED = 4,  /* by single_sided */
-  ALABASTER_CULL_FRONT_UNLESS_DOUBLE_SIDED = 5, /* front, if single_sided */
-};
-
-typedef struct AlabasterMesh {
-  size_t size;
-  const char* scheme;      /* none (default) | catmullClark | loop | bilinear */
-  const char* orientation; /* rightHanded (default) | leftHanded */
-  AlabasterValue face_vertex_counts, face_vertex_indices, hole_indices; /* int arrays */
-  const AlabasterPrimvar* primvars;
-  size_t primvar_count;
-  const AlabasterSubset* subsets; /* faces with a material of their own */
-  size_t subset_count;
-  const AlabasterSubdivTags* subdiv_tags;
-  int32_t refine_level;           /* 0..8; 0 draws the cage */
-  int32_t invisible;              /* not zero: it is not drawn */
-  int32_t single_sided;           /* not zero: faces are not there for what sees them from behind */
-  const double* transform;        /* null: identity */
-  const char* material;           /* null: the default material */
-  const char* instancer;          /* null: not instanced */
-  AlabasterMotion motion;         /* matrices */
-  const char* render_tag;         /* geometry (default), render, proxy, guide or hidden: AlabasterFrame.render_tags */
-  AlabasterValue categories;      /* tokens: names that lights' parameters lightLink and shadowLink may give */
-  AlabasterValue invisible_faces; /* int array: not drawn; unlike holes they leave the surface around them as it is */
-  int32_t cull_style;             /* ALABASTER_CULL_... */
-} AlabasterMesh;
-
-typedef struct AlabasterPrototype {
-  const char* id;         /* of a mesh or an inner instancer */
-  AlabasterValue indices; /* int array: its instances, as indices into the primvars */
-} AlabasterPrototype;
-
-/* Point p of instance i: p * prototype * M * S * R * T * transform * parent...; the primvars are
-   hydra:instanceTransforms (matrices), ...Translations (float3), ...Rotations (quaternions), ...Scales (float3). */
-typedef struct AlabasterInstancer {
-  size_t size;
-  const double* transform;
-  const char* parent; /* outer instancer */
-  const AlabasterPrimvar* primvars;
-  size_t primvar_count;
-  const AlabasterPrototype* prototypes;
-  size_t prototype_count;
-  AlabasterMotion motion;
-} AlabasterInstancer;
-
-typedef struct AlabasterConnection {
-  const char* input;
-  const char* node; /* upstream */
-  const char* output;
-} AlabasterConnection;
-
-typedef struct AlabasterNode {
-  const char* name;
-  const char* type; /* AlabasterDisney, AlabasterTexture, AlabasterPrimvar, AlabasterDisplacement: delegate/README.md */
-  const AlabasterParameter* parameters; /* schemas/disney_material.json */
-  size_t parameter_count;
-  const AlabasterConnection* connections;
-  size_t connection_count;
-} AlabasterNode;
-
-typedef struct AlabasterMaterial {
-  size_t size;
-  const AlabasterNode* nodes;
-  size_t node_count;
-  const char* surface;      /* the node that is the surface; null: the first one */
-  const char* displacement; /* the node that displaces; null: none */
-} AlabasterMaterial;
-
-typedef struct AlabasterLight {
-  size_t size;
-  const char* type; /* rectLight, diskLight, cylinderLight, sphereLight, distantLight, domeLight */
-  const double* transform;
-  const AlabasterParameter* parameters; /* schemas/lights.json */
-  size_t parameter_count;
-  int32_t invisible; /* not zero: it gives no light */
-} AlabasterLight;
-
-typedef struct AlabasterCamera {
-  size_t size;
-  const double* transform;
-  const AlabasterParameter* parameters; /* schemas/camera.json */
-  size_t parameter_count;
-  AlabasterMotion motion;
-} AlabasterCamera;
-
+   mesh
+     faceVertexCounts, faceVertexIndices, holeIndices   int arrays
+     invisibleFaces       int array: not drawn; unlike holes they leave the surface around them as it is
+     scheme               none (default), catmullClark, loop, bilinear
+     orientation          rightHanded (default), leftHanded
+     refineLevel          0 to 8; 0 draws the control mesh
+     primvars:NAME        "points" (float3), "normals" (float3), "st" (float2, v up), ...: delegate/README.md
+       ...:interpolation  constant, uniform, varying, vertex (default), faceVarying, instance
+       ...:indices        int array; without: not indexed
+       ...:role           color, vector, normal, point, textureCoordinate
+       ...:samples        of points and normals
+     subsets:ID:faces     int array: faces with a material of their own; subsets:ID:material is its path
+     interpolateBoundary  none, edgeOnly, edgeAndCorner (default)
+     faceVaryingLinearInterpolation  all, none, boundaries, cornersOnly, cornersPlus1 (default), cornersPlus2
+     creaseMethod         uniform (default), chaikin
+     triangleSubdivision  catmullClark (default), smooth
+     creaseIndices, creaseLengths, cornerIndices   int arrays
+     creaseWeights, cornerWeights   float arrays; the first per crease or per edge
+     transform            matrix; transform:samples
+     visible, doubleSided bools, true by default; doubleSided false: rays that hit a face's back pass through
+     cullStyle            sides that are not shown: dontCare (default: by doubleSided), nothing, back, front (both hide
+                          them from the camera alone), backUnlessDoubleSided (by doubleSided), frontUnlessDoubleSided
+     material, instancer  paths
+     renderTag            geometry (default), render, proxy, guide or hidden: AlabasterFrame.render_tags
+     categories           array of words: names that lights' parameters lightLink and shadowLink may give
+   instancer: point p of instance i is p * prototype * M * S * R * T * transform * parent...
+     primvars:NAME        hydra:instanceTransforms (matrices), ...Translations (float3), ...Rotations (quaternions),
+                          ...Scales (float3); primvars:NAME:samples
+     prototypes:PATH      int array: the instances of that mesh or inner instancer, as indices into the primvars
+     categories:NAME      int array: the instances that have the category
+     transform, transform:samples; parent (path of an outer instancer)
+   material
+     NODE.type            AlabasterDisney, AlabasterTexture, AlabasterPrimvar, AlabasterDisplacement, UsdPreviewSurface,
+                          ...: delegate/README.md
+     NODE.INPUT           a value of type ALABASTER_PATH "OTHER.OUTPUT", or an array of these, connects the input; any
+                          other value is its constant, by which connected textures are multiplied. Inputs of
+                          AlabasterDisney: schemas/disney_material.json, and normal, coatNormal and bump, which are
+                          connected. Names of inputs are checked for types that begin with Alabaster, constants for
+                          AlabasterDisney; the renderer warns of others
+     surface              a node's name; by default "surface", else the first AlabasterDisney or UsdPreviewSurface
+     displacement         a node's name
+   rectLight, diskLight, cylinderLight, sphereLight, distantLight, domeLight
+     transform; visible (bool; false: the light is off); parameters: schemas/lights.json; lightLink, shadowLink
+   camera
+     transform, transform:samples; parameters: schemas/camera.json
+   renderSettings
+     camera (path), width, height (1280 x 720), pixelAspectRatio, frame, crop (int array: minX, minY, maxX, maxY in
+     pixels, y-down, half open), includedPurposes (array of words), windowPolicy (matchVertically, matchHorizontally,
+     fit, crop or dontConform)
+     settings             schemas/render_settings.json
+     products:N:FIELD     a file to write, N from 0: file, dataType, colorSpace, display, view, look, exposure, denoise,
+                          camera, width, height, disableMotionBlur, disableDepthOfField: RenderProduct in
+                          delegate/api/scene_types.h
+     products:N:vars:LAYER  the AOV of a layer; products:N:vars:LAYER:dataType: half (default), float, int */
 typedef struct AlabasterRect {
   int32_t min_x, min_y, max_x, max_y; /* pixels, y-down, half open; empty: none */
 } AlabasterRect;
-
-typedef struct AlabasterRenderSettings {
-  size_t size;
-  const char* camera;
-  int32_t width, height; /* 0: 1280 x 720 */
-  double pixel_aspect;   /* 0: 1 */
-  AlabasterRect crop;
-  double frame;
-  const AlabasterParameter* settings; /* schemas/render_settings.json */
-  size_t setting_count;
-} AlabasterRenderSettings;
 
 typedef struct AlabasterLoadOptions { /* as the program's options of these names */
   size_t size;
@@ -264,8 +158,7 @@ typedef struct AlabasterLoadOptions { /* as the program's options of these names
   const double* time;    /* seconds; null: the pose in which models are authored */
   const double* shutter; /* two numbers: open and close, in frames */
   int32_t keep_going;    /* leaves images that are missing to the renderer */
-  int64_t allow_outside; /* files may be named that lie outside the folder of the file that names them; of 64 bits, so
-                            that the structs of hosts that do not know it are shorter */
+  int32_t allow_outside; /* files may be named that lie outside the folder of the file that names them */
 } AlabasterLoadOptions;
 
 typedef struct AlabasterLoaded { /* strings live until the scene is destroyed */
@@ -334,7 +227,8 @@ typedef struct AlabasterFrame {
   AlabasterRect window;  /* the pixels to render: smaller is a crop, larger is overscan. Buffers are as large as it */
   double pixel_aspect;
   int32_t window_policy;
-  const AlabasterCamera* free_camera; /* in the place of `camera`; no prim of the scene */
+  const AlabasterParameter* free_camera; /* fields of a camera in the place of `camera`; no prim of the scene */
+  size_t free_camera_count;              /* 0: none */
   AlabasterValue render_tags; /* tokens: of the meshes to draw; none: geometry and render; empty: all but hidden */
   AlabasterValue roots;       /* tokens: paths of the meshes to draw, with all below them; none: all */
   AlabasterValue excluded;    /* tokens: paths of those not to draw, likewise */

@@ -1,7 +1,6 @@
 #include <optional>
 
 #include "delegate/c_api/functions.h"
-#include "delegate/c_api/scene_prims.h"
 #include "delegate/c_api/values.h"
 
 namespace alabaster::hd::c_api {
@@ -95,6 +94,18 @@ std::optional<Failure> failure_of(host::RecordStatus status, Reports& reports) {
 
 }  // namespace
 
+namespace {
+void check_settings(const Dictionary& settings) {
+  for (const auto& [name, value] : settings) {
+    if (name == "ocio" || name == "renderSettingsPrimPath") {  // of the delegate, not of the renderer
+      if (!value.empty() && value.text_or("\1") == "\1") throw bad_argument("'" + name + "' must be a text");
+      continue;
+    }
+    if (const std::string fault = host::CheckSetting(name, value); !fault.empty()) throw bad_argument(fault);
+  }
+}
+}  // namespace
+
 AlabasterStatus delegate_create(const AlabasterDelegateOptions* given, AlabasterScene* scene, AlabasterDelegate** out) {
   return guarded([&] {
     ValueReader reader(given);
@@ -104,7 +115,7 @@ AlabasterStatus delegate_create(const AlabasterDelegateOptions* given, Alabaster
     data->reports = std::make_shared<Reports>(in.report, in.user);
     DelegateOptions options;
     options.settings = reader.dictionary({in.settings, in.setting_count}, "settings");
-    refuse_retired(options.settings);
+    check_settings(options.settings);
     options.diagnostics = sink_of(data->reports);
     reader.take();
     if (const auto ocio = options.settings.find("ocio"); ocio != options.settings.end())
@@ -134,7 +145,7 @@ AlabasterStatus set_setting(AlabasterDelegate* handle, const char* key, const Al
     ValueReader reader(value);
     const std::shared_ptr<DelegateData> data = required(handle, "delegate").data;
     const Value read = reader.value(required(value, "value"), &required(key, "key"));
-    refuse_retired({{key, read}});
+    check_settings({{key, read}});
     reader.take();
     const HostLock lock(*data);
     data->delegate->SetRenderSetting(key, read);

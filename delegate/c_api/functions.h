@@ -14,19 +14,11 @@ AlabasterStatus scene_write(AlabasterScene* scene, const char* file, const Alaba
                             const AlabasterParameter* settings, size_t count);
 AlabasterStatus scene_clear(AlabasterScene* scene);
 AlabasterStatus remove_prim(AlabasterScene* scene, const char* path);
-AlabasterStatus set_mesh(AlabasterScene* scene, const char* path, const AlabasterMesh* mesh);
-AlabasterStatus set_primvar(AlabasterScene* scene, const char* mesh, const AlabasterPrimvar* primvar);
-AlabasterStatus set_transform(AlabasterScene* scene, const char* path, const double* matrix);
-AlabasterStatus set_visible(AlabasterScene* scene, const char* path, int32_t visible);
-AlabasterStatus bind_material(AlabasterScene* scene, const char* mesh, const char* material);
-AlabasterStatus set_instancer(AlabasterScene* scene, const char* path, const AlabasterInstancer* instancer);
-AlabasterStatus set_instance_values(AlabasterScene* scene, const char* path, const AlabasterPrimvar* values,
-                                    size_t first);
-AlabasterStatus set_material(AlabasterScene* scene, const char* path, const AlabasterMaterial* material);
-AlabasterStatus set_light(AlabasterScene* scene, const char* path, const AlabasterLight* light);
-AlabasterStatus set_camera(AlabasterScene* scene, const char* path, const AlabasterCamera* camera);
-AlabasterStatus set_render_settings(AlabasterScene* scene, const char* path, const AlabasterRenderSettings* settings);
-AlabasterStatus set_parameter(AlabasterScene* scene, const char* path, const char* name, const AlabasterValue* value);
+AlabasterStatus scene_set(AlabasterScene* scene, const char* path, const char* kind, const AlabasterParameter* fields,
+                          size_t count);
+AlabasterStatus scene_edit(AlabasterScene* scene, const char* path, const AlabasterParameter* fields, size_t count);
+AlabasterStatus scene_set_instances(AlabasterScene* scene, const char* instancer, const char* primvar, size_t first,
+                                    const AlabasterValue* values);
 AlabasterStatus get_prims(AlabasterScene* scene, AlabasterVisit visit, void* user);
 
 // Delegates

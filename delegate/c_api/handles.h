@@ -113,13 +113,6 @@ inline std::string text_or(const char* text, const char* fallback) {
 /// The size of a struct in the first version of the header: no host has a shorter one.
 template <class T>
 inline constexpr size_t kFirstSize = sizeof(T);
-template <>
-inline constexpr size_t kFirstSize<AlabasterMesh> = offsetof(AlabasterMesh, render_tag);
-template <>
-inline constexpr size_t kFirstSize<AlabasterFrame> = offsetof(AlabasterFrame, free_camera);
-template <>
-inline constexpr size_t kFirstSize<AlabasterLoadOptions> = offsetof(AlabasterLoadOptions, allow_outside);
-
 /// Some version of the header may have it. Members that follow the first version are whole words.
 template <class T>
 bool is_size_of(size_t size) {

@@ -1,4 +1,4 @@
-// Gives back the arrays that a host's struct lends, in the order in which the struct has them.
+// Gives back the arrays that a host lends with an argument, in the order in which it has them.
 #include "delegate/c_api/values.h"
 
 namespace alabaster::hd::c_api {
@@ -10,59 +10,21 @@ std::span<const T> all_of(const T* first, size_t count) {
 }
 
 void give_back(const AlabasterValue& in) {
+  if (in.type == ALABASTER_SAMPLES)
+    for (const auto& sample : all_of(static_cast<const AlabasterSample*>(in.data), in.count)) give_back(sample.value);
   if (!in.release) return;
   const CallbackScope scope;
   in.release(in.owner);
 }
-void give_back(const AlabasterMotion& in) {
-  for (const auto& value : all_of(in.values, in.count)) give_back(value);
-}
 void give_back(const ParameterList& in) {
   for (const auto& parameter : all_of(in.first, in.count)) give_back(parameter.value);
-}
-void give_back(const AlabasterPrimvar& in) {
-  give_back(in.value);
-  give_back(in.indices);
-  give_back(in.motion);
-}
-void give_back(const AlabasterMesh& in) {
-  for (const auto* value :
-       {&in.face_vertex_counts, &in.face_vertex_indices, &in.hole_indices, &in.categories, &in.invisible_faces})
-    give_back(*value);
-  for (const auto& primvar : all_of(in.primvars, in.primvar_count)) give_back(primvar);
-  for (const auto& subset : all_of(in.subsets, in.subset_count)) give_back(subset.faces);
-  give_back(in.motion);
-  if (!in.subdiv_tags) return;
-  const AlabasterSubdivTags tags = members_of(*in.subdiv_tags);
-  for (const auto* value :
-       {&tags.crease_indices, &tags.crease_lengths, &tags.crease_weights, &tags.corner_indices, &tags.corner_weights})
-    give_back(*value);
-}
-void give_back(const AlabasterInstancer& in) {
-  for (const auto& primvar : all_of(in.primvars, in.primvar_count)) give_back(primvar);
-  for (const auto& prototype : all_of(in.prototypes, in.prototype_count)) give_back(prototype.indices);
-  give_back(in.motion);
-}
-void give_back(const AlabasterMaterial& in) {
-  for (const auto& node : all_of(in.nodes, in.node_count))
-    give_back(ParameterList{node.parameters, node.parameter_count});
-}
-void give_back(const AlabasterLight& in) {
-  give_back(ParameterList{in.parameters, in.parameter_count});
-}
-void give_back(const AlabasterCamera& in) {
-  give_back(ParameterList{in.parameters, in.parameter_count});
-  give_back(in.motion);
-}
-void give_back(const AlabasterRenderSettings& in) {
-  give_back(ParameterList{in.settings, in.setting_count});
 }
 void give_back(const AlabasterDelegateOptions& in) {
   give_back(ParameterList{in.settings, in.setting_count});
 }
 void give_back(const AlabasterFrame& in) {
   for (const auto* value : {&in.render_tags, &in.roots, &in.excluded}) give_back(*value);
-  if (in.free_camera) give_back(members_of(*in.free_camera));
+  give_back(ParameterList{in.free_camera, in.free_camera_count});
 }
 
 }  // namespace
@@ -77,13 +39,6 @@ void ValueReader::give_back_all(const void* given) {
 }
 template void ValueReader::give_back_all<AlabasterValue>(const void*);
 template void ValueReader::give_back_all<ParameterList>(const void*);
-template void ValueReader::give_back_all<AlabasterPrimvar>(const void*);
-template void ValueReader::give_back_all<AlabasterMesh>(const void*);
-template void ValueReader::give_back_all<AlabasterInstancer>(const void*);
-template void ValueReader::give_back_all<AlabasterMaterial>(const void*);
-template void ValueReader::give_back_all<AlabasterLight>(const void*);
-template void ValueReader::give_back_all<AlabasterCamera>(const void*);
-template void ValueReader::give_back_all<AlabasterRenderSettings>(const void*);
 template void ValueReader::give_back_all<AlabasterDelegateOptions>(const void*);
 template void ValueReader::give_back_all<AlabasterFrame>(const void*);
 

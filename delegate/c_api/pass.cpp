@@ -1,7 +1,7 @@
 #include <limits>
 
 #include "delegate/c_api/functions.h"
-#include "delegate/c_api/scene_prims.h"
+#include "delegate/c_api/values.h"
 #include "delegate/description/write_scene.h"
 #include "delegate/host/picker.h"
 #include "delegate/host/snapshot.h"
@@ -69,7 +69,11 @@ std::vector<Path> paths_of(const std::vector<Token>& names) {
 }
 
 void select(const AlabasterFrame& in, ValueReader& reader, RenderPassState& state) {
-  if (in.free_camera) state.freeCamera = read_camera(in.free_camera, reader);
+  if (in.free_camera_count > 0) {
+    const host::Fields fields = reader.fields({in.free_camera, in.free_camera_count});
+    const std::string fault = host::ReadCamera(fields, &state.freeCamera.emplace());
+    if (!fault.empty()) throw bad_argument("free_camera: " + fault);
+  }
   std::vector<Token> tags = reader.tokens(in.render_tags, "render_tags");
   if (in.render_tags.type != ALABASTER_NONE) state.renderTags = std::move(tags);
   state.collection = {paths_of(reader.tokens(in.roots, "roots")), paths_of(reader.tokens(in.excluded, "excluded"))};
@@ -177,7 +181,8 @@ AlabasterStatus scene_write(AlabasterScene* handle, const char* file, const Alab
     ValueReader settings_reader(&given), reader(frame);
     const std::shared_ptr<SceneData> held = required(handle, "scene").data;
     SceneData& data = *held;
-    std::map<Token, Value> settings = settings_reader.parameters(given, "settings");
+    std::map<Token, Value> settings;
+    for (const auto& [name, value] : settings_reader.fields(given)) settings[Token(name)] = value;
     AlabasterFrame in{};
     RenderPassState state;
     if (frame) in = sized(frame, "frame"), select(in, reader, state);

@@ -1,5 +1,6 @@
 #include "delegate/c_api/functions.h"
-#include "delegate/c_api/scene_prims.h"
+#include "delegate/c_api/values.h"
+#include "delegate/host/scene_fields.h"
 
 namespace alabaster::hd::c_api {
 namespace {
@@ -15,30 +16,6 @@ AlabasterStatus on_prim(AlabasterScene* handle, const char* path, const Call& ca
     const SceneLock lock(*data);
     call(data->scene, Path(path));
   });
-}
-
-/// The same with what read(path, reader) makes of `given`, whose arrays come back whatever fails.
-template <class T, class Read, class Call>
-AlabasterStatus on_prim_with(const T* given, AlabasterScene* handle, const char* path, const Read& read,
-                             const Call& call) {
-  return guarded([&] {
-    ValueReader reader(given);
-    const std::shared_ptr<SceneData> data = required(handle, "scene").data;
-    if (required(path, "path") == '\0') throw bad_argument("the path is empty");
-    const Path id(path);
-    auto made = read(id, reader);
-    reader.take();
-    const SceneLock lock(*data);
-    call(data->scene, id, std::move(made));
-  });
-}
-
-/// A copy of the description, to be changed and set again; its arrays are shared.
-template <class Map>
-auto copy_of(const Map& map, const Path& path, const char* kind) {
-  const auto found = map.find(path);
-  if (found == map.end()) throw Failure(ALABASTER_NOT_FOUND, std::string("there is no ") + kind + " " + path.str());
-  return found->second;
 }
 
 description::LoadOptions read_options(const AlabasterLoadOptions* given) {
@@ -131,164 +108,57 @@ AlabasterStatus remove_prim(AlabasterScene* handle, const char* path) {
   });
 }
 
-AlabasterStatus set_mesh(AlabasterScene* handle, const char* path, const AlabasterMesh* mesh) {
-  return on_prim_with(
-      mesh, handle, path, [&](const Path&, ValueReader& reader) { return read_mesh(mesh, reader); },
-      [](RetainedSceneDelegate& scene, const Path& id, auto made) { scene.SetMesh(id, std::move(made)); });
-}
-
 namespace {
 
-/// A mesh with that primvar alone.
-host::MeshDescription read_one(const AlabasterPrimvar* primvar, const char* name, ValueReader& reader) {
-  host::MeshDescription one;
-  read_primvar(required(primvar, name), reader, &one);
-  return one;
+/// Runs call(scene, path, fields) with the fields, whose arrays come back whatever fails.
+template <class Call>
+AlabasterStatus with_fields(AlabasterScene* handle, const char* path, const ParameterList& given, const Call& call) {
+  return guarded([&] {
+    ValueReader reader(&given);
+    const std::shared_ptr<SceneData> data = required(handle, "scene").data;
+    if (required(path, "path") == '\0') throw bad_argument("the path is empty");
+    const host::Fields fields = reader.fields(given);
+    reader.take();
+    const SceneLock lock(*data);
+    const host::SetResult result = call(&data->scene, Path(path), fields);
+    if (!result.found) throw Failure(ALABASTER_NOT_FOUND, result.fault);
+    if (!result.fault.empty()) throw bad_argument(std::string(path) + ": " + result.fault);
+  });
 }
 
 }  // namespace
 
-AlabasterStatus set_primvar(AlabasterScene* handle, const char* path, const AlabasterPrimvar* primvar) {
-  const auto set = [](RetainedSceneDelegate& scene, const Path& id, host::MeshDescription one) {
-    host::MeshDescription mesh = copy_of(scene.GetMeshes(), id, "mesh");
-    const Token name = one.primvars.begin()->first;
-    mesh.primvars.erase(name);
-    mesh.primvarSamples.erase(name);
-    if (!one.primvars.begin()->second.value.empty()) mesh.primvars.merge(one.primvars);
-    mesh.primvarSamples.merge(one.primvarSamples);
-    scene.SetMesh(id, std::move(mesh));
-  };
-  return on_prim_with(
-      primvar, handle, path, [&](const Path&, ValueReader& reader) { return read_one(primvar, "primvar", reader); },
-      set);
-}
-
-AlabasterStatus set_transform(AlabasterScene* handle, const char* path, const double* matrix) {
-  return on_prim(handle, path, [&](RetainedSceneDelegate& scene, const Path& id) {
-    const auto moved = [&](auto description) {
-      description.transform = matrix_of(matrix);
-      if constexpr (requires { description.transformSamples; }) description.transformSamples = {};
-      return description;
-    };
-    if (scene.GetMeshes().contains(id)) return scene.SetMesh(id, moved(scene.GetMeshes().at(id)));
-    if (scene.GetLights().contains(id)) return scene.SetLight(id, moved(scene.GetLights().at(id)));
-    if (scene.GetInstancers().contains(id)) return scene.SetInstancer(id, moved(scene.GetInstancers().at(id)));
-    scene.SetCamera(id, moved(copy_of(scene.GetCameras(), id, "mesh, light, instancer or camera")));
+AlabasterStatus scene_set(AlabasterScene* handle, const char* path, const char* kind, const AlabasterParameter* fields,
+                          size_t count) {
+  return with_fields(handle, path, {fields, count}, [&](auto* scene, const Path& id, const host::Fields& read) {
+    return host::SetPrim(scene, id, Token(&required(kind, "kind")), read);
   });
 }
 
-AlabasterStatus set_visible(AlabasterScene* handle, const char* path, int32_t visible) {
-  return on_prim(handle, path, [&](RetainedSceneDelegate& scene, const Path& id) {
-    const auto shown = [&](auto description) {
-      description.visible = visible != 0;
-      return description;
-    };
-    if (scene.GetMeshes().contains(id)) return scene.SetMesh(id, shown(scene.GetMeshes().at(id)));
-    scene.SetLight(id, shown(copy_of(scene.GetLights(), id, "mesh or light")));
+AlabasterStatus scene_edit(AlabasterScene* handle, const char* path, const AlabasterParameter* fields, size_t count) {
+  return with_fields(handle, path, {fields, count}, [](auto* scene, const Path& id, const host::Fields& read) {
+    return host::EditPrim(scene, id, read);
   });
 }
 
-AlabasterStatus bind_material(AlabasterScene* handle, const char* path, const char* material) {
-  return on_prim(handle, path, [&](RetainedSceneDelegate& scene, const Path& id) {
-    host::MeshDescription mesh = copy_of(scene.GetMeshes(), id, "mesh");
-    mesh.material = Path(text_or(material, ""));
-    scene.SetMesh(id, std::move(mesh));
-  });
-}
-
-AlabasterStatus set_instancer(AlabasterScene* handle, const char* path, const AlabasterInstancer* instancer) {
-  return on_prim_with(
-      instancer, handle, path, [&](const Path&, ValueReader& reader) { return read_instancer(instancer, reader); },
-      [](RetainedSceneDelegate& scene, const Path& id, auto made) { scene.SetInstancer(id, std::move(made)); });
-}
-
-AlabasterStatus set_instance_values(AlabasterScene* handle, const char* path, const AlabasterPrimvar* values,
-                                    size_t first) {
-  const auto set = [&](RetainedSceneDelegate& scene, const Path& id, const host::MeshDescription& one) {
-    const auto& [name, primvar] = *one.primvars.begin();
-    const auto found = scene.GetInstancers().find(id);
-    if (found == scene.GetInstancers().end()) throw Failure(ALABASTER_NOT_FOUND, "there is no instancer " + id.str());
+AlabasterStatus scene_set_instances(AlabasterScene* handle, const char* path, const char* primvar, size_t first,
+                                    const AlabasterValue* values) {
+  return guarded([&] {
+    ValueReader reader(values);
+    const std::shared_ptr<SceneData> data = required(handle, "scene").data;
+    const Path id(&required(path, "path"));
+    const Token name(&required(primvar, "primvar"));
+    const Value read = reader.value(required(values, "values"), primvar);
+    reader.take();
+    const SceneLock lock(*data);
+    const auto found = data->scene.GetInstancers().find(id);
+    if (found == data->scene.GetInstancers().end())
+      throw Failure(ALABASTER_NOT_FOUND, "there is no instancer " + id.str());
     if (!found->second.primvars.contains(name))
       throw Failure(ALABASTER_NOT_FOUND, "the instancer " + id.str() + " has no primvar " + name.str());
-    if (!one.primvarSamples.empty())
-      throw bad_argument("'" + name.str() + "': single instances take no motion; set it with the instancer");
-    if (!scene.SetInstanceValues(id, name, first, primvar.value))
+    if (!data->scene.SetInstanceValues(id, name, first, read))
       throw bad_argument("the values of " + name.str() + " are of another type than the instancer's or beyond its end");
-  };
-  return on_prim_with(
-      values, handle, path, [&](const Path&, ValueReader& reader) { return read_one(values, "values", reader); }, set);
-}
-
-AlabasterStatus set_material(AlabasterScene* handle, const char* path, const AlabasterMaterial* material) {
-  return on_prim_with(
-      material, handle, path, [&](const Path& id, ValueReader& reader) { return read_material(id, material, reader); },
-      [](RetainedSceneDelegate& scene, const Path& id, auto made) { scene.SetMaterial(id, std::move(made)); });
-}
-
-AlabasterStatus set_light(AlabasterScene* handle, const char* path, const AlabasterLight* light) {
-  return on_prim_with(
-      light, handle, path, [&](const Path&, ValueReader& reader) { return read_light(light, reader); },
-      [](RetainedSceneDelegate& scene, const Path& id, auto made) { scene.SetLight(id, std::move(made)); });
-}
-
-AlabasterStatus set_camera(AlabasterScene* handle, const char* path, const AlabasterCamera* camera) {
-  return on_prim_with(
-      camera, handle, path, [&](const Path&, ValueReader& reader) { return read_camera(camera, reader); },
-      [](RetainedSceneDelegate& scene, const Path& id, auto made) { scene.SetCamera(id, std::move(made)); });
-}
-
-AlabasterStatus set_render_settings(AlabasterScene* handle, const char* path, const AlabasterRenderSettings* settings) {
-  return on_prim_with(
-      settings, handle, path, [&](const Path&, ValueReader& reader) { return read_render_settings(settings, reader); },
-      [](RetainedSceneDelegate& scene, const Path& id, auto made) { scene.SetRenderSettings(id, std::move(made)); });
-}
-
-namespace {
-
-template <class Map>
-void put(Map& map, const std::string& key, const Value& value) {
-  if (value.empty())
-    map.erase(key);
-  else
-    map[key] = value;
-}
-
-void put_in_network(MaterialNetwork& network, const Path& id, const std::string& key, const Value& value) {
-  const size_t dot = key.find('.');
-  const auto node = dot == std::string::npos ? network.nodes.end() : network.nodes.find(id.append(key.substr(0, dot)));
-  if (node == network.nodes.end())
-    throw Failure(ALABASTER_NOT_FOUND, "material " + id.str() + " has no node for '" + key + "': name node.parameter");
-  put(node->second.parameters, key.substr(dot + 1), value);
-}
-
-}  // namespace
-
-AlabasterStatus set_parameter(AlabasterScene* handle, const char* path, const char* name, const AlabasterValue* in) {
-  const auto set = [&](RetainedSceneDelegate& scene, const Path& id, const Value& value) {
-    const std::string key = name;
-    if (scene.GetLights().contains(id)) {
-      auto light = scene.GetLights().at(id);
-      put(light.parameters, key, value);
-      scene.SetLight(id, std::move(light));
-    } else if (scene.GetCameras().contains(id)) {
-      auto camera = scene.GetCameras().at(id);
-      put(camera.parameters, key, value);
-      scene.SetCamera(id, std::move(camera));
-    } else if (scene.GetAllRenderSettings().contains(id)) {
-      auto settings = scene.GetAllRenderSettings().at(id);
-      refuse_retired({{key, value}});
-      put(settings.settings, key, value);
-      scene.SetRenderSettings(id, std::move(settings));
-    } else {
-      auto network = copy_of(scene.GetMaterials(), id, "light, camera, material or render settings");
-      put_in_network(network, id, key, value);
-      scene.SetMaterial(id, std::move(network));
-    }
-  };
-  return on_prim_with(
-      in, handle, path,
-      [&](const Path&, ValueReader& reader) { return reader.value(required(in, "value"), &required(name, "name")); },
-      set);
+  });
 }
 
 AlabasterStatus get_prims(AlabasterScene* handle, AlabasterVisit visit, void* user) {

@@ -9,12 +9,8 @@ static_assert(int(Format::unorm8) == ALABASTER_UNORM8 && int(Format::float16) ==
               int(Format::int32) == ALABASTER_INT32);
 static_assert(int(PassState::idle) == ALABASTER_IDLE && int(PassState::stopped) == ALABASTER_STOPPED &&
               int(PassState::failed) == ALABASTER_FAILED);
-static_assert(int(Interpolation::constant) == ALABASTER_CONSTANT && int(Interpolation::vertex) == ALABASTER_VERTEX &&
-              int(Interpolation::instance) == ALABASTER_INSTANCE);
 static_assert(int(WindowPolicy::matchVertically) == ALABASTER_MATCH_VERTICALLY &&
               int(WindowPolicy::dontConform) == ALABASTER_DONT_CONFORM);
-static_assert(int(CullStyle::back) == ALABASTER_CULL_BACK &&
-              int(CullStyle::frontUnlessDoubleSided) == ALABASTER_CULL_FRONT_UNLESS_DOUBLE_SIDED);
 static_assert(int(Severity::info) == ALABASTER_INFO && int(Severity::error) == ALABASTER_ERROR);
 
 extern "C" const AlabasterApi* alabaster_api(uint32_t version) {
@@ -27,17 +23,9 @@ extern "C" const AlabasterApi* alabaster_api(uint32_t version) {
                                    c_api::scene_load,
                                    c_api::scene_clear,
                                    c_api::remove_prim,
-                                   c_api::set_mesh,
-                                   c_api::set_primvar,
-                                   c_api::set_transform,
-                                   c_api::set_visible,
-                                   c_api::bind_material,
-                                   c_api::set_instancer,
-                                   c_api::set_material,
-                                   c_api::set_light,
-                                   c_api::set_camera,
-                                   c_api::set_render_settings,
-                                   c_api::set_parameter,
+                                   c_api::scene_set,
+                                   c_api::scene_edit,
+                                   c_api::scene_set_instances,
                                    c_api::get_prims,
                                    c_api::delegate_create,
                                    c_api::delegate_destroy,
@@ -72,7 +60,6 @@ extern "C" const AlabasterApi* alabaster_api(uint32_t version) {
                                    c_api::buffer_show,
                                    c_api::pick,
                                    c_api::snapshot,
-                                   c_api::set_instance_values,
                                    c_api::scene_write};
-  return version >= 1 && version <= ALABASTER_API_VERSION ? &api : nullptr;
+  return version == ALABASTER_API_VERSION ? &api : nullptr;
 }

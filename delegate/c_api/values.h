@@ -4,6 +4,7 @@
 #include <deque>
 
 #include "delegate/c_api/handles.h"
+#include "delegate/host/scene_fields.h"
 
 namespace alabaster::hd::c_api {
 
@@ -28,16 +29,9 @@ class ValueReader {
 
   /// `name` is that of messages.
   Value value(const AlabasterValue& in, const char* name);
-  Array<int32_t> ints(const AlabasterValue& in, const char* name) { return array<int32_t>(in, name); }
-  Array<float> floats(const AlabasterValue& in, const char* name) { return array<float>(in, name); }
-  std::vector<Token> tokens(const AlabasterValue& in, const char* name) {
-    const Array<Token> names = array<Token>(in, name);
-    return {names.begin(), names.end()};
-  }
-  std::map<Token, Value> parameters(const ParameterList& in, const char* name);
+  std::vector<Token> tokens(const AlabasterValue& in, const char* name);
+  host::Fields fields(const ParameterList& in);
   Dictionary dictionary(const ParameterList& in, const char* name);
-  TimeSamples<Matrix4d> transforms(const AlabasterMotion& motion);
-  TimeSamples<Value> samples(const AlabasterMotion& motion);
   /// All that `given` lends has been read.
   void take();
 
@@ -52,17 +46,12 @@ class ValueReader {
   template <class T>
   static void give_back_all(const void* given);
   std::shared_ptr<const void> borrow(const AlabasterValue& in);
-  template <class T>
-  Array<T> array(const AlabasterValue& in, const char* name);
+  Value samples(const AlabasterValue& in, const char* name);
 
   const void* given_;
   void (*give_back_)(const void*);
   std::vector<std::shared_ptr<Loan>> loans_;
 };
-
-Matrix4d matrix_of(const double* matrix);  // null: identity
-/// The name of a `what` ("parameter"): null and "" throw bad_argument().
-std::string name_of(const char* name, const char* what);
 
 /// A value of ours as hosts read it; it must outlive this.
 class ValueView {
@@ -74,10 +63,10 @@ class ValueView {
 
  private:
   AlabasterValue view_{};
-  uint8_t bool_ = 0;
   std::vector<const char*> texts_;
   std::deque<ValueView> inner_;
   std::vector<AlabasterParameter> entries_;
+  std::vector<AlabasterSample> samples_;
 };
 
 void visit_dictionary(const Dictionary& values, AlabasterVisit visit, void* user);

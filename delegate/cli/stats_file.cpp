@@ -41,26 +41,17 @@ json lines_of(const std::string& paragraph) {
 }  // namespace
 
 json value_to_json(const hd::Value& value) {
-  return std::visit(
-      [&](const auto& held) -> json {
-        using T = std::decay_t<decltype(held)>;
-        if constexpr (std::is_same_v<T, std::monostate>) {
-          return nullptr;
-        } else if constexpr (std::is_same_v<T, float>) {
-          return shortest(held);
-        } else if constexpr (std::is_arithmetic_v<T>) {
-          return held;
-        } else if constexpr (std::is_same_v<T, std::string>) {
-          return held;
-        } else if constexpr (std::is_same_v<T, hd::Token> || std::is_same_v<T, hd::Path>) {
-          return held.str();
-        } else if constexpr (std::is_same_v<T, std::shared_ptr<const hd::Dictionary>>) {
-          return held ? dictionary_to_json(*held) : json();
-        } else {
-          return value.to_string();
-        }
-      },
-      value.storage());
+  if (value.empty()) return nullptr;
+  if (const auto* held = value.get<std::shared_ptr<const hd::Dictionary>>())
+    return *held ? dictionary_to_json(**held) : json();
+  if (const auto* number = value.get<float>()) return shortest(*number);
+  if (const auto* flag = value.get<bool>()) return *flag;
+  if (const auto* number = value.get<double>()) return *number;
+  if (const auto* number = value.get<int32_t>()) return *number;
+  if (const auto* number = value.get<uint32_t>()) return *number;
+  if (const auto* number = value.get<int64_t>()) return *number;
+  if (value.get<hd::AssetPath>()) return value.to_string();
+  return value.text_or(value.to_string());
 }
 
 void RunStats::add_load(double wall, double cpu) {

@@ -27,46 +27,49 @@ bool fail(const DiagnosticSink& sink, const char* code, const std::string& where
 // ---- attributes -----------------------------------------------------------------------------------------------------
 
 /// The value in the type that EXR has for it, or as text if it has none.
-struct AttributeValue {
-  const Value& value;
-  using Result = decltype(ImageAttribute::value);
-
-  template <size_t kSize, class T, class V>
-  static std::array<T, kSize> array(const V& v) {
-    std::array<T, kSize> result;
-    std::copy_n(v.getValue(), kSize, result.begin());
-    return result;
+decltype(ImageAttribute::value) attribute_value(const Value& value) {
+  const auto at = [&](size_t i) { return static_cast<float>(value.component(i)); };
+  const auto whole = [&](size_t i) { return static_cast<int>(value.component(i)); };
+  if (value.is_array()) return value.to_string();
+  switch (value.type()) {
+    case ALABASTER_FLOAT:
+      return at(0);
+    case ALABASTER_DOUBLE:
+      return value.component(0);
+    case ALABASTER_FLOAT2:
+      return std::array{at(0), at(1)};
+    case ALABASTER_FLOAT3:
+      return std::array{at(0), at(1), at(2)};
+    case ALABASTER_INT2:
+      return std::array{whole(0), whole(1)};
+    case ALABASTER_INT3:
+      return std::array{whole(0), whole(1), whole(2)};
+    case ALABASTER_MATRIX: {
+      std::array<double, 16> numbers{};
+      for (size_t i = 0; i < numbers.size(); ++i) numbers[i] = value.component(i);
+      return numbers;
+    }
+    case ALABASTER_BOOL:
+    case ALABASTER_INT:
+    case ALABASTER_INT64:
+    case ALABASTER_UINT:
+      if (const double number = value.component(0); number >= INT_MIN && number <= INT_MAX) return whole(0);
+      return value.to_string();
+    case ALABASTER_TOKEN:
+    case ALABASTER_STRING:
+    case ALABASTER_PATH:
+      return value.text_or("");
+    default:
+      return value.to_string();
   }
-  static Result integer(int64_t v) {
-    if (v >= INT_MIN && v <= INT_MAX) return int(v);
-    return std::to_string(v);
-  }
-  Result operator()(bool v) const { return int(v); }
-  Result operator()(int32_t v) const { return integer(v); }
-  Result operator()(int64_t v) const { return integer(v); }
-  Result operator()(uint32_t v) const { return integer(v); }
-  Result operator()(float v) const { return v; }
-  Result operator()(double v) const { return v; }
-  Result operator()(const Vec2f& v) const { return array<2, float>(v); }
-  Result operator()(const Vec3f& v) const { return array<3, float>(v); }
-  Result operator()(const Vec2i& v) const { return array<2, int>(v); }
-  Result operator()(const Vec3i& v) const { return array<3, int>(v); }
-  Result operator()(const Matrix4d& v) const { return array<16, double>(v); }
-  Result operator()(const Token& v) const { return v.str(); }
-  Result operator()(const std::string& v) const { return v; }
-  Result operator()(const Path& v) const { return v.str(); }
-  template <class T>
-  Result operator()(const T&) const {
-    return value.to_string();
-  }
-};
+}
 
 std::vector<ImageAttribute> attributes_of(const ProductImage& image, const OutputTransform& out) {
   std::vector<ImageAttribute> attributes;
   for (const auto& [key, value] : image.metadata) {
     if (key.starts_with("oiio:") || value.empty()) continue;       // directions to OpenImageIO are not the host's
     const std::string name = key == "capDate" ? "DateTime" : key;  // OpenImageIO's name for EXR's attribute
-    attributes.push_back({name, std::visit(AttributeValue{value}, value.storage())});
+    attributes.push_back({name, attribute_value(value)});
   }
   attributes.push_back({"colorSpace", out.description});
   if (image.incomplete) attributes.push_back({"alabaster/incomplete", 1});

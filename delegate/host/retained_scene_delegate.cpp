@@ -3,84 +3,10 @@
 #include <algorithm>
 
 #include "delegate/host/array_turns.h"
+#include "delegate/host/scene_fields.h"
 
 namespace alabaster::hd::host {
 namespace {
-
-const PrimvarValue* find_primvar(const MeshDescription& mesh, const Token& name) {
-  const auto found = mesh.primvars.find(name);
-  return found == mesh.primvars.end() ? nullptr : &found->second;
-}
-
-bool same_primvar(const MeshDescription& a, const MeshDescription& b, const Token& name) {
-  const PrimvarValue *x = find_primvar(a, name), *y = find_primvar(b, name);
-  return x && y ? *x == *y : x == y;
-}
-
-bool same_primvars_but(const MeshDescription& a, const MeshDescription& b, const Token& left_out) {
-  auto others = [&](const MeshDescription& mesh) { return mesh.primvars.size() - mesh.primvars.count(left_out); };
-  if (others(a) != others(b)) return false;
-  for (const auto& [name, value] : a.primvars)
-    if (!(name == left_out) && !same_primvar(a, b, name)) return false;
-  return true;
-}
-
-template <class T>
-bool transform_differs(const T& a, const T& b) {
-  return a.transform != b.transform || !(a.transformSamples == b.transformSamples);
-}
-
-DirtyBits difference(const MeshDescription& a, const MeshDescription& b) {
-  DirtyBits bits = dirty::kClean;
-  if (!(a.topology == b.topology)) bits |= dirty::kTopology;
-  if (!(a.subdivTags == b.subdivTags)) bits |= dirty::kSubdivTags;
-  if (!(a.displayStyle == b.displayStyle)) bits |= dirty::kDisplayStyle;
-  if (!same_primvar(a, b, "points") || !(a.primvarSamples == b.primvarSamples)) bits |= dirty::kPoints;
-  if (!same_primvar(a, b, "normals")) bits |= dirty::kNormals | dirty::kPrimvar;
-  if (!same_primvars_but(a, b, "points")) bits |= dirty::kPrimvar;
-  if (transform_differs(a, b)) bits |= dirty::kTransform;
-  if (a.visible != b.visible) bits |= dirty::kVisibility;
-  if (a.doubleSided != b.doubleSided) bits |= dirty::kDoubleSided;
-  if (!(a.renderTag == b.renderTag)) bits |= dirty::kRenderTag;
-  if (!(a.categories == b.categories)) bits |= dirty::kCategories;
-  if (a.cullStyle != b.cullStyle) bits |= dirty::kCullStyle;
-  if (!(a.material == b.material)) bits |= dirty::kMaterialId;
-  if (!(a.instancer == b.instancer)) bits |= dirty::kInstancer | dirty::kInstanceIndex;
-  return bits;
-}
-
-DirtyBits difference(const InstancerDescription& a, const InstancerDescription& b) {
-  DirtyBits bits = dirty::kClean;
-  if (transform_differs(a, b)) bits |= dirty::kTransform;
-  if (!(a.primvars == b.primvars) || !(a.primvarSamples == b.primvarSamples)) bits |= dirty::kPrimvar;
-  if (!(a.parent == b.parent)) bits |= dirty::kInstancer | dirty::kInstanceIndex;
-  if (!(a.categories == b.categories)) bits |= dirty::kCategories;
-  return bits;
-}
-
-DirtyBits difference(const MaterialNetwork& a, const MaterialNetwork& b) {
-  return a == b ? dirty::kClean : dirty::kResource | dirty::kParams;
-}
-
-template <class T>  // LightDescription, CameraDescription
-DirtyBits parameter_difference(const T& a, const T& b) {
-  DirtyBits bits = dirty::kClean;
-  if (a.transform != b.transform) bits |= dirty::kTransform;
-  if (!(a.parameters == b.parameters)) bits |= dirty::kParams | dirty::kResource;
-  return bits;
-}
-DirtyBits difference(const LightDescription& a, const LightDescription& b) {
-  return parameter_difference(a, b) | (a.visible != b.visible ? dirty::kVisibility : dirty::kClean);
-}
-DirtyBits difference(const CameraDescription& a, const CameraDescription& b) {
-  return parameter_difference(a, b) | (transform_differs(a, b) ? dirty::kTransform : dirty::kClean);
-}
-DirtyBits difference(const RenderBufferDescriptor& a, const RenderBufferDescriptor& b) {
-  return a == b ? dirty::kClean : dirty::kDescription;
-}
-DirtyBits difference(const RenderSettingsDescription& a, const RenderSettingsDescription& b) {
-  return a == b ? dirty::kClean : dirty::kParams;
-}
 
 template <class Map>
 auto find(const Map& map, const typename Map::key_type& id) -> const typename Map::mapped_type* {
@@ -89,15 +15,16 @@ auto find(const Map& map, const typename Map::key_type& id) -> const typename Ma
 }
 
 template <class Map>
-typename Map::mapped_type get(const Map& map, const Path& id) {
-  const auto* found = find(map, id);
+typename Map::mapped_type get(const Map& map, const typename Map::key_type& key) {
+  const auto* found = find(map, key);
   return found ? *found : typename Map::mapped_type{};
 }
 
-Value parameter(const std::map<Token, Value>* parameters, const Token& name) {
-  if (!parameters) return {};
-  const auto found = parameters->find(name);
-  return found == parameters->end() ? Value() : found->second;
+/// A member of the prim of that path; without one, the member's default.
+template <class T, class Member>
+Member member_of(const std::map<Path, T>& prims, const Path& id, Member T::*member) {
+  const T* prim = find(prims, id);
+  return prim ? prim->*member : T().*member;
 }
 
 }  // namespace
@@ -308,56 +235,37 @@ void RetainedSceneDelegate::Depopulate() {
 }
 
 MeshTopology RetainedSceneDelegate::GetMeshTopology(const Path& id) {
-  const auto* mesh = find(state_->meshes, id);
-  return mesh ? mesh->topology : MeshTopology();
+  return member_of(state_->meshes, id, &MeshDescription::topology);
 }
-
 SubdivTags RetainedSceneDelegate::GetSubdivTags(const Path& id) {
-  const auto* mesh = find(state_->meshes, id);
-  return mesh ? mesh->subdivTags : SubdivTags();
+  return member_of(state_->meshes, id, &MeshDescription::subdivTags);
 }
-
 DisplayStyle RetainedSceneDelegate::GetDisplayStyle(const Path& id) {
-  const auto* mesh = find(state_->meshes, id);
-  return mesh ? mesh->displayStyle : DisplayStyle();
+  return member_of(state_->meshes, id, &MeshDescription::displayStyle);
 }
-
 Matrix4d RetainedSceneDelegate::GetTransform(const Path& id) {
-  if (const auto* mesh = find(state_->meshes, id)) return mesh->transform;
   if (const auto* light = find(state_->lights, id)) return light->transform;
   if (const auto* camera = find(state_->cameras, id)) return camera->transform;
-  return {};
+  return member_of(state_->meshes, id, &MeshDescription::transform);
 }
-
 bool RetainedSceneDelegate::GetVisible(const Path& id) {
   if (const auto* light = find(state_->lights, id)) return light->visible;
-  const auto* mesh = find(state_->meshes, id);
-  return !mesh || mesh->visible;
+  return member_of(state_->meshes, id, &MeshDescription::visible);
 }
-
 bool RetainedSceneDelegate::GetDoubleSided(const Path& id) {
-  const auto* mesh = find(state_->meshes, id);
-  return !mesh || mesh->doubleSided;
+  return member_of(state_->meshes, id, &MeshDescription::doubleSided);
 }
-
 CullStyle RetainedSceneDelegate::GetCullStyle(const Path& id) {
-  const auto* mesh = find(state_->meshes, id);
-  return mesh ? mesh->cullStyle : CullStyle::dontCare;
+  return member_of(state_->meshes, id, &MeshDescription::cullStyle);
 }
-
 Token RetainedSceneDelegate::GetRenderTag(const Path& id) {
-  const auto* mesh = find(state_->meshes, id);
-  return mesh ? mesh->renderTag : Token("geometry");
+  return member_of(state_->meshes, id, &MeshDescription::renderTag);
 }
-
 std::vector<Token> RetainedSceneDelegate::GetCategories(const Path& id) {
-  const auto* mesh = find(state_->meshes, id);
-  return mesh ? mesh->categories : std::vector<Token>();
+  return member_of(state_->meshes, id, &MeshDescription::categories);
 }
-
 Path RetainedSceneDelegate::GetMaterialId(const Path& id) {
-  const auto* mesh = find(state_->meshes, id);
-  return mesh ? mesh->material : Path();
+  return member_of(state_->meshes, id, &MeshDescription::material);
 }
 
 std::vector<PrimvarDescriptor> RetainedSceneDelegate::GetPrimvarDescriptors(const Path& id) {
@@ -373,74 +281,56 @@ std::vector<PrimvarDescriptor> RetainedSceneDelegate::GetPrimvarDescriptors(cons
 
 Value RetainedSceneDelegate::GetPrimvar(const Path& id, const Token& name, Array<int32_t>* indices) {
   if (indices) *indices = {};
-  if (const auto* instancer = find(state_->instancers, id)) return parameter(&instancer->primvars, name);
+  if (const auto* instancer = find(state_->instancers, id)) return get(instancer->primvars, name);
   const auto* mesh = find(state_->meshes, id);
-  const PrimvarValue* primvar = mesh ? find_primvar(*mesh, name) : nullptr;
+  const PrimvarValue* primvar = mesh ? find(mesh->primvars, name) : nullptr;
   if (!primvar) return {};
   if (indices) *indices = primvar->indices;
   return primvar->value;
 }
 
-Path RetainedSceneDelegate::GetInstancerId(const Path& primId) {
-  if (const auto* mesh = find(state_->meshes, primId)) return mesh->instancer;
-  const auto* instancer = find(state_->instancers, primId);
-  return instancer ? instancer->parent : Path();
-}
-
-Matrix4d RetainedSceneDelegate::GetInstancerTransform(const Path& instancerId) {
-  const auto* instancer = find(state_->instancers, instancerId);
-  return instancer ? instancer->transform : Matrix4d();
-}
-
 TimeSamples<Matrix4d> RetainedSceneDelegate::SampleTransform(const Path& id) {
-  if (const auto* mesh = find(state_->meshes, id)) return mesh->transformSamples;
-  const auto* camera = find(state_->cameras, id);
-  return camera ? camera->transformSamples : TimeSamples<Matrix4d>();
+  if (const auto* camera = find(state_->cameras, id)) return camera->transformSamples;
+  return member_of(state_->meshes, id, &MeshDescription::transformSamples);
 }
-
 TimeSamples<Value> RetainedSceneDelegate::SamplePrimvar(const Path& id, const Token& name) {
-  const auto sampled = [&](const auto* prim) {
-    const auto found = prim->primvarSamples.find(name);
-    return found == prim->primvarSamples.end() ? TimeSamples<Value>() : found->second;
-  };
-  if (const auto* mesh = find(state_->meshes, id)) return sampled(mesh);
-  const auto* instancer = find(state_->instancers, id);
-  return instancer ? sampled(instancer) : TimeSamples<Value>();
+  if (const auto* instancer = find(state_->instancers, id)) return get(instancer->primvarSamples, name);
+  const auto* mesh = find(state_->meshes, id);
+  return mesh ? get(mesh->primvarSamples, name) : TimeSamples<Value>();
+}
+TimeSamples<Matrix4d> RetainedSceneDelegate::SampleInstancerTransform(const Path& id) {
+  return member_of(state_->instancers, id, &InstancerDescription::transformSamples);
 }
 
-TimeSamples<Matrix4d> RetainedSceneDelegate::SampleInstancerTransform(const Path& instancerId) {
-  const auto* instancer = find(state_->instancers, instancerId);
-  return instancer ? instancer->transformSamples : TimeSamples<Matrix4d>();
+Path RetainedSceneDelegate::GetInstancerId(const Path& id) {
+  if (const auto* instancer = find(state_->instancers, id)) return instancer->parent;
+  return member_of(state_->meshes, id, &MeshDescription::instancer);
 }
-
+Matrix4d RetainedSceneDelegate::GetInstancerTransform(const Path& id) {
+  return member_of(state_->instancers, id, &InstancerDescription::transform);
+}
 Array<int32_t> RetainedSceneDelegate::GetInstanceIndices(const Path& instancerId, const Path& prototypeId) {
   const auto* instancer = find(state_->instancers, instancerId);
   return instancer ? get(instancer->indices, prototypeId) : Array<int32_t>();
 }
-
-std::vector<std::vector<Token>> RetainedSceneDelegate::GetInstanceCategories(const Path& instancerId) {
-  const auto* instancer = find(state_->instancers, instancerId);
-  return instancer ? instancer->categories : std::vector<std::vector<Token>>();
+std::vector<std::vector<Token>> RetainedSceneDelegate::GetInstanceCategories(const Path& id) {
+  return member_of(state_->instancers, id, &InstancerDescription::categories);
 }
 
 MaterialNetwork RetainedSceneDelegate::GetMaterialResource(const Path& id) {
   return get(state_->materials, id);
 }
-
 Value RetainedSceneDelegate::GetLightParamValue(const Path& id, const Token& name) {
   const auto* light = find(state_->lights, id);
-  return parameter(light ? &light->parameters : nullptr, name);
+  return light ? get(light->parameters, name) : Value();
 }
-
 Value RetainedSceneDelegate::GetCameraParamValue(const Path& id, const Token& name) {
   const auto* camera = find(state_->cameras, id);
-  return parameter(camera ? &camera->parameters : nullptr, name);
+  return camera ? get(camera->parameters, name) : Value();
 }
-
 RenderBufferDescriptor RetainedSceneDelegate::GetRenderBufferDescriptor(const Path& id) {
   return get(state_->buffers, id);
 }
-
 RenderSettingsDescription RetainedSceneDelegate::GetRenderSettings(const Path& id) {
   return get(state_->settings, id);
 }

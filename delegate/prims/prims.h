@@ -77,10 +77,6 @@ class MaterialPrim final : public RecordedPrim<Sprim> {
   const std::shared_ptr<KnownFaults> faults_ = std::make_shared<KnownFaults>();  // of the builder's thread
 };
 
-/// Prim types of lights, in the order of LightType.
-inline constexpr const char* kLightTypes[] = {"rectLight", "sphereLight", "distantLight",
-                                              "domeLight", "diskLight",   "cylinderLight"};
-
 struct LightFiles;
 
 class LightPrim final : public RecordedPrim<Sprim> {

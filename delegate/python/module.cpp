@@ -1,5 +1,5 @@
 // The module's names as Python sees them. delegate/python/alabaster/__init__.pyi has their types.
-#include "delegate/python/objects.h"
+#include "delegate/python/fields.h"
 
 namespace alabaster::python {
 
@@ -62,6 +62,34 @@ py::class_<Scene> add_files(py::module_& module) {
   return scene;
 }
 
+void add_fields_of_prims(py::class_<Scene>& scene) {
+  scene
+      .def(
+          "set",
+          [](Scene& s, const PrimPath& path, const Text& kind, const py::object& names, const py::kwargs& options) {
+            door::Parameters fields;
+            if (!names.is_none()) add_fields(names, "fields", &fields);
+            add_fields(options, "fields", &fields);
+            s.set_fields(path, kind, fields);
+          },
+          py::call_guard<FreeReturned>(), py::arg("path"), py::arg("kind"), py::arg("fields") = py::none(),
+          "Makes a prim of any kind, or replaces the one of that path: set('/m', 'mesh', {'primvars:points': points, "
+          "'primvars:st:interpolation': 'faceVarying'}, face_vertex_counts=counts, double_sided=False). Fields that "
+          "are not given have their defaults. Names are those of alabaster_types.h; as arguments, doubleSided is "
+          "double_sided. A pair of texts is a connection of a material's input. An unknown name is an error that "
+          "names the nearest.")
+      .def(
+          "edit",
+          [](Scene& s, const PrimPath& path, const py::object& names, const py::kwargs& options) {
+            door::Parameters fields;
+            if (!names.is_none()) add_fields(names, "fields", &fields);
+            add_fields(options, "fields", &fields);
+            s.edit_fields(path, fields);
+          },
+          py::call_guard<FreeReturned>(), py::arg("path"), py::arg("fields") = py::none(),
+          "Changes the given fields of a prim: edit('/key', intensity=3). None sets a field's default.");
+}
+
 void add_meshes(py::class_<Scene>& scene) {
   scene
       .def(
@@ -85,25 +113,19 @@ void add_meshes(py::class_<Scene>& scene) {
       .def(
           "set_transform",
           [](Scene& s, const PrimPath& path, const py::object& transform) {
-            const std::array<double, 16> placed = matrix(transform, "transform");
-            s.run([&](const AlabasterApi& api, AlabasterScene* h) {
-              return api.set_transform(h, path.c_str(), placed.data());
-            });
+            s.edit_fields(path, {{"transform", Value(matrix(transform, "transform"))}});
           },
           py::arg("path"), py::arg("transform"), "Moves a mesh, light, camera or instancer.")
       .def(
           "set_visible",
           [](Scene& s, const PrimPath& path, bool visible) {
-            s.run(
-                [&](const AlabasterApi& api, AlabasterScene* h) { return api.set_visible(h, path.c_str(), visible); });
+            s.edit_fields(path, {{"visible", Value(visible)}});
           },
           py::arg("path"), py::arg("visible"), "Shows or hides a mesh or light.")
       .def(
           "bind_material",
           [](Scene& s, const PrimPath& mesh, const Text& material) {
-            s.run([&](const AlabasterApi& api, AlabasterScene* h) {
-              return api.bind_material(h, mesh.c_str(), material.c_str());
-            });
+            s.edit_fields(mesh, {{"material", Value(material)}});
           },
           py::arg("mesh"), py::arg("material"), "Gives a mesh a material.");
 }
@@ -163,12 +185,9 @@ void add_settings(py::class_<Scene>& scene) {
       .def(
           "set_parameter",
           [](Scene& s, const PrimPath& path, const Text& name, const py::object& value) {
-            const size_t dot = name.rfind('.');
-            const Value held = parameter(value, dot == std::string::npos ? name : Text(name, dot + 1));
-            const AlabasterValue raw = held.pass();
-            s.run([&](const AlabasterApi& api, AlabasterScene* h) {
-              return api.set_parameter(h, path.c_str(), name.c_str(), &raw);
-            });
+            door::Parameters fields;
+            add_field(name, value, name, &fields);
+            s.edit_fields(path, fields);
           },
           py::call_guard<FreeReturned>(), py::arg("path"), py::arg("name"), py::arg("value"),
           "Changes one parameter of a light, a camera or render settings, or 'node.parameter' of a material "
@@ -180,6 +199,7 @@ void add_settings(py::class_<Scene>& scene) {
 void add_scene(py::module_& module) {
   add_primvar(module);
   py::class_<Scene> scene = add_files(module);
+  add_fields_of_prims(scene);
   add_meshes(scene);
   add_looks(scene);
   add_settings(scene);

@@ -79,6 +79,8 @@ class Scene : public NeverImplicit {
   py::dict load(const py::object& file, const py::dict& options);
   void write(const py::object& file, const py::object& overrides, const py::kwargs& frame);
   py::dict prims();
+  void set_fields(const std::string& path, const std::string& kind, const door::Parameters& fields);
+  void edit_fields(const std::string& path, const door::Parameters& fields);
   void set_mesh(const std::string& path, const py::object& points, const py::object& indices, const py::object& counts,
                 const py::dict& options);
   void set_primvar(const PrimPath& mesh, const Text& name, const py::object& values, const Text& interpolation);
@@ -168,13 +170,13 @@ struct FrameOptions {
   std::vector<std::string> aovs = {"color"};
   int32_t width = 0, height = 0;
   std::string camera, settings;
-  std::optional<Camera> free_camera;  // in the place of `camera`
+  door::Parameters free_camera;  // fields, in the place of `camera`; empty: none
   Tokens render_tags, roots, excluded;
   AlabasterRect window{};
   double pixel_aspect = 0;
 
   /// For one call, to which it gives what is lent. The frame points at `held`.
-  AlabasterFrame pass(AlabasterCamera* held) const;
+  AlabasterFrame pass(std::vector<AlabasterParameter>* held) const;
 };
 
 /// Changes of what is given; other names are an error.

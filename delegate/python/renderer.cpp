@@ -106,14 +106,15 @@ py::buffer_info Pixels::info() const {
 }
 
 // Renders ------------------------------------------------------------------------------------------
-AlabasterFrame FrameOptions::pass(AlabasterCamera* held) const {
+AlabasterFrame FrameOptions::pass(std::vector<AlabasterParameter>* held) const {
   auto frame = door::sized<AlabasterFrame>();
   frame.settings = door::or_null(settings);
   frame.camera = door::or_null(camera);
   frame.width = width, frame.height = height;
   frame.window = window;
   frame.pixel_aspect = pixel_aspect;
-  if (free_camera) *held = free_camera->pass(), frame.free_camera = held;
+  *held = door::pass(free_camera);
+  frame.free_camera = held->data(), frame.free_camera_count = held->size();
   frame.render_tags = render_tags.pass();
   frame.roots = roots.pass(), frame.excluded = excluded.pass();
   return frame;
@@ -163,7 +164,7 @@ AlabasterStatus Render::start(const AlabasterApi& api, const FrameOptions& next)
   AlabasterDelegate* delegate = engine_->delegate.get();
   std::vector<int32_t> formats;
   if (const AlabasterStatus status = formats_of(api, delegate, next.aovs, &formats)) return status;
-  auto camera = door::sized<AlabasterCamera>();
+  std::vector<AlabasterParameter> camera;
   AlabasterFrame frame = next.pass(&camera);
   int32_t width = 0, height = 0;
   if (const AlabasterStatus status = api.frame_size(delegate, &frame, &width, &height)) return status;

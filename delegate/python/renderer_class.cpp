@@ -3,7 +3,7 @@
 #include <cstdlib>
 #include <exception>
 
-#include "delegate/python/objects.h"
+#include "delegate/python/fields.h"
 
 namespace alabaster::python {
 namespace {
@@ -232,12 +232,14 @@ py::list Renderer::record(const py::args& files, const Text& settings, const py:
 
 void set_camera(FrameChanges& changes, py::handle value) {
   if (PyDict_Check(value.ptr())) {
-    changes.push_back([camera = Camera(value)](FrameOptions& o) { o.camera.clear(), o.free_camera = camera; });
+    door::Parameters fields = camera_fields(value);
+    if (fields.empty()) fields.emplace_back("transform", Value());  // a camera of defaults
+    changes.push_back([fields](FrameOptions& o) { o.camera.clear(), o.free_camera = fields; });
     return;
   }
   if (!value.is_none() && !PyUnicode_Check(value.ptr())) throw wrong_type("camera", "a path or a dict", value);
   changes.push_back(
-      [path = text_or_none(value, "camera")](FrameOptions& o) { o.camera = path, o.free_camera.reset(); });
+      [path = text_or_none(value, "camera")](FrameOptions& o) { o.camera = path, o.free_camera.clear(); });
 }
 
 /// False: there is no such option of texts.

@@ -26,37 +26,4 @@ class Tokens {
   mutable std::vector<const char*> raw_;
 };
 
-/// Values at times in frames: [(time, value), ...]. None: no motion.
-class Motion {
- public:
-  Motion() = default;
-  /// Arrays of elements of `type`.
-  static Motion of_arrays(py::handle samples, int32_t type, const std::string& name);
-  static Motion of_transforms(py::handle samples, const std::string& name);
-  /// For one call, during which this lives.
-  AlabasterMotion pass() const;
-
- private:
-  std::vector<double> times_;
-  std::vector<Value> values_;
-  mutable std::vector<AlabasterValue> raw_;
-
-  template <class Read>
-  static Motion read(py::handle samples, const std::string& name, const Read& value_of);
-};
-
-class Camera {
- public:
-  /// transform, motion, and parameters by name.
-  explicit Camera(py::handle options);
-  /// For one call, during which this lives.
-  AlabasterCamera pass() const;
-
- private:
-  std::array<double, 16> transform_{};
-  Motion motion_;
-  door::Parameters parameters_;
-  mutable std::vector<AlabasterParameter> raw_;
-};
-
 }  // namespace alabaster::python

@@ -239,12 +239,6 @@ size_t count_of(size_t numbers, size_t components, const std::string& name) {
   return numbers / components;
 }
 
-Value planes(py::handle values, const std::string& name) {
-  std::vector<double> numbers = numbers_of<double>(values, name);
-  count_of(numbers.size(), 4, name);
-  return Value::of(ALABASTER_FLOAT4, floats(numbers), 4);
-}
-
 std::vector<size_t> shape_within(py::handle values, const std::string& name, int depth) {
   if (is_characters(values)) throw wrong_type(name, "numbers", values);
   if (depth > kMostNested) throw py::value_error(name + ": lists are nested too deeply");
@@ -354,11 +348,16 @@ Value numbers_parameter(py::handle value, const std::string& name) {
       return Value(read);
     }
   }
-  throw py::value_error(name + " has " + std::to_string(numbers.size()) +
-                        " numbers; a parameter has 1 to 4, or 16 of a matrix");
+  return array_by_shape(value, name);
 }
 
 }  // namespace
+
+Value planes(py::handle values, const std::string& name) {
+  std::vector<double> numbers = numbers_of<double>(values, name);
+  count_of(numbers.size(), 4, name);
+  return Value::of(ALABASTER_FLOAT4, floats(numbers), 4);
+}
 
 Value parameter(py::handle value, const std::string& name) {
   if (value.is_none()) return {};
@@ -369,7 +368,7 @@ Value parameter(py::handle value, const std::string& name) {
   if (is_text(value)) return Value(file_name(value, name));
   if (!PySequence_Check(value.ptr()) && PyNumber_Check(value.ptr()) == 0 && PyObject_CheckBuffer(value.ptr()) == 0)
     throw wrong_type(name, "None, a bool, number, text, up to four numbers or a matrix", value);
-  return name == "clipPlanes" ? planes(value, name) : numbers_parameter(value, name);
+  return numbers_parameter(value, name);
 }
 
 door::Parameters parameters(py::handle values, const std::string& name) {

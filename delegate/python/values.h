@@ -10,8 +10,10 @@ using door::Value;
 
 // `name` is that of the argument, for errors.
 
-/// A parameter: None, bool, int, float, str or path, two to four numbers, a 4 x 4 matrix, or clipPlanes (n, 4).
+/// A parameter: None, bool, int, float, str or path, two to four numbers, a 4 x 4 matrix, or an array.
 Value parameter(py::handle value, const std::string& name);
+/// Four numbers each.
+Value planes(py::handle values, const std::string& name);
 door::Parameters parameters(py::handle values, const std::string& name);
 
 /// Elements of `type` (ALABASTER_INT, FLOAT, FLOAT2, ..., MATRIX) from an array or nested sequences. An array of

@@ -22,7 +22,7 @@ const std::vector<Token>& RenderDelegateImpl::GetSupportedRprimTypes() const {
 const std::vector<Token>& RenderDelegateImpl::GetSupportedSprimTypes() const {
   static const std::vector<Token> types = [] {
     std::vector<Token> all{"camera", "material"};
-    all.insert(all.end(), std::begin(prims::kLightTypes), std::end(prims::kLightTypes));
+    all.insert(all.end(), std::begin(kLightTypes), std::end(kLightTypes));
     return all;
   }();
   return types;
@@ -43,8 +43,8 @@ Sprim* RenderDelegateImpl::CreateSprim(const Token& type, const Path& id) {
   return answer<Sprim*>("CreateSprim", [&](Sprim*& prim) {
     if (type == Token("camera")) prim = new prims::CameraPrim(id);
     if (type == Token("material")) prim = new prims::MaterialPrim(id);
-    for (size_t i = 0; i < std::size(prims::kLightTypes); ++i)
-      if (type == Token(prims::kLightTypes[i])) prim = new prims::LightPrim(id, static_cast<LightType>(i));
+    for (size_t i = 0; i < std::size(kLightTypes); ++i)
+      if (type == Token(kLightTypes[i])) prim = new prims::LightPrim(id, static_cast<LightType>(i));
   });
 }
 

@@ -5,14 +5,14 @@
 
 #include "core/material/disney_transmissive_bsdf.h"
 #include "core/material/energy_model.h"
-#include "delegate/prims/parameters.h"
+#include "delegate/support/parameters.h"
 #include "testenv/extremes/rows.h"
 #include "testenv/support/chi_square.h"
 
 namespace alabaster::testing {
 namespace {
 
-using hd::prims::set_parameter;
+using hd::support::set_parameter;
 
 struct NamedValue {
   const char* name;

@@ -103,21 +103,32 @@ class Host final : CallArguments {
     const auto array = [](int32_t type, const void* data, size_t count) {
       return AlabasterValue{type, 1, data, count, nullptr, nullptr};
     };
-    const AlabasterPrimvar points = {"points", nullptr, ALABASTER_VERTEX, array(ALABASTER_FLOAT3, kCorners, 4), {}, {}};
-    AlabasterMesh mesh = {};
-    mesh.size = sizeof mesh;
-    mesh.face_vertex_counts = array(ALABASTER_INT, kCounts, 1);
-    mesh.face_vertex_indices = array(ALABASTER_INT, kIndices, 4);
-    mesh.primvars = &points, mesh.primvar_count = 1;
-    check(api().set_mesh(scene_, "/mesh", &mesh));
-    const AlabasterLight dome = {sizeof dome, "domeLight", nullptr, nullptr, 0, 0};
-    check(api().set_light(scene_, "/dome", &dome));
-    const AlabasterCamera camera = {sizeof camera, kAway, nullptr, 0, {}};
-    check(api().set_camera(scene_, "/camera", &camera));
+    const auto scalar = [](int32_t type, const void* data) {
+      return AlabasterValue{type, 0, data, 1, nullptr, nullptr};
+    };
+    const auto set = [&](const char* path, const char* kind, const std::vector<AlabasterParameter>& fields) {
+      const AlabasterStatus status = api().scene_set(scene_, path, kind, fields.data(), fields.size());
+      if (status != ALABASTER_OK) broken(std::string("the stage can be set: ") + api().last_error());
+    };
+    set("/mesh", "mesh",
+        {{"faceVertexCounts", array(ALABASTER_INT, kCounts, 1)},
+         {"faceVertexIndices", array(ALABASTER_INT, kIndices, 4)},
+         {"primvars:points", array(ALABASTER_FLOAT3, kCorners, 4)}});
+    set("/many", "instancer",
+        {{"primvars:hydra:instanceTranslations", array(ALABASTER_FLOAT3, kCorners, 4)},
+         {"prototypes:/mesh", array(ALABASTER_INT, kIndices, 4)}});
+    set("/wax", "material",
+        {{"surface.type", scalar(ALABASTER_TOKEN, "AlabasterDisney")},
+         {"image.type", scalar(ALABASTER_TOKEN, "AlabasterTexture")}});
+    set("/lamp", "sphereLight", {});
+    set("/dome", "domeLight", {});
+    set("/camera", "camera", {{"transform", scalar(ALABASTER_MATRIX, kAway)}});
     static constexpr int32_t kSamples = 1;
-    static constexpr AlabasterParameter kSettings[] = {{"samples", {ALABASTER_INT, 0, &kSamples, 1, nullptr, nullptr}}};
-    const AlabasterRenderSettings settings = {sizeof settings, "/camera", kSide, kSide, 0, {}, 0, kSettings, 1};
-    check(api().set_render_settings(scene_, "/settings", &settings));
+    set("/settings", "renderSettings",
+        {{"camera", scalar(ALABASTER_PATH, "/camera")},
+         {"width", scalar(ALABASTER_INT, &kSide)},
+         {"height", scalar(ALABASTER_INT, &kSide)},
+         {"samples", scalar(ALABASTER_INT, &kSamples)}});
   }
 
   void step() {
@@ -132,70 +143,33 @@ class Host final : CallArguments {
         return check(call_pass());
     }
   }
+  /// Sets a prim by fields of its kind; now and then by those of another.
   AlabasterStatus set_prim() {
-    AlabasterScene* const scene = or_null(scene_);
-    const char* const path = text();
-    switch (in_.choice(6)) {
-      case 0: {
-        const auto made = mesh();
-        return api().set_mesh(scene, path, &made);
-      }
-      case 1: {
-        const auto made = instancer();
-        return api().set_instancer(scene, path, &made);
-      }
-      case 2: {
-        auto made = sized<AlabasterMaterial>();
-        const auto [first, count] = parameters();
-        const AlabasterConnection connection = {text(), text(), text()};
-        const auto [connections, connected] = items(&connection, 1);
-        const AlabasterNode node = {text(), text(), first, count, connections, connected};
-        made.nodes = &node, made.node_count = 1;
-        made.surface = text();
-        return api().set_material(scene, path, &made);
-      }
-      case 3: {
-        auto made = sized<AlabasterLight>();
-        made.type = text(), made.transform = matrix();
-        std::tie(made.parameters, made.parameter_count) = parameters();
-        return api().set_light(scene, path, &made);
-      }
-      case 4: {
-        const auto made = camera();
-        return api().set_camera(scene, path, &made);
-      }
-      default: {
-        auto made = sized<AlabasterRenderSettings>();
-        made.camera = text(), made.width = made.height = kSide;
-        std::tie(made.settings, made.setting_count) = parameters();
-        return api().set_render_settings(scene, path, &made);
-      }
-    }
+    const Kind& kind = kKinds[in_.choice(static_cast<int>(std::size(kKinds)))];
+    const auto [first, count] = fields(kind.fields);
+    return api().scene_set(or_null(scene_), text(), in_.choice(8) == 7 ? text() : kind.name, first, count);
   }
   AlabasterStatus edit_prim() {
     AlabasterScene* const scene = or_null(scene_);
-    switch (in_.choice(9)) {
-      case 0: {
-        const auto made = primvar();
-        return api().set_primvar(scene, text(), &made);
-      }
+    switch (in_.choice(8)) {
+      case 0:
       case 1:
-        return api().set_transform(scene, text(), matrix());
       case 2:
-        return api().set_visible(scene, text(), in_.byte());
-      case 3:
-        return api().bind_material(scene, text(), text());
+      case 3: {
+        const int kind = in_.choice(static_cast<int>(std::size(kKinds)));
+        const auto [first, count] = fields(kKinds[kind].fields);
+        return api().scene_edit(scene, in_.choice(4) == 3 ? text() : kPaths[kind], first, count);
+      }
       case 4: {
-        const auto made = primvar();
-        return api().set_instance_values(scene, text(), &made, static_cast<size_t>(in_.choice(9)));
+        const auto first = static_cast<size_t>(in_.choice(9));
+        const char* const primvar = in_.choice(4) == 3 ? text() : "hydra:instanceTranslations";
+        if (in_.choice(8) == 7) return api().scene_set_instances(scene, text(), primvar, first, nullptr);
+        const auto made = in_.flag() ? value() : lent_or_not(of_type(ALABASTER_FLOAT3, ALABASTER_ARRAY));
+        return api().scene_set_instances(scene, in_.choice(4) == 3 ? text() : "/many", primvar, first, &made);
       }
-      case 5: {
-        const auto made = value();
-        return api().set_parameter(scene, text(), text(), &made);
-      }
-      case 6:
+      case 5:
         return api().remove(scene, text());
-      case 7:
+      case 6:
         return api().get_prims(scene, or_null(&Host::visit), this);
       default:
         if (in_.choice(4) == 3) check(api().scene_clear(scene_)), add_stage();
@@ -306,6 +280,7 @@ class Host final : CallArguments {
     }
   }
 
+  static constexpr const char* kPaths[] = {"/mesh", "/many", "/wax", "/lamp", "/camera", "/settings"};  // of kKinds
   AlabasterScene* scene_ = nullptr;
   std::atomic<AlabasterScene*> spare_{nullptr};  // a callback may destroy it
   AlabasterDelegate* delegate_ = nullptr;

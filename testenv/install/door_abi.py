@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Compares the C door with that of the last release: programs that were built against it must run with this one.
+"""Compares the C interface with that of the last release: programs that were built against it must run with this one.
 
   door_abi.py HEADER DUMP           fails if anything changed but by additions at the end
   door_abi.py HEADER DUMP --write   writes the dump, at a release
@@ -29,7 +29,9 @@ MEMBER = re.compile(r"'.*', at offset (\d+) \(in bits\)")
 def compile_header(header, folder):
     library = pathlib.Path(folder) / "door.so"
     source = PROGRAM.format(header=pathlib.Path(header).resolve())
-    subprocess.run(["cc", "-std=c99", "-g", "-fPIC", "-shared", "-x", "c", "-", "-o", library], input=source, text=True, check=True)
+    root = pathlib.Path(__file__).resolve().parents[2]  # value_type.h is found from there
+    subprocess.run(["cc", "-std=c99", "-g", "-fPIC", "-shared", f"-I{root}", "-x", "c", "-", "-o", library], input=source, text=True,
+                   check=True)
     return library
 
 
@@ -96,9 +98,9 @@ def main():
         return 0
     wrong = compare(arguments.header, arguments.dump)
     for line in wrong:
-        print("error: the C door has changed: " + line, file=sys.stderr)
+        print("error: the C interface has changed: " + line, file=sys.stderr)
     if not wrong:
-        print("the C door is that of the last release, or has additions at its end")
+        print("the C interface is that of the last release, or has additions at its end")
     return 1 if wrong else 0
 
 

@@ -24,13 +24,13 @@ class DoorAbi(unittest.TestCase):
 
     def test_additions_at_the_end_pass(self):
         self.assertEqual(self.changes(r"^} AlabasterApi;", "  int (*more)(void);\n} AlabasterApi;"), [])
-        self.assertEqual(self.changes(r"^} AlabasterMesh;", "  int32_t more, still_more;\n} AlabasterMesh;"), [])
+        self.assertEqual(self.changes(r"^} AlabasterFrame;", "  int32_t more, still_more;\n} AlabasterFrame;"), [])
 
     def test_everything_else_is_found(self):
         for pattern, replacement in [
                 (r"^  AlabasterStatus \(\*scene_clear\)", r"  int (*more)(void);\n\g<0>"),  # in the middle
                 (r"(\(\*scene_clear\)\(AlabasterScene\*)\)", r"\1, int32_t all)"),  # an argument
-                (r"^  int32_t invisible;.*\n", ""),
+                (r"^  int32_t window_policy;.*\n", ""),
                 (r"^  double fraction;", "  float fraction;"),
                 (r"^} AlabasterParameter;", "  int32_t more;\n} AlabasterParameter;")]:  # stands in arrays
             self.assertNotEqual(self.changes(pattern, replacement), [], pattern)

@@ -32,31 +32,38 @@ static void release(void* owner) {
   ++released;
 }
 
+static AlabasterValue array(int32_t type, const void* data, size_t count) {
+  AlabasterValue value = {0};
+  value.type = type;
+  value.is_array = ALABASTER_ARRAY;
+  value.data = data;
+  value.count = count;
+  return value;
+}
+
 /* A quad whose points are lent: the library reads them where they lie, and gives them back. */
 static void add_quad(AlabasterScene* scene) {
   static const int32_t counts[] = {4}, indices[] = {0, 1, 2, 3};
   static const float corners[] = {-1, -1, 0, 1, -1, 0, 1, 1, 0, -1, 1, 0};
+  static const uint8_t off = 0;
+  AlabasterParameter fields[3] = {{"faceVertexCounts"}, {"faceVertexIndices"}, {"primvars:points"}};
+  AlabasterParameter hidden = {"visible"}, misspelt = {"visble"};
   float* points = malloc(sizeof corners);
-  AlabasterPrimvar primvar = {"points", "point", ALABASTER_VERTEX, {0}, {0}, {0}};
-  AlabasterMesh mesh = {sizeof mesh};
   memcpy(points, corners, sizeof corners);
-  primvar.value.type = ALABASTER_FLOAT3;
-  primvar.value.is_array = 1;
-  primvar.value.data = points;
-  primvar.value.count = 4;
-  primvar.value.release = release;
-  primvar.value.owner = points;
-  mesh.face_vertex_counts.type = ALABASTER_INT;
-  mesh.face_vertex_counts.is_array = 1;
-  mesh.face_vertex_counts.data = counts;
-  mesh.face_vertex_counts.count = 1;
-  mesh.face_vertex_indices.type = ALABASTER_INT;
-  mesh.face_vertex_indices.is_array = 1;
-  mesh.face_vertex_indices.data = indices;
-  mesh.face_vertex_indices.count = 4;
-  mesh.primvars = &primvar;
-  mesh.primvar_count = 1;
-  check(api->set_mesh(scene, "/quad", &mesh), "set_mesh");
+  fields[0].value = array(ALABASTER_INT, counts, 1);
+  fields[1].value = array(ALABASTER_INT, indices, 4);
+  fields[2].value = array(ALABASTER_FLOAT3, points, 4);
+  fields[2].value.release = release;
+  fields[2].value.owner = points;
+  check(api->scene_set(scene, "/quad", "mesh", fields, 3), "scene_set");
+  hidden.value.type = misspelt.value.type = ALABASTER_BOOL;
+  hidden.value.data = misspelt.value.data = &off;
+  hidden.value.count = misspelt.value.count = 1;
+  demand(api->scene_edit(scene, "/quad", &misspelt, 1) == ALABASTER_INVALID_ARGUMENT, "an unknown field was set");
+  demand(strstr(api->last_error(), "did you mean 'visible'") != NULL, "the error does not name the nearest field");
+  check(api->scene_edit(scene, "/quad", &hidden, 1), "scene_edit");
+  hidden.value.type = ALABASTER_NONE; /* the default: visible */
+  check(api->scene_edit(scene, "/quad", &hidden, 1), "scene_edit");
 }
 
 static void render(AlabasterPass* pass, AlabasterBuffer* color, float* pixels) {

@@ -1,5 +1,5 @@
-// A host in C++17 that sees nothing but the C door: a mesh whose points it lends, a material, a light, a camera; two
-// AOVs; a written scene.
+// A host in C++17 that sees nothing but the C interface: a mesh whose points it lends, a material, a light, a camera;
+// two AOVs; a written scene.
 #include <alabaster/alabaster.hpp>
 #include <cstdio>
 
@@ -10,37 +10,28 @@ namespace {
 constexpr int kSide = 16;
 
 void add_mesh(const Scene& scene, const std::shared_ptr<const std::vector<float>>& points) {
-  const Value counts = Value::of<int32_t>(ALABASTER_INT, {4}),
-              indices = Value::of<int32_t>(ALABASTER_INT, {0, 1, 2, 3});
-  const Value lent = Value::lend(ALABASTER_FLOAT3, points, points->data(), points->size() / 3);
-  const AlabasterPrimvar primvar = {"points", "point", ALABASTER_VERTEX, lent.pass(), {}, {}};
-  auto mesh = sized<AlabasterMesh>();
-  mesh.face_vertex_counts = counts.pass();
-  mesh.face_vertex_indices = indices.pass();
-  mesh.primvars = &primvar, mesh.primvar_count = 1;
-  mesh.material = "/wax";
-  check(api().set_mesh(scene.get(), "/square", &mesh));
+  set(scene, "/square", "mesh",
+      {{"faceVertexCounts", Value::of<int32_t>(ALABASTER_INT, {4})},
+       {"faceVertexIndices", Value::of<int32_t>(ALABASTER_INT, {0, 1, 2, 3})},
+       {"primvars:points", Value::lend(ALABASTER_FLOAT3, points, points->data(), points->size() / 3)},
+       {"primvars:points:role", "point"},
+       {"categories", Value::tokens({"lit"})},
+       {"material", Value::path("/wax")}});
 }
 
 void add_rest(const Scene& scene) {
-  const Parameters wax = {{"baseColor", std::array<float, 3>{0.9f, 0.6f, 0.3f}}};
-  const auto parameters = pass(wax);
-  const AlabasterNode node = {"surface", "AlabasterDisney", parameters.data(), parameters.size(), nullptr, 0};
-  auto material = sized<AlabasterMaterial>();
-  material.nodes = &node, material.node_count = 1;
-  check(api().set_material(scene.get(), "/wax", &material));
-
-  auto dome = sized<AlabasterLight>();
-  dome.type = "domeLight";
-  check(api().set_light(scene.get(), "/dome", &dome));
-
-  const Parameters lens = {{"focalLength", 0.05f}, {"horizontalAperture", 0.036f}, {"verticalAperture", 0.036f}};
-  const auto raw = pass(lens);
-  const double away[16] = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 6, 1};
-  auto camera = sized<AlabasterCamera>();
-  camera.transform = away;
-  camera.parameters = raw.data(), camera.parameter_count = raw.size();
-  check(api().set_camera(scene.get(), "/camera", &camera));
+  set(scene, "/wax", "material",
+      {{"surface.type", "AlabasterDisney"}, {"surface.baseColor", std::array<float, 3>{0.9f, 0.6f, 0.3f}}});
+  set(scene, "/dome", "domeLight", {{"lightLink", "lit"}});
+  // Samples of a camera that stands still.
+  const std::array<double, 16> away = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 5, 1};
+  set(scene, "/camera", "camera",
+      {{"focalLength", 0.05f},
+       {"horizontalAperture", 0.036f},
+       {"verticalAperture", 0.036f},
+       {"transform:samples", Value::samples({{0, away}, {1, away}})}});
+  const std::array<double, 16> further = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 6, 1};
+  edit(scene, "/camera", {{"transform", further}});
 }
 
 }  // namespace

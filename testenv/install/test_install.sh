@@ -56,12 +56,12 @@ CMAKE
   cmake --build "$scratch/$1/build"
 }
 
-# The C door: a host in C99 without any other header.
+# The C interface: a host in C99 without any other header.
 make_host c C host.c -Wno-missing-field-initializers
 "$scratch/c/build/host" "$scratch/scene.json" "$scratch/host_c.pfm"
 oiiotool "$scratch/program.exr" --ch R,G,B "$scratch/host_c.pfm" --fail 0 --warn 0 --diff
 
-# A host in C++17 on the same door, and one in Python.
+# A host in C++17 on the same interface, and one in Python.
 make_host cpp17 CXX host.cpp ""
 "$scratch/cpp17/build/host" "$scratch/written.json"
 "$scratch/prefix/bin/alabaster" check "$scratch/written.json" --quiet

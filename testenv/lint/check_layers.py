@@ -31,8 +31,8 @@ DELEGATE_ROOMS = {  # room -> the rooms of delegate that it may include besides 
 CORE_SEEN_BY = {  # room of delegate -> the rooms of core that it may include
     "prims": CORE_ROOMS,
     "rendering": CORE_ROOMS,
-    "support": ["files"],
-    "host": ["color", "film", "files", "images", "math"],
+    "support": ["color", "files", "parameter"],
+    "host": ["camera", "color", "film", "files", "images", "light", "material", "math", "session"],
     "c_api": ["math"],
     "gltf": ["files", "images", "material", "math", "memory", "subsurface", "texture"],
     "description": ["files", "math", "memory", "texture"],

@@ -12,6 +12,12 @@ import numpy
 
 from . import colors
 
+
+def uv_primvar(layer):
+    """The primvar of a UV map. Its last colon keeps a map's name, such as "indices", from being the suffix of a field."""
+    return f"uv:{layer}:"
+
+
 _folder = None
 _numbers = itertools.count()  # a file that is written again has another name, so that the renderer reads it
 _written = {}  # what has been written, by the image's name and purpose: (stamp, file)

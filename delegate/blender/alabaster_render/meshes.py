@@ -4,6 +4,8 @@ from typing import NamedTuple
 import bpy
 import numpy
 
+from . import images
+
 KINDS = {"MESH", "CURVE", "SURFACE", "FONT", "META"}
 CORNER_NORMALS = bpy.app.version >= (4, 1, 0)  # meshes know their normals; before, they had to be computed
 LAST_BITS = 1e-5  # of the components of a normal: no two normals of a vertex are as close
@@ -171,7 +173,7 @@ def texture_coordinates(mesh, wanted):
     """st, of the map that is active for rendering, and those that materials name."""
     made = {}
     for layer in mesh.uv_layers:
-        names = ["st"] * layer.active_render + [f"uv:{layer.name}"] * (layer.name in wanted.maps)
+        names = ["st"] * layer.active_render + [images.uv_primvar(layer.name)] * (layer.name in wanted.maps)
         if names:
             values = array(layer.data, "uv", numpy.float32, 2)
             made.update({name: Primvar(values, "faceVarying", role="textureCoordinate") for name in names})

@@ -1,5 +1,5 @@
 """Shader nodes as parameters of schemas/disney_material.json."""
-from . import disney_group, principled
+from . import disney_group, images, principled
 from .sockets import ONE, Source, Texture, Value
 
 BLACK = {"baseColor": (0.0, 0.0, 0.0), "specular": 0.0}
@@ -53,7 +53,7 @@ def relief(reader, source, surface, into="normal"):
             return
         parameters = dict(value.textures[0].parameters)
         if node.uv_map and "st" not in parameters:
-            parameters["st"] = f"uv:{node.uv_map}"
+            parameters["st"] = images.uv_primvar(node.uv_map)
         texture = Texture(parameters, "rgb", (2 * strength, 2 * strength, 2.0), (-strength, -strength, -1.0))
         surface[into] = [(reader.node(texture), "rgb")]
     elif node.type == "BUMP" and into == "normal":

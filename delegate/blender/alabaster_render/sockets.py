@@ -230,9 +230,9 @@ def placement(reader, source, of):
 def _placement(reader, source, of):
     node = source.node
     if node.type == "UVMAP":
-        return {"st": f"uv:{node.uv_map}"} if node.uv_map else {}
+        return {"st": images.uv_primvar(node.uv_map)} if node.uv_map else {}
     if node.type == "ATTRIBUTE":
-        return {"st": f"uv:{node.attribute_name}"}
+        return {"st": images.uv_primvar(node.attribute_name)}
     if node.type == "TEX_COORD" and source.output.name == "UV":
         return {}
     if node.type == "MAPPING":

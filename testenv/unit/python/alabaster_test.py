@@ -475,7 +475,7 @@ class Errors(unittest.TestCase):
                       lambda: alabaster.Renderer(square()).render(width=-1, height=8, aovs=["nothing"])]:
             with self.assertRaises((ValueError, LookupError)):
                 wrong()
-        with self.assertRaisesRegex(TypeError, "sise"):
+        with self.assertRaisesRegex(alabaster.ArgumentError, "no field 'sise'"):
             scene.set_mesh("/a", CORNERS, [0, 1, 2], sise=3)
         with self.assertRaisesRegex(alabaster.ArgumentError, "another delegate"):
             first, second = alabaster.Renderer(scene), alabaster.Renderer(scene)

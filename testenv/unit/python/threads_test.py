@@ -70,6 +70,8 @@ class Objects:
             "write": lambda: scene.write(self.file),
             "prims": lambda: scene.prims,
             "remove": lambda: scene.remove("/gone"),
+            "set prim": lambda: scene.set("/lamp", "sphereLight", radius=self.random.random()),
+            "edit": lambda: scene.edit("/dome", intensity=self.random.random()),
             "set_mesh": lambda: scene.set_mesh("/square", self.points, [[0, 1, 2, 3]], material="/wax"),
             "set_primvar": lambda: scene.set_primvar("/square", "x", self.points, "constant"),
             "set_transform": lambda: scene.set_transform("/square", moved(self.random.random())),

@@ -17,10 +17,7 @@ namespace {
 
 class DoorCallbacks : public Door {
  protected:
-  DoorCallbacks() {
-    const AlabasterRenderSettings settings = {sizeof settings, "/camera", kSide, kSide, 0, {}, 0, nullptr, 0};
-    EXPECT_EQ(api().set_render_settings(scene_, "/settings", &settings), ALABASTER_OK);
-  }
+  DoorCallbacks() { EXPECT_EQ(set_settings(), ALABASTER_OK); }
   ~DoorCallbacks() override { std::filesystem::remove(file_); }
 
   /// Records, and calls `once` in the first call of the progress callback.
@@ -87,8 +84,7 @@ TEST_F(DoorCallbacks, EverythingElseMayBeCalledInARecord) {
               EXPECT_EQ(api().pass_create(delegate_, &pass), ALABASTER_OK);
               api().pass_destroy(pass);
               // At the path of the recording's buffer, as it was once.
-              const AlabasterLight light = {sizeof light, "sphereLight", nullptr, nullptr, 0, 0};
-              EXPECT_EQ(api().set_light(scene_, "/settings/buffer_color", &light), ALABASTER_OK);
+              EXPECT_EQ(set(scene_, "/settings/buffer_color", "sphereLight"), ALABASTER_OK);
             }),
             ALABASTER_OK)
       << api().last_error();
@@ -172,7 +168,7 @@ TEST_F(DoorCallbacks, VisitsHoldNoLock) {
       {"record", [&](Visited* to) { return api().record(delegate_, &recorded, visit, to); }}};
   for (const auto& [name, call] : calls) {
     Visited visited;
-    visited.call = [&] { return api().set_visible(scene_, "/quad", 1); };
+    visited.call = [&] { return edit(scene_, "/quad", {{"visible", flag(1)}}); };
     EXPECT_EQ(call(&visited), ALABASTER_OK) << name << ": " << api().last_error();
     EXPECT_GT(visited.visits, 0) << name;
     EXPECT_TRUE(visited.returned) << name;
@@ -190,11 +186,10 @@ TEST_F(DoorCallbacks, WhatAReportDestroysGoesWithTheNextDestroy) {
   ASSERT_EQ(api().scene_create(report, &spare, &reports), ALABASTER_OK);
   ASSERT_EQ(api().scene_create(nullptr, nullptr, &spare), ALABASTER_OK);
   ASSERT_EQ(api().scene_create(nullptr, nullptr, &other), ALABASTER_OK);
-  static constexpr float kColor[] = {1, 1, 1, 0, 0, 0};
+  static constexpr float kPoints[] = {1, 1, 1, 0, 0, 0};
   int released = 0;
-  const AlabasterParameter lent = {"given", {ALABASTER_FLOAT3, 1, kColor, 2, count_release, &released}};
-  const AlabasterLight dome = {sizeof dome, "domeLight", nullptr, &lent, 1, 0};
-  ASSERT_EQ(api().set_light(spare, "/dome", &dome), ALABASTER_OK) << api().last_error();
+  const AlabasterValue lent = {ALABASTER_FLOAT3, ALABASTER_ARRAY, kPoints, 2, count_release, &released};
+  ASSERT_EQ(set(spare, "/a", "mesh", {{"primvars:points", lent}}), ALABASTER_OK) << api().last_error();
   EXPECT_EQ(api().scene_load(reports, "/nowhere/a.gltf", nullptr, nullptr), ALABASTER_INPUT_FAILED);
   EXPECT_EQ(spare, nullptr);
   EXPECT_EQ(released, 0);

@@ -1,4 +1,4 @@
-// Shared by tests of the C door: a quad under a dome, and calls in short.
+// Shared by tests of the C interface: a quad under a dome, and calls in short.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -16,14 +16,54 @@ inline const AlabasterApi& api() {
   return *alabaster_api(ALABASTER_API_VERSION);
 }
 
+// Values point at their arguments: temporaries last for the call that they are written in.
 inline AlabasterValue array(int32_t type, const void* data, size_t count) {
-  return {type, 1, data, count, nullptr, nullptr};
+  return {type, ALABASTER_ARRAY, data, count, nullptr, nullptr};
+}
+inline AlabasterValue scalar(int32_t type, const void* data) {
+  return {type, ALABASTER_SCALAR, data, 1, nullptr, nullptr};
 }
 inline AlabasterValue number(const float& value) {
-  return {ALABASTER_FLOAT, 0, &value, 1, nullptr, nullptr};
+  return scalar(ALABASTER_FLOAT, &value);
 }
 inline AlabasterValue whole(const int32_t& value) {
-  return {ALABASTER_INT, 0, &value, 1, nullptr, nullptr};
+  return scalar(ALABASTER_INT, &value);
+}
+inline AlabasterValue flag(const uint8_t& value) {
+  return scalar(ALABASTER_BOOL, &value);
+}
+inline AlabasterValue word(const char* text) {
+  return scalar(ALABASTER_TOKEN, text);
+}
+inline AlabasterValue path(const char* text) {
+  return scalar(ALABASTER_PATH, text);
+}
+inline AlabasterValue matrix(const double* rows) {
+  return scalar(ALABASTER_MATRIX, rows);
+}
+inline AlabasterValue matrix(const std::array<double, 16>& rows) {
+  return matrix(rows.data());
+}
+template <size_t kCount>
+AlabasterValue samples(const AlabasterSample (&all)[kCount]) {
+  return {ALABASTER_SAMPLES, ALABASTER_SCALAR, all, kCount, nullptr, nullptr};
+}
+
+/// A translation.
+inline std::array<double, 16> at(double x, double z = 0) {
+  return {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, x, 0, z, 1};
+}
+
+using Fields = std::vector<AlabasterParameter>;
+inline AlabasterStatus set(AlabasterScene* scene, const char* path, const char* kind, const Fields& fields = {}) {
+  return api().scene_set(scene, path, kind, fields.data(), fields.size());
+}
+inline AlabasterStatus edit(AlabasterScene* scene, const char* path, const Fields& fields) {
+  return api().scene_edit(scene, path, fields.data(), fields.size());
+}
+/// Last_error has the text.
+inline bool says(const char* text) {
+  return std::string(api().last_error()).find(text) != std::string::npos;
 }
 
 inline void count_release(void* owner) {
@@ -39,15 +79,8 @@ class Door : public ::testing::Test {
     const AlabasterDelegateOptions options = {sizeof options, &Door::hear, this, nullptr, 0};
     EXPECT_EQ(api().scene_create(&Door::hear, this, &scene_), ALABASTER_OK);
     set_quad({});
-    const AlabasterLight dome = {sizeof dome, "domeLight", nullptr, nullptr, 0, 0};
-    EXPECT_EQ(api().set_light(scene_, "/dome", &dome), ALABASTER_OK);
-    const float focal = 0.05f, aperture = 0.036f;
-    const AlabasterParameter lens[] = {{"focalLength", number(focal)},
-                                       {"horizontalAperture", number(aperture)},
-                                       {"verticalAperture", number(aperture)}};
-    const double away[16] = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 6, 1};
-    const AlabasterCamera camera = {sizeof camera, away, lens, 3, {}};
-    EXPECT_EQ(api().set_camera(scene_, "/camera", &camera), ALABASTER_OK);
+    EXPECT_EQ(set(scene_, "/dome", "domeLight"), ALABASTER_OK) << api().last_error();
+    EXPECT_EQ(set(scene_, "/camera", "camera", camera(at(0, 6))), ALABASTER_OK) << api().last_error();
     EXPECT_EQ(api().delegate_create(&options, scene_, &delegate_), ALABASTER_OK) << api().last_error();
     set_samples(4);
     EXPECT_EQ(api().buffer_create(delegate_, kSide, kSide, ALABASTER_FLOAT32_4, &color_), ALABASTER_OK);
@@ -64,18 +97,30 @@ class Door : public ::testing::Test {
     static_cast<Door*>(user)->heard_.push_back(diagnostic->code);
   }
 
-  AlabasterStatus set_quad(AlabasterValue points, const char* instancer = nullptr) {
+  /// A camera that sees the quad, if it stands in front of it.
+  static Fields camera(const std::array<double, 16>& place) {
+    static constexpr float kFocal = 0.05f, kAperture = 0.036f;
+    return {{"transform", matrix(place)},
+            {"focalLength", number(kFocal)},
+            {"horizontalAperture", number(kAperture)},
+            {"verticalAperture", number(kAperture)}};
+  }
+
+  AlabasterStatus set_quad(AlabasterValue points, const char* instancer = "") {
     static constexpr int32_t kCounts[] = {4}, kIndices[] = {0, 1, 2, 3};
     static constexpr float kCorners[] = {-1, -1, 0, 1, -1, 0, 1, 1, 0, -1, 1, 0};
     if (points.type == ALABASTER_NONE) points = array(ALABASTER_FLOAT3, kCorners, 4);
-    const AlabasterPrimvar primvar = {"points", nullptr, ALABASTER_VERTEX, points, {}, {}};
-    AlabasterMesh mesh = {};
-    mesh.size = sizeof mesh;
-    mesh.face_vertex_counts = array(ALABASTER_INT, kCounts, 1);
-    mesh.face_vertex_indices = array(ALABASTER_INT, kIndices, 4);
-    mesh.primvars = &primvar, mesh.primvar_count = 1;
-    mesh.material = "/wax", mesh.instancer = instancer;
-    return api().set_mesh(scene_, "/quad", &mesh);
+    return set(scene_, "/quad", "mesh",
+               {{"faceVertexCounts", array(ALABASTER_INT, kCounts, 1)},
+                {"faceVertexIndices", array(ALABASTER_INT, kIndices, 4)},
+                {"primvars:points", points},
+                {"material", path("/wax")},
+                {"instancer", path(instancer)}});
+  }
+
+  AlabasterStatus set_settings() {
+    return set(scene_, "/settings", "renderSettings",
+               {{"camera", path("/camera")}, {"width", whole(kSide)}, {"height", whole(kSide)}});
   }
 
   void set_samples(int32_t samples) {

@@ -94,7 +94,10 @@ TEST_F(DoorFork, AChildCannotUseWhatItsParentMade) {
         return api().buffer_map(color_, &pixels);
       },
       [&] { return api().scene_clear(scene_); },
-      [&] { return api().set_visible(scene_, "/quad", 0); },
+      [&] { return set(scene_, "/other", "mesh"); },
+      [&] {
+        return edit(scene_, "/quad", {{"visible", flag(0)}});
+      },
       [&] { return api().scene_write(scene_, "/gone/scene.json", nullptr, nullptr, 0); },
   };
   for (const auto& call : calls)
@@ -137,15 +140,17 @@ TEST_F(DoorFork, AChildCannotUseASceneThatAThreadWasUsing) {
     auto& it = *static_cast<Loading*>(user);
     std::thread([&] {
       it.status = status_of_child([&] {
-        const bool refused = api().set_visible(it.scene, "/quad", 1) == ALABASTER_INVALID_ARGUMENT;
+        const bool refused = edit(it.scene, "/quad", {{"visible", flag(1)}}) == ALABASTER_INVALID_ARGUMENT;
         api().scene_destroy(it.scene);
         return refused && std::string(api().last_error()).find("forked") != std::string::npos ? 7 : 8;
       });
     }).join();
   };
   ASSERT_EQ(api().scene_create(report, &loading, &loading.scene), ALABASTER_OK);
-  EXPECT_EQ(
-      status_of_child([&] { return api().set_visible(loading.scene, "/quad", 1) == ALABASTER_NOT_FOUND ? 7 : 8; }), 7);
+  EXPECT_EQ(status_of_child([&] {
+              return edit(loading.scene, "/quad", {{"visible", flag(1)}}) == ALABASTER_NOT_FOUND ? 7 : 8;
+            }),
+            7);
   EXPECT_EQ(api().scene_load(loading.scene, "/nowhere/a.gltf", nullptr, nullptr), ALABASTER_INPUT_FAILED);
   EXPECT_EQ(loading.status, 7);
   api().scene_destroy(loading.scene);
@@ -161,10 +166,10 @@ TEST_F(DoorFrame, ANegativeSizeIsRefused) {
   EXPECT_EQ(api().frame_size(delegate_, &frame, &width, &height), ALABASTER_INVALID_ARGUMENT);
   EXPECT_NE(std::string(api().last_error()).find("-5 x 8"), std::string::npos) << api().last_error();
   EXPECT_EQ(api().pass_start(pass_, &frame), ALABASTER_INVALID_ARGUMENT);
-  AlabasterRenderSettings settings = {};
-  settings.size = sizeof settings;
-  settings.height = -5;
-  EXPECT_EQ(api().set_render_settings(scene_, "/settings", &settings), ALABASTER_INVALID_ARGUMENT);
+  for (const int32_t wrong : {-5, 0, (1 << 20) + 1}) {
+    EXPECT_EQ(set(scene_, "/settings", "renderSettings", {{"height", whole(wrong)}}), ALABASTER_INVALID_ARGUMENT);
+    EXPECT_TRUE(says("'height' must be a whole number from 1 to 1048576")) << api().last_error();
+  }
 }
 
 TEST_F(DoorFrame, AnUnknownAovIsNamed) {

@@ -1,4 +1,4 @@
-// Edits of single instances through the C door.
+// Edits of single instances through the C interface.
 #include "testenv/unit/delegate/c_api/door_fixture.h"
 
 namespace alabaster::door_testing {
@@ -8,30 +8,39 @@ namespace {
 TEST_F(Door, OneInstanceIsEditedByItself) {
   const float places[] = {-9, 0, 0, 9, 0, 0}, middle[] = {0, 0, 0};
   const int32_t indices[] = {0, 1};
-  const AlabasterPrototype quads = {"/quad", array(ALABASTER_INT, indices, 2)};
-  const auto primvar = [](const char* name, AlabasterValue values) {
-    return AlabasterPrimvar{name, nullptr, ALABASTER_INSTANCE, values, {}, {}};
-  };
   const char* const kPlaces = "hydra:instanceTranslations";
-  const AlabasterPrimvar all = primvar(kPlaces, array(ALABASTER_FLOAT3, places, 2));
-  const AlabasterPrimvar one = primvar(kPlaces, array(ALABASTER_FLOAT3, middle, 1));
-  AlabasterInstancer many = {};
-  many.size = sizeof many;
-  many.primvars = &all, many.primvar_count = 1;
-  many.prototypes = &quads, many.prototype_count = 1;
-  ASSERT_EQ(api().set_instancer(scene_, "/many", &many), ALABASTER_OK) << api().last_error();
+  const AlabasterValue one = array(ALABASTER_FLOAT3, middle, 1);
+  ASSERT_EQ(set(scene_, "/many", "instancer",
+                {{"primvars:hydra:instanceTranslations", array(ALABASTER_FLOAT3, places, 2)},
+                 {"prototypes:/quad", array(ALABASTER_INT, indices, 2)}}),
+            ALABASTER_OK)
+      << api().last_error();
   ASSERT_EQ(set_quad({}, "/many"), ALABASTER_OK);
   EXPECT_EQ(centre(render())[3], 0);
-  ASSERT_EQ(api().set_instance_values(scene_, "/many", &one, 0), ALABASTER_OK) << api().last_error();
+  ASSERT_EQ(api().scene_set_instances(scene_, "/many", kPlaces, 0, &one), ALABASTER_OK) << api().last_error();
   EXPECT_EQ(centre(render())[3], 1);
 
-  EXPECT_EQ(api().set_instance_values(scene_, "/nobody", &one, 0), ALABASTER_NOT_FOUND);
-  const AlabasterPrimvar none = primvar("hydra:instanceScales", array(ALABASTER_FLOAT3, middle, 1));
-  EXPECT_EQ(api().set_instance_values(scene_, "/many", &none, 0), ALABASTER_NOT_FOUND);
-  EXPECT_EQ(api().set_instance_values(scene_, "/many", &one, 2), ALABASTER_INVALID_ARGUMENT);
-  const AlabasterPrimvar wrong = primvar(kPlaces, array(ALABASTER_FLOAT, middle, 1));
-  EXPECT_EQ(api().set_instance_values(scene_, "/many", &wrong, 0), ALABASTER_INVALID_ARGUMENT);
-  EXPECT_EQ(api().set_instance_values(scene_, "/many", nullptr, 0), ALABASTER_INVALID_ARGUMENT);
+  EXPECT_EQ(api().scene_set_instances(scene_, "/nobody", kPlaces, 0, &one), ALABASTER_NOT_FOUND);
+  EXPECT_EQ(api().scene_set_instances(scene_, "/quad", kPlaces, 0, &one), ALABASTER_NOT_FOUND) << "no instancer";
+  EXPECT_EQ(api().scene_set_instances(scene_, "/many", "hydra:instanceScales", 0, &one), ALABASTER_NOT_FOUND);
+  EXPECT_EQ(api().scene_set_instances(scene_, "/many", kPlaces, 2, &one), ALABASTER_INVALID_ARGUMENT);
+  EXPECT_EQ(api().scene_set_instances(scene_, "/many", kPlaces, ~size_t(0), &one), ALABASTER_INVALID_ARGUMENT);
+  const AlabasterValue wrong = array(ALABASTER_FLOAT, middle, 1);
+  EXPECT_EQ(api().scene_set_instances(scene_, "/many", kPlaces, 0, &wrong), ALABASTER_INVALID_ARGUMENT);
+  const AlabasterValue none = {}, alone = scalar(ALABASTER_FLOAT3, middle);
+  EXPECT_EQ(api().scene_set_instances(scene_, "/many", kPlaces, 0, &none), ALABASTER_INVALID_ARGUMENT);
+  EXPECT_EQ(api().scene_set_instances(scene_, "/many", kPlaces, 0, &alone), ALABASTER_INVALID_ARGUMENT);
+  const AlabasterSample moving[] = {{0, one}, {1, one}};
+  const AlabasterValue sampled = samples(moving);
+  EXPECT_EQ(api().scene_set_instances(scene_, "/many", kPlaces, 0, &sampled), ALABASTER_INVALID_ARGUMENT);
+  for (const auto& [path, name, values] :
+       {std::tuple<const char*, const char*, const AlabasterValue*>{nullptr, kPlaces, &one},
+        {"/many", nullptr, &one},
+        {"/many", kPlaces, nullptr}}) {
+    EXPECT_EQ(api().scene_set_instances(scene_, path, name, 0, values), ALABASTER_INVALID_ARGUMENT);
+    EXPECT_TRUE(says("is null")) << api().last_error();
+  }
+  EXPECT_EQ(centre(render())[3], 1) << "none of them has changed anything";
 }
 
 }  // namespace

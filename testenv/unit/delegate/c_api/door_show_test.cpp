@@ -77,7 +77,7 @@ TEST_F(DoorShow, AThreadThatEditsMeanwhileIsServed) {
   std::atomic<bool> over{false};
   std::atomic<int> refused{0};
   std::thread editor([&] {
-    while (!over) refused += api().set_visible(scene_, "/quad", 1) != ALABASTER_OK;
+    while (!over) refused += edit(scene_, "/quad", {{"visible", flag(1)}}) != ALABASTER_OK;
   });
   for (int i = 0; i < 300; ++i) {
     EXPECT_EQ(api().show(delegate_, nullptr), ALABASTER_OK);

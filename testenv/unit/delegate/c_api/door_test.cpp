@@ -1,4 +1,5 @@
-// The C door beyond what the hosts of testenv/install do: wrong calls, struct sizes, lent memory, edits, cancelling.
+// The C interface beyond what the hosts of testenv/install do: wrong calls, struct sizes, lent memory, edits,
+// cancelling.
 #include <gtest/gtest.h>
 
 #include <atomic>
@@ -25,14 +26,15 @@ TEST(DoorVersion, NeitherZeroNorALaterVersionIsPromised) {
 TEST_F(Door, AFrameSelectsWhatIsDrawnAndFromWhere) {
   const std::vector<float> plain = render();
   EXPECT_GT(centre(plain)[3], 0);
-  const float focal = 0.05f, aperture = 0.036f;
-  const AlabasterParameter lens[] = {
-      {"focalLength", number(focal)}, {"horizontalAperture", number(aperture)}, {"verticalAperture", number(aperture)}};
-  const double aside[16] = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 20, 0, 6, 1};
-  const AlabasterCamera camera = {sizeof camera, aside, lens, 3, {}};
-  frame_.free_camera = &camera;
+  const auto aside = at(20, 6);
+  const Fields aimed_past = camera(aside);
+  frame_.free_camera = aimed_past.data(), frame_.free_camera_count = aimed_past.size();
   EXPECT_EQ(centre(render())[3], 0) << "looks past the quad";
-  frame_.free_camera = nullptr;
+  const AlabasterParameter misspelt = {"focalLenght", number(1)};
+  frame_.free_camera = &misspelt, frame_.free_camera_count = 1;
+  EXPECT_EQ(start(), ALABASTER_INVALID_ARGUMENT);
+  EXPECT_TRUE(says("did you mean 'focalLength'?")) << api().last_error();
+  frame_.free_camera = nullptr, frame_.free_camera_count = 0;
   const char *const tags[] = {"proxy"}, *const quad[] = {"/quad"};
   frame_.render_tags = array(ALABASTER_TOKEN, tags, 1);
   EXPECT_EQ(centre(render())[3], 0);
@@ -51,21 +53,22 @@ TEST_F(Door, AFrameSelectsWhatIsDrawnAndFromWhere) {
 }
 
 TEST_F(Door, WrongCallsSayWhatIsWrong) {
-  const auto says = [](const char* text) { return std::string(api().last_error()).find(text) != std::string::npos; };
-  EXPECT_EQ(api().set_mesh(nullptr, "/a", nullptr), ALABASTER_INVALID_ARGUMENT);
+  EXPECT_EQ(set(nullptr, "/a", "mesh"), ALABASTER_INVALID_ARGUMENT);
   EXPECT_TRUE(says("scene is null"));
-  EXPECT_EQ(api().set_mesh(scene_, "/a", nullptr), ALABASTER_INVALID_ARGUMENT);
-  EXPECT_TRUE(says("mesh is null"));
-  const AlabasterMesh unsized = {};
-  EXPECT_EQ(api().set_mesh(scene_, "/a", &unsized), ALABASTER_INVALID_ARGUMENT);
+  EXPECT_EQ(set(scene_, nullptr, "mesh"), ALABASTER_INVALID_ARGUMENT);
+  EXPECT_TRUE(says("path is null"));
+  EXPECT_EQ(set(scene_, "", "mesh"), ALABASTER_INVALID_ARGUMENT);
+  EXPECT_TRUE(says("path is empty"));
+  EXPECT_EQ(set(scene_, "/a", nullptr), ALABASTER_INVALID_ARGUMENT);
+  EXPECT_TRUE(says("kind is null"));
+  const AlabasterFrame unsized = {};
+  EXPECT_EQ(api().pass_start(pass_, &unsized), ALABASTER_INVALID_ARGUMENT);
   EXPECT_TRUE(says("`size` is not set"));
   EXPECT_EQ(api().remove(scene_, "/nobody"), ALABASTER_NOT_FOUND);
   EXPECT_TRUE(says("/nobody"));
-  EXPECT_EQ(api().set_transform(scene_, "/nobody", nullptr), ALABASTER_NOT_FOUND);
-  const float half = 0.5f;
-  const AlabasterValue value = number(half);
-  EXPECT_EQ(api().set_parameter(scene_, "/nobody", "intensity", &value), ALABASTER_NOT_FOUND);
-  EXPECT_EQ(set_quad(array(77, &half, 1)), ALABASTER_INVALID_ARGUMENT);
+  EXPECT_EQ(edit(scene_, "/nobody", {{"intensity", number(0.5f)}}), ALABASTER_NOT_FOUND);
+  EXPECT_TRUE(says("/nobody"));
+  EXPECT_EQ(set_quad(array(77, &kSide, 1)), ALABASTER_INVALID_ARGUMENT);
   AlabasterPixels pixels = {};
   pixels.size = sizeof pixels;
   EXPECT_EQ(api().pixels_unmap(&pixels), ALABASTER_INVALID_ARGUMENT);
@@ -76,33 +79,31 @@ TEST_F(Door, WrongCallsSayWhatIsWrong) {
 }
 
 TEST_F(Door, WhatHasNoNameIsRefused) {
-  const auto said = [](AlabasterStatus status) {
-    return status == ALABASTER_INVALID_ARGUMENT ? std::string(api().last_error()) : "accepted";
-  };
   for (const char* none : {static_cast<const char*>(nullptr), ""}) {
-    const float one = 1;
-    const AlabasterParameter parameter = {none, number(one)};
-    const AlabasterLight light = {sizeof light, "rectLight", nullptr, &parameter, 1, 0};
-    EXPECT_EQ(said(api().set_light(scene_, "/l", &light)), "a parameter has no name");
-    AlabasterConnection connection = {none, "b", "rgb"};
-    AlabasterNode node = {"a", "AlabasterDisney", nullptr, 0, &connection, 1};
-    const AlabasterMaterial material = {sizeof material, &node, 1, nullptr, nullptr};
-    EXPECT_EQ(said(api().set_material(scene_, "/m", &material)), "a connected input has no name");
-    connection = {"baseColor", none, "rgb"};
-    EXPECT_EQ(said(api().set_material(scene_, "/m", &material)), "a node has no name");
-    node.name = none, node.connection_count = 0;
-    EXPECT_EQ(said(api().set_material(scene_, "/m", &material)), "a node has no name");
-    const int32_t first[] = {0};
-    const AlabasterPrototype prototype = {none, array(ALABASTER_INT, first, 1)};
-    AlabasterInstancer instancer = {};
-    instancer.size = sizeof instancer, instancer.prototypes = &prototype, instancer.prototype_count = 1;
-    EXPECT_EQ(said(api().set_instancer(scene_, "/i", &instancer)), "a prototype has no name");
+    EXPECT_EQ(set(scene_, "/l", "rectLight", {{none, number(1)}}), ALABASTER_INVALID_ARGUMENT);
+    EXPECT_STREQ(api().last_error(), "a parameter has no name");
+    EXPECT_EQ(edit(scene_, "/dome", {{none, number(1)}}), ALABASTER_INVALID_ARGUMENT);
+    EXPECT_STREQ(api().last_error(), "a parameter has no name");
   }
-  const float one = 1;
-  AlabasterValue value = number(one);
+  for (const char* nameless :
+       {"primvars:", "primvars", "subsets:", "subsets:a", "subsets::faces", "primvars::indices"}) {
+    EXPECT_EQ(edit(scene_, "/quad", {{nameless, array(ALABASTER_INT, &kSide, 1)}}), ALABASTER_INVALID_ARGUMENT)
+        << nameless;
+    EXPECT_TRUE(says("has no field")) << api().last_error();
+  }
+  for (const char* nameless : {"prototypes:", "categories:"})
+    EXPECT_EQ(set(scene_, "/i", "instancer", {{nameless, array(ALABASTER_INT, &kSide, 1)}}), ALABASTER_INVALID_ARGUMENT)
+        << nameless;
+  for (const char* nameless : {".type", "a.", "a", "."})
+    EXPECT_EQ(set(scene_, "/m", "material", {{nameless, word("AlabasterDisney")}}), ALABASTER_INVALID_ARGUMENT)
+        << nameless;
+  for (const char* nameless : {"products:", "products:0", "products:0:", "products:a:file", "products:0:vars:"})
+    EXPECT_EQ(set(scene_, "/s", "renderSettings", {{nameless, word("a.exr")}}), ALABASTER_INVALID_ARGUMENT) << nameless;
+  AlabasterValue value = number(1);
   for (const int32_t wrong : {-1, 3}) {
     value.is_array = wrong;
-    EXPECT_NE(said(api().set_parameter(scene_, "/dome", "intensity", &value)).find("is_array"), std::string::npos);
+    EXPECT_EQ(edit(scene_, "/dome", {{"intensity", value}}), ALABASTER_INVALID_ARGUMENT);
+    EXPECT_TRUE(says("is_array")) << api().last_error();
   }
 }
 
@@ -212,25 +213,21 @@ TEST_F(Door, EditsShow) {
   EXPECT_EQ(centre(lit)[3], 1);
   EXPECT_EQ(render(), lit);
 
-  const float color[] = {0.1f, 0.8f, 0.1f};
-  const AlabasterParameter green[] = {{"baseColor", {ALABASTER_FLOAT3, 0, color, 1, nullptr, nullptr}}};
-  const AlabasterNode node = {"surface", "AlabasterDisney", green, 1, nullptr, 0};
-  const AlabasterMaterial wax = {sizeof wax, &node, 1, nullptr, nullptr};
-  ASSERT_EQ(api().set_material(scene_, "/wax", &wax), ALABASTER_OK);
+  const float green[] = {0.1f, 0.8f, 0.1f}, red[] = {0.8f, 0.1f, 0.1f};
+  ASSERT_EQ(set(scene_, "/wax", "material",
+                {{"surface.type", word("AlabasterDisney")}, {"surface.baseColor", scalar(ALABASTER_FLOAT3, green)}}),
+            ALABASTER_OK)
+      << api().last_error();
   const auto tinted = centre(render());
   EXPECT_GT(tinted[1], 2 * tinted[0]);
-
-  const float red[] = {0.8f, 0.1f, 0.1f};
-  const AlabasterValue other = {ALABASTER_FLOAT3, 0, red, 1, nullptr, nullptr};
-  ASSERT_EQ(api().set_parameter(scene_, "/wax", "surface.baseColor", &other), ALABASTER_OK);
+  ASSERT_EQ(edit(scene_, "/wax", {{"surface.baseColor", scalar(ALABASTER_FLOAT3, red)}}), ALABASTER_OK);
   EXPECT_GT(centre(render())[0], 2 * centre(render())[1]);
-  EXPECT_EQ(api().set_parameter(scene_, "/wax", "nothing.baseColor", &other), ALABASTER_NOT_FOUND);
 
-  ASSERT_EQ(api().set_visible(scene_, "/quad", 0), ALABASTER_OK);
+  ASSERT_EQ(edit(scene_, "/quad", {{"visible", flag(0)}}), ALABASTER_OK);
   EXPECT_EQ(centre(render())[3], 0);
-  ASSERT_EQ(api().set_visible(scene_, "/quad", 1), ALABASTER_OK);
-  const double aside[16] = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 50, 0, 0, 1};
-  ASSERT_EQ(api().set_transform(scene_, "/quad", aside), ALABASTER_OK);
+  ASSERT_EQ(edit(scene_, "/quad", {{"visible", flag(1)}}), ALABASTER_OK);
+  EXPECT_EQ(centre(render())[3], 1);
+  ASSERT_EQ(edit(scene_, "/quad", {{"transform", matrix(at(50))}}), ALABASTER_OK);
   EXPECT_EQ(centre(render())[3], 0);
   EXPECT_EQ(heard_, std::vector<std::string>{"mesh.material"});  // of the first picture: there was no /wax
 }
@@ -248,8 +245,7 @@ TEST_F(Door, StopsFromAnotherThread) {
 }
 
 TEST_F(Door, RecordCancelsAndReportsWhatItCannotWrite) {
-  const AlabasterRenderSettings settings = {sizeof settings, "/camera", kSide, kSide, 0, {}, 0, nullptr, 0};
-  ASSERT_EQ(api().set_render_settings(scene_, "/settings", &settings), ALABASTER_OK);
+  ASSERT_EQ(set_settings(), ALABASTER_OK);
   const std::string file =
       (std::filesystem::temp_directory_path() / ("door_record_" + std::to_string(getpid()) + ".exr")).string();
   const char* files[] = {file.c_str()};
@@ -319,10 +315,8 @@ TEST_F(Door, ThreadsTakeTurns) {
   std::atomic<bool> over{false};
   std::thread editor([&] {
     for (int i = 0; !over; ++i) {
-      const double aside[16] = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, double(i % 3), 0, 0, 1};
-      EXPECT_EQ(api().set_transform(scene_, "/quad", aside), ALABASTER_OK);
-      const AlabasterLight light = {sizeof light, "sphereLight", aside, nullptr, 0, 0};
-      EXPECT_EQ(api().set_light(scene_, "/lamp", &light), ALABASTER_OK);
+      EXPECT_EQ(edit(scene_, "/quad", {{"transform", matrix(at(i % 3))}}), ALABASTER_OK);
+      EXPECT_EQ(set(scene_, "/lamp", "sphereLight", {{"transform", matrix(at(i % 3))}}), ALABASTER_OK);
       EXPECT_EQ(api().remove(scene_, "/lamp"), ALABASTER_OK);
     }
   });

@@ -1,4 +1,4 @@
-// Scenes that the C door writes.
+// Scenes that the C interface writes.
 #include <unistd.h>
 
 #include <filesystem>
@@ -43,10 +43,9 @@ TEST_F(DoorWrite, LoadsAsTheSamePicture) {
 }
 
 TEST_F(DoorWrite, TakesTheCameraOfTheFramesOwnRenderSettings) {
-  const AlabasterRenderSettings first = {sizeof first, "/camera", kSide, kSide, 0, {}, 0, nullptr, 0};
-  const AlabasterRenderSettings second = {sizeof second, nullptr, kSide, kSide, 0, {}, 0, nullptr, 0};
-  ASSERT_EQ(api().set_render_settings(scene_, "/a", &first), ALABASTER_OK);
-  ASSERT_EQ(api().set_render_settings(scene_, "/b", &second), ALABASTER_OK);
+  const AlabasterParameter width = {"width", whole(kSide)}, height = {"height", whole(kSide)};
+  ASSERT_EQ(set(scene_, "/a", "renderSettings", {{"camera", path("/camera")}, width, height}), ALABASTER_OK);
+  ASSERT_EQ(set(scene_, "/b", "renderSettings", {width, height}), ALABASTER_OK);
   AlabasterFrame frame = {};
   frame.size = sizeof frame;
   frame.settings = "/b";

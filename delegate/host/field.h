@@ -1,0 +1,109 @@
+// A row of a table of fields, and the values that a member takes. Internal to this room.
+#pragma once
+
+#include <array>
+#include <limits>
+#include <optional>
+#include <string>
+#include <type_traits>
+
+#include "delegate/api/scene_types.h"
+
+namespace alabaster::hd::host {
+
+/// The values that a field takes.
+struct Limits {
+  double low = -std::numeric_limits<double>::infinity(), high = std::numeric_limits<double>::infinity();
+  std::array<const char*, 8> words{};  // of a token or an enumeration, in its order; null: no more
+};
+constexpr Limits range(double low, double high = std::numeric_limits<double>::infinity()) {
+  return {low, high, {}};
+}
+template <class... Words>
+constexpr Limits words(Words... all) {
+  Limits limits;
+  limits.words = {all...};
+  return limits;
+}
+
+// Each reads a value into a member. Returns what the value must be, or "" if it is that.
+std::string read(const Value& value, const Limits& limits, Token* out);
+std::string read(const Value& value, const Limits& limits, Path* out);
+std::string read(const Value& value, const Limits& limits, std::string* out);
+std::string read(const Value& value, const Limits& limits, bool* out);
+std::string read(const Value& value, const Limits& limits, int* out);
+std::string read(const Value& value, const Limits& limits, float* out);
+std::string read(const Value& value, const Limits& limits, double* out);
+std::string read(const Value& value, const Limits& limits, Matrix4d* out);
+std::string read(const Value& value, const Limits& limits, Array<int32_t>* out);
+std::string read(const Value& value, const Limits& limits, Array<float>* out);
+std::string read(const Value& value, const Limits& limits, std::vector<Token>* out);
+std::string read(const Value& value, const Limits& limits, TimeSamples<Matrix4d>* out);
+std::string read(const Value& value, const Limits& limits, TimeSamples<Value>* out);
+/// An empty rectangle is none.
+std::string read(const Value& value, const Limits& limits, std::optional<Rect2i>* out);
+/// The place of a word among `limits.words`; negative: it is none of them, and `must` says so.
+int read_word(const Value& value, const Limits& limits, std::string* must);
+
+template <class Enum>
+requires std::is_enum_v<Enum> std::string read(const Value& value, const Limits& limits, Enum* out) {
+  std::string must;
+  if (const int place = read_word(value, limits, &must); place >= 0) *out = static_cast<Enum>(place);
+  return must;
+}
+template <class T>
+std::string read(const Value& value, const Limits& limits, std::optional<T>* out) {
+  T held{};
+  std::string must = read(value, limits, &held);
+  if (must.empty()) *out = held;
+  return must;
+}
+
+/// "'refineLevel' must be 0 to 8, and is 9".
+std::string fault_text(std::string_view name, const std::string& must, const Value& value);
+
+/// No value, or an empty text.
+bool is_default(const Value& value);
+
+struct Field {
+  const char* name;
+  DirtyBits dirty;  // what an edit of it marks
+  Limits limits;
+  bool (*equal)(const void* a, const void* b);
+  /// An empty value sets the default. Returns a fault, or "".
+  std::string (*put)(const Field& field, void* object, const Value& value);
+};
+
+template <class Object, class Member>
+Object class_of(Member Object::*);
+
+template <auto kFirst, auto... kRest, class Object>
+constexpr auto& follow(Object& object) {
+  if constexpr (sizeof...(kRest) == 0)
+    return object.*kFirst;
+  else
+    return follow<kRest...>(object.*kFirst);
+}
+
+/// The row of a member, or of a member of a member.
+template <auto kFirst, auto... kRest>
+constexpr Field field(const char* name, DirtyBits dirty, const Limits& limits = {}) {
+  using Object = decltype(class_of(kFirst));
+  return {name, dirty, limits,
+          [](const void* a, const void* b) {
+            return follow<kFirst, kRest...>(*static_cast<const Object*>(a)) ==
+                   follow<kFirst, kRest...>(*static_cast<const Object*>(b));
+          },
+          [](const Field& row, void* object, const Value& value) -> std::string {
+            auto& member = follow<kFirst, kRest...>(*static_cast<Object*>(object));
+            if (is_default(value)) {
+              const Object defaults{};
+              member = follow<kFirst, kRest...>(defaults);
+              return {};
+            }
+            const std::string must = read(value, row.limits, &member);
+            return must.empty() ? must : fault_text(row.name, must, value);
+          }};
+}
+
+}  // namespace alabaster::hd::host

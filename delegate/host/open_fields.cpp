@@ -1,0 +1,390 @@
+#include "delegate/host/open_fields.h"
+
+#include <algorithm>
+#include <charconv>
+
+#include "core/camera/camera.h"
+#include "core/light/light_description.h"
+#include "core/material/disney_material.h"
+#include "core/session/render_settings.h"
+#include "delegate/host/scene_fields.h"
+#include "delegate/support/nearest_name.h"
+#include "delegate/support/parameters.h"
+#include "delegate/support/retired_settings.h"
+
+namespace alabaster::hd::host {
+namespace {
+
+// Names ---------------------------------------------------------------------------------------------
+
+/// The rest of `name` after `prefix`; nullopt: it begins otherwise, or no name follows.
+std::optional<std::string> after(const std::string& name, std::string_view prefix) {
+  if (!name.starts_with(prefix) || name.size() == prefix.size() || name[prefix.size()] == ':') return std::nullopt;
+  return name.substr(prefix.size());
+}
+
+struct Suffixed {
+  std::string name, suffix;
+};
+/// `text` without that of `suffixes` which it ends with, after a colon. None: the suffix is "".
+Suffixed split_suffix(const std::string& text, std::initializer_list<const char*> suffixes) {
+  const size_t colon = text.rfind(':');
+  if (colon != std::string::npos && colon > 0)
+    for (const char* suffix : suffixes)
+      if (text.compare(colon + 1, std::string::npos, suffix) == 0) return {text.substr(0, colon), suffix};
+  return {text, ""};
+}
+
+template <class T>
+std::string read_into(const std::string& name, const Value& value, const Limits& limits, T* out) {
+  if (is_default(value)) return *out = T(), "";
+  const std::string must = read(value, limits, out);
+  return must.empty() ? must : fault_text(name, must, value);
+}
+
+// Primvars ------------------------------------------------------------------------------------------
+constexpr Limits kRoles =
+    words("none", "color", "vector", "normal", "point", "textureCoordinate", "faceIndex", "pointIndex");
+constexpr Limits kInterpolations = words("constant", "uniform", "varying", "vertex", "faceVarying", "instance");
+
+/// "" if it may be a primvar's value: samples are a field of their own.
+std::string check_primvar(const std::string& name, const Value& value) {
+  if (value.type() != ALABASTER_SAMPLES) return {};
+  return fault_text(name, "a value; samples are '" + name + ":samples'", value);
+}
+
+template <class Samples>
+std::string put_samples(const std::string& name, const Value& value, const Token& key, Samples* samples) {
+  if (value.empty()) return samples->erase(key), "";
+  return read_into(name, value, {}, &(*samples)[key]);
+}
+
+// Parameters ----------------------------------------------------------------------------------------
+
+/// A parameter that is in no table of core's: a text, or numbers.
+struct OtherParameter {
+  const char* name;
+  bool (*fits)(const Value&);
+  const char* must;
+};
+bool is_text(const Value& value) {
+  return !value.is_array() && (value.type() == ALABASTER_TOKEN || value.type() == ALABASTER_STRING ||
+                               value.type() == ALABASTER_PATH || value.type() == ALABASTER_ASSET);
+}
+constexpr OtherParameter kOfLights[] = {{"texture:file", is_text, "a file"},
+                                        {"shaping:ies:file", is_text, "a file"},
+                                        {"lightLink", is_text, "a category"},
+                                        {"shadowLink", is_text, "a category"}};
+constexpr OtherParameter kOfCameras[] = {
+    {"projection", is_text, "perspective or orthographic"},
+    {"clippingRange", [](const Value& value) { return value.get<Vec2f>() != nullptr; }, "two floats"},
+    {"clipPlanes", [](const Value& value) { return value.get<Array<Vec4f>>() != nullptr; }, "an array of float4"}};
+
+std::string range_text(double low, double high) {
+  if (low == -kUnbounded && high == kUnbounded) return "a finite number";
+  if (high == kUnbounded) return "at least " + Value(low).to_string();
+  return Value(low).to_string() + " to " + Value(high).to_string();
+}
+
+/// The values that the row takes, for messages.
+template <class Row>
+std::string must_be(const Row& row, support::ParameterFault fault) {
+  if (fault == support::ParameterFault::range) return range_text(row.minimum, row.maximum);
+  if (row.words[0]) {
+    std::string known;
+    for (const char* word : row.words)
+      if (word) known += (known.empty() ? "" : ", ") + std::string(word);
+    return "one of " + known;
+  }
+  return row.is_color() ? "a colour: three numbers" : "a number";
+}
+
+/// "": the value fits the row of that name. nullopt: there is none. Parameters of prims may be out of range: curves of
+/// hosts overshoot. The renderer uses the nearest value in range and warns.
+enum class Range { refused, left_to_the_renderer };
+template <class Rows>
+Put check(const Rows& rows, const std::string& name, const Value& value, Range range = Range::left_to_the_renderer) {
+  for (const auto& row : rows) {
+    if (name != row.name) continue;
+    if (value.empty()) return "";
+    auto scratch = []<class T, class... W>(const Parameter<T, W...>&) { return T(); }(row);
+    const support::ParameterFault fault = support::set_parameter(row, value, &scratch);
+    const bool is_left = fault == support::ParameterFault::range && range == Range::left_to_the_renderer;
+    return fault == support::ParameterFault::none || is_left ? "" : fault_text(name, must_be(row, fault), value);
+  }
+  return std::nullopt;
+}
+Put check_other(std::span<const OtherParameter> rows, const std::string& name, const Value& value) {
+  for (const OtherParameter& row : rows)
+    if (name == row.name) return value.empty() || row.fits(value) ? "" : fault_text(name, row.must, value);
+  return std::nullopt;
+}
+
+template <class Rows>
+std::vector<std::string> names_of(const Rows& rows, std::span<const OtherParameter> others) {
+  std::vector<std::string> names;
+  for (const auto& row : rows) names.emplace_back(row.name);
+  for (const OtherParameter& other : others) names.emplace_back(other.name);
+  return names;
+}
+
+template <class Map>
+void store(Map* map, const typename Map::key_type& key, const Value& value) {
+  if (value.empty())
+    map->erase(key);
+  else
+    (*map)[key] = value;
+}
+
+// Products ------------------------------------------------------------------------------------------
+
+Put put_var(RenderProduct* product, const std::string& text, const std::string& name, const Value& value) {
+  const auto [layer, suffix] = split_suffix(text, {"dataType"});
+  auto found = std::find_if(product->vars.begin(), product->vars.end(),
+                            [&, &wanted = layer](const RenderVar& var) { return var.name == wanted; });
+  if (value.empty() && suffix.empty()) {
+    if (found != product->vars.end()) product->vars.erase(found);
+    return "";
+  }
+  if (found == product->vars.end()) found = product->vars.insert(found, {layer, {}, "half"});
+  if (suffix.empty()) return read_into(name, value, {}, &found->aov);
+  if (is_default(value)) return found->dataType = "half", "";
+  return read_into(name, value, words("half", "float", "int"), &found->dataType);
+}
+
+Put put_product(RenderSettingsDescription* settings, const std::string& rest, const std::string& name,
+                const Value& value) {
+  constexpr size_t kMostProducts = 4096;
+  size_t number = 0;
+  const auto [end, error] = std::from_chars(rest.data(), rest.data() + rest.size(), number);
+  if (error != std::errc() || end == rest.data() + rest.size() || *end != ':') return std::nullopt;
+  if (number >= kMostProducts)
+    return "'" + name + "': there are at most " + std::to_string(kMostProducts) + " products";
+  if (number >= settings->products.size()) settings->products.resize(number + 1);
+  RenderProduct* product = &settings->products[number];
+  const std::string field(end + 1, rest.data() + rest.size());
+  if (const auto var = after(field, "vars:")) return put_var(product, *var, name, value);
+  if (field == "file" && is_default(value))
+    return settings->products.erase(settings->products.begin() + std::ptrdiff_t(number)), "";
+  const Put put = put_row(kProductFields, product, field, value);
+  return put && !put->empty() ? "'" + name + put->substr(1 + field.size()) : put;  // the fault with the whole name
+}
+
+// Materials -----------------------------------------------------------------------------------------
+
+std::vector<MaterialConnection> connections_of(const Path& id, const Value& value) {
+  std::vector<Path> paths;
+  if (const auto* path = value.get<Path>()) paths = {*path};
+  if (const auto* all = value.get<Array<Path>>()) paths.assign(all->begin(), all->end());
+  std::vector<MaterialConnection> connections;
+  for (const Path& path : paths) {
+    const size_t dot = path.str().rfind('.');
+    const std::string node = path.str().substr(0, dot);
+    connections.push_back({id.append(node), dot == std::string::npos ? "" : path.str().substr(dot + 1)});
+  }
+  return connections;
+}
+
+constexpr const char* kOtherDisneyInputs[] = {"normal", "coatNormal", "bump"};
+constexpr const char* kTextureInputs[] = {"file",     "sourceColorSpace", "wrapS",   "wrapT", "filter", "st",
+                                          "stOffset", "stRotation",       "stScale", "scale", "bias"};
+constexpr const char* kDisplacementInputs[] = {"displacement", "scale", "midlevel", "space"};
+
+constexpr const char* kInstancePrimvars[] = {"hydra:instanceTransforms", "hydra:instanceTranslations",
+                                             "hydra:instanceRotations", "hydra:instanceScales"};
+
+template <class Names>
+bool is_among(const std::string& name, const Names& names) {
+  return std::any_of(std::begin(names), std::end(names), [&](const char* one) { return name == one; });
+}
+
+std::string unknown_input(const std::string& node, const std::string& input, std::vector<std::string> known) {
+  const std::string nearest = support::NearestName(input, known);
+  return "node '" + node + "' has no input '" + input + "'" +
+         (nearest.empty() ? "" : "; did you mean '" + nearest + "'?");
+}
+
+std::string check_input(const std::string& node, const Token& type, const std::string& input, const Value& value) {
+  const auto known = [&](const auto& names) {
+    return is_among(input, names) ? std::string() : unknown_input(node, input, {std::begin(names), std::end(names)});
+  };
+  if (type == Token("AlabasterTexture")) return known(kTextureInputs);
+  if (type == Token("AlabasterDisplacement")) return known(kDisplacementInputs);
+  if (!(type == Token("AlabasterDisney"))) return {};
+  if (is_among(input, kOtherDisneyInputs))
+    return value.empty() ? "" : fault_text(node + "." + input, "connected: a path \"NODE.OUTPUT\"", value);
+  if (const Put checked = check(material_parameters(), input, value))
+    return checked->empty() ? "" : "'" + node + "." + checked->substr(1);
+  std::vector<std::string> names = names_of(material_parameters(), {});
+  names.insert(names.end(), std::begin(kOtherDisneyInputs), std::end(kOtherDisneyInputs));
+  return unknown_input(node, input, names);
+}
+
+}  // namespace
+
+Put put_open(MeshDescription* mesh, const std::string& name, const Value& value) {
+  if (const auto subset = after(name, "subsets:")) {
+    const auto [id, suffix] = split_suffix(*subset, {"faces", "material"});
+    if (suffix.empty()) return std::nullopt;
+    auto& subsets = mesh->topology.geomSubsets;
+    auto found = std::find_if(subsets.begin(), subsets.end(),
+                              [&, &wanted = id](const GeomSubset& one) { return one.id == Path(wanted); });
+    if (found == subsets.end()) found = subsets.insert(found, GeomSubset{id, {}, {}});
+    if (suffix == "material") return read_into(name, value, {}, &found->materialId);
+    if (value.empty()) return subsets.erase(found), "";
+    return read_into(name, value, {}, &found->indices);
+  }
+  const auto rest = after(name, "primvars:");
+  if (!rest) return std::nullopt;
+  const auto [text, suffix] = split_suffix(*rest, {"indices", "interpolation", "role", "samples"});
+  const Token key(text);
+  if (suffix == "samples") return put_samples(name, value, key, &mesh->primvarSamples);
+  if (suffix.empty()) mesh->primvarSamples.erase(key);
+  if (suffix.empty() && value.empty()) return mesh->primvars.erase(key), "";
+  if (value.empty() && !mesh->primvars.contains(key)) return "";
+  PrimvarValue& primvar = mesh->primvars[key];
+  if (suffix == "indices") return read_into(name, value, {}, &primvar.indices);
+  if (suffix == "role") return read_into(name, value, kRoles, &primvar.role);
+  if (suffix == "interpolation") {
+    if (is_default(value)) return primvar.interpolation = Interpolation::vertex, "";
+    return read_into(name, value, kInterpolations, &primvar.interpolation);
+  }
+  primvar.value = value;
+  return check_primvar(name, value);
+}
+
+Put put_open(InstancerDescription* instancer, const std::string& name, const Value& value) {
+  if (const auto prototype = after(name, "prototypes:")) {
+    if (value.empty()) return instancer->indices.erase(Path(*prototype)), "";
+    return read_into(name, value, {}, &instancer->indices[Path(*prototype)]);
+  }
+  if (const auto category = after(name, "categories:")) {
+    Array<int32_t> instances;
+    if (const std::string fault = read_into(name, value, {}, &instances); !fault.empty()) return fault;
+    for (auto& of_one : instancer->categories) std::erase(of_one, Token(*category));
+    size_t count = 0;
+    for (const auto& primvar : instancer->primvars) count = std::max(count, primvar.second.count());
+    for (const int32_t instance : instances) {
+      if (instance < 0 || size_t(instance) >= count)
+        return "'" + name + "' has no instance " + std::to_string(instance) + "; there are " + std::to_string(count);
+      if (size_t(instance) >= instancer->categories.size()) instancer->categories.resize(size_t(instance) + 1);
+      auto& of_one = instancer->categories[size_t(instance)];
+      if (std::find(of_one.begin(), of_one.end(), Token(*category)) == of_one.end()) of_one.emplace_back(*category);
+    }
+    return "";
+  }
+  const auto rest = after(name, "primvars:");
+  if (!rest) return std::nullopt;
+  const auto [text, suffix] = split_suffix(*rest, {"samples"});
+  if (!is_among(text, kInstancePrimvars)) return std::nullopt;
+  if (!suffix.empty()) return put_samples(name, value, Token(text), &instancer->primvarSamples);
+  instancer->primvarSamples.erase(Token(text));
+  store(&instancer->primvars, Token(text), value);
+  return check_primvar(name, value);
+}
+
+Put put_open(LightDescription* light, const std::string& name, const Value& value) {
+  Put checked = check(light_parameters(), name, value);
+  if (!checked) checked = check_other(kOfLights, name, value);
+  if (checked && checked->empty()) store(&light->parameters, Token(name), value);
+  return checked;
+}
+
+Put put_open(CameraDescription* camera, const std::string& name, const Value& value) {
+  Put checked = check(camera_parameters(), name, value);
+  if (!checked) checked = check_other(kOfCameras, name, value);
+  if (checked && checked->empty()) store(&camera->parameters, Token(name), value);
+  return checked;
+}
+
+std::string CheckSetting(const std::string& name, const Value& value) {
+  if (const std::string retired = support::RetiredSetting(name, value.text_or("")); !retired.empty()) return retired;
+  if (const Put checked = check(setting_parameters(), name, value, Range::refused)) return *checked;
+  const std::string nearest = support::NearestName(name, setting_names());
+  return "there is no setting '" + name + "'" + (nearest.empty() ? "" : "; did you mean '" + nearest + "'?");
+}
+
+Put put_open(RenderSettingsDescription* settings, const std::string& name, const Value& value) {
+  if (const auto rest = after(name, "products:")) return put_product(settings, *rest, name, value);
+  const std::string fault = CheckSetting(name, value);
+  if (fault.empty()) store(&settings->settings, name, value);
+  return fault;
+}
+
+Put put_open(MaterialNetwork* network, const Path& id, const std::string& name, const Value& value) {
+  if (name == "surface" || name == "displacement") {
+    Path node;
+    if (const std::string fault = read_into(name, value, {}, &node); !fault.empty()) return fault;
+    if (node.empty()) return network->terminals.erase(Token(name)), "";
+    network->terminals[name] = {id.append(node.str()), "out"};
+    return "";
+  }
+  const size_t dot = name.find('.');
+  if (dot == std::string::npos || dot == 0 || dot + 1 == name.size()) return std::nullopt;
+  const Path path = id.append(name.substr(0, dot));
+  const std::string input = name.substr(dot + 1);
+  if (input == "type" && value.empty()) return network->nodes.erase(path), "";
+  MaterialNode& node = network->nodes[path];
+  if (input == "type") return read_into(name, value, {}, &node.nodeTypeId);
+  if (value.empty()) node.inputConnections.erase(Token(input));
+  if (value.type() == ALABASTER_PATH) {
+    node.inputConnections[input] = connections_of(id, value);
+    return "";
+  }
+  store(&node.parameters, Token(input), value);
+  return value.type() == ALABASTER_SAMPLES ? fault_text(name, "a value that does not move", value) : "";
+}
+
+std::string finish(MeshDescription* mesh) {
+  for (const auto& [name, primvar] : mesh->primvars)
+    if (primvar.value.empty())
+      return "'primvars:" + name.str() + "' has no value, but its indices, role or interpolation are given";
+  for (const auto& [name, samples] : mesh->primvarSamples)
+    if (!mesh->primvars.contains(name) || !(name == Token("points") || name == Token("normals")))
+      return "'primvars:" + name.str() + "' has samples; points and normals alone may have them, beside their values";
+  return {};
+}
+
+std::string finish(const RenderSettingsDescription& settings) {
+  for (size_t i = 0; i < settings.products.size(); ++i) {
+    const std::string product = "'products:" + std::to_string(i) + "'";
+    if (settings.products[i].file.empty()) return product + " has no file";
+    for (const RenderVar& var : settings.products[i].vars)
+      if (var.aov.empty()) return product + ": layer '" + var.name + "' has no AOV";
+  }
+  return {};
+}
+
+std::string finish(InstancerDescription* instancer) {
+  for (const auto& [name, samples] : instancer->primvarSamples)
+    if (!instancer->primvars.contains(name)) return "'primvars:" + name.str() + "' has samples, but no value";
+  return {};
+}
+
+std::string finish(const MaterialNetwork& network) {
+  for (const auto& [terminal, connection] : network.terminals)
+    if (!network.nodes.contains(connection.upstreamNode))
+      return terminal.str() + " names " + connection.upstreamNode.str() + ", which is no node of the material";
+  for (const auto& [path, node] : network.nodes) {
+    const std::string name = path.str().substr(path.str().rfind('/') + 1);
+    if (node.nodeTypeId.empty()) return "node '" + name + "' has no type: set '" + name + ".type'";
+    for (const auto& [input, value] : node.parameters)
+      if (const std::string fault = check_input(name, node.nodeTypeId, input.str(), value); !fault.empty())
+        return fault;
+    for (const auto& [input, connections] : node.inputConnections)
+      if (const std::string fault = check_input(name, node.nodeTypeId, input.str(), {}); !fault.empty()) return fault;
+  }
+  return {};
+}
+
+std::vector<std::string> light_names() {
+  return names_of(light_parameters(), kOfLights);
+}
+std::vector<std::string> camera_names() {
+  return names_of(camera_parameters(), kOfCameras);
+}
+std::vector<std::string> setting_names() {
+  return names_of(setting_parameters(), {});
+}
+
+}  // namespace alabaster::hd::host

@@ -1,0 +1,38 @@
+// Fields whose names a scene chooses: primvars, subsets, nodes, parameters, products. Internal to this room.
+#pragma once
+
+#include <optional>
+#include <span>
+
+#include "delegate/host/field.h"
+#include "delegate/host/retained_scene_delegate.h"
+
+namespace alabaster::hd::host {
+
+/// "" if the field is set, a fault, or nullopt if its name is none of these.
+using Put = std::optional<std::string>;
+
+Put put_open(MeshDescription* mesh, const std::string& name, const Value& value);
+Put put_open(InstancerDescription* instancer, const std::string& name, const Value& value);
+Put put_open(LightDescription* light, const std::string& name, const Value& value);
+Put put_open(CameraDescription* camera, const std::string& name, const Value& value);
+Put put_open(RenderSettingsDescription* settings, const std::string& name, const Value& value);
+/// Nodes lie below `id`.
+Put put_open(MaterialNetwork* network, const Path& id, const std::string& name, const Value& value);
+
+// Checks of a prim whose fields are all set. Each returns a fault, or "".
+std::string finish(MeshDescription* mesh);
+std::string finish(InstancerDescription* instancer);
+std::string finish(const MaterialNetwork& network);
+std::string finish(const RenderSettingsDescription& settings);
+
+/// The names that parameters of a kind have, for messages.
+std::vector<std::string> light_names();
+std::vector<std::string> camera_names();
+std::vector<std::string> setting_names();
+
+/// Sets the field of that name; nullopt if the table has none.
+Put put_row(std::span<const Field> table, void* object, std::string_view name, const Value& value);
+extern const std::span<const Field> kProductFields;
+
+}  // namespace alabaster::hd::host

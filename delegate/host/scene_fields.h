@@ -1,0 +1,39 @@
+// Prims by named fields: one table of fields for each kind says their names, types, ranges and what an edit marks.
+#pragma once
+
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "delegate/host/retained_scene_delegate.h"
+
+namespace alabaster::hd::host {
+
+/// Names and values, in the order in which they are given. alabaster_types.h lists kinds and their fields.
+using Fields = std::vector<std::pair<std::string, Value>>;
+
+struct SetResult {
+  bool found = true;  // false: there is no prim of that path
+  std::string fault;  // "": the fields are set. Else nothing is
+};
+
+/// Makes the prim, or replaces what has its path. Fields that are not named have their defaults.
+ALABASTER_API SetResult SetPrim(RetainedSceneDelegate* scene, const Path& path, const Token& kind,
+                                const Fields& fields);
+/// Changes the named fields of a prim.
+ALABASTER_API SetResult EditPrim(RetainedSceneDelegate* scene, const Path& path, const Fields& fields);
+/// A camera that is no prim. Returns a fault, or "".
+ALABASTER_API std::string ReadCamera(const Fields& fields, CameraDescription* camera);
+/// "" if it is a setting of schemas/render_settings.json and the value fits it; else a sentence.
+ALABASTER_API std::string CheckSetting(const std::string& name, const Value& value);
+
+/// The bits that an edit from `a` to `b` marks.
+DirtyBits difference(const MeshDescription& a, const MeshDescription& b);
+DirtyBits difference(const InstancerDescription& a, const InstancerDescription& b);
+DirtyBits difference(const LightDescription& a, const LightDescription& b);
+DirtyBits difference(const CameraDescription& a, const CameraDescription& b);
+DirtyBits difference(const MaterialNetwork& a, const MaterialNetwork& b);
+DirtyBits difference(const RenderBufferDescriptor& a, const RenderBufferDescriptor& b);
+DirtyBits difference(const RenderSettingsDescription& a, const RenderSettingsDescription& b);
+
+}  // namespace alabaster::hd::host

@@ -1,0 +1,82 @@
+// Effects of fields beyond their own row: prototypes, categories, surfaces, samples and faults.
+#include "testenv/unit/delegate/host/fields_fixture.h"
+
+namespace alabaster::hd::host {
+namespace {
+
+using Mesh = MeshDescription;
+
+TEST(SceneFields, InstancersMarkTheirPrototypes) {
+  DrawnScene s;
+  s.set("/quad", Token("mesh"), {{"instancer", Path("/many")}});
+  s.set("/many", Token("instancer"), {});
+  const SetResult result = EditPrim(&s.scene, "/many", {{"prototypes:/quad", kInts}});
+  EXPECT_EQ(result.fault, "");
+  EXPECT_EQ(s.index.GetChangeTracker().Get("/quad"), dirty::kInstanceIndex);
+}
+
+TEST(SceneFields, CategoriesAreOfInstances) {
+  using Categories = std::vector<std::vector<Token>>;
+  DrawnScene s;
+  const auto now = [&] { return s.scene.GetInstancers().at("/many").categories; };
+  s.set("/many", Token("instancer"), {{"categories:a", Array<int32_t>{2, 0}}, {"categories:b", Array<int32_t>{2}}});
+  EXPECT_EQ(now(), (Categories{{"a"}, {}, {"a", "b"}}));
+  EXPECT_EQ(s.edit("/many", {{"categories:a", Array<int32_t>{1}}}), dirty::kCategories);
+  EXPECT_EQ(now(), (Categories{{}, {"a"}, {"b"}}));
+  EXPECT_EQ(s.edit("/many", {{"categories:a", {}}, {"categories:b", {}}}), dirty::kCategories);
+  for (const auto& of_one : now()) EXPECT_TRUE(of_one.empty());
+}
+
+TEST(SceneFields, TheSurfaceIsTheFirstNodeUnlessItIsNamed) {
+  RetainedSceneDelegate scene;
+  const auto surface = [&] { return scene.GetMaterials().at("/a").terminals.at("surface").upstreamNode; };
+  EXPECT_EQ(
+      SetPrim(&scene, "/a", Token("material"), {{"b.type", "AlabasterDisney"}, {"a.type", "AlabasterDisney"}}).fault,
+      "");
+  EXPECT_EQ(surface(), Path("/a/b"));
+  EXPECT_EQ(EditPrim(&scene, "/a", {{"a.roughness", 0.5f}}).fault, "");
+  EXPECT_EQ(surface(), Path("/a/b")) << "an edit does not choose another";
+  EXPECT_EQ(EditPrim(&scene, "/a", {{"surface", "a"}}).fault, "");
+  EXPECT_EQ(surface(), Path("/a/a"));
+}
+
+TEST(SceneFields, ValuesTakeTheirSamplesAway) {
+  DrawnScene s;
+  const Value points = Array<Vec3f>{Vec3f(1)};
+  const Fields moving = {{"transform:samples", samples(kMoved, kMoved)},
+                         {"primvars:points", points},
+                         {"primvars:points:samples", samples(points, points)}};
+  const auto has = [&] {
+    const Mesh& mesh = s.scene.GetMeshes().at("/mesh");
+    return std::pair(!mesh.transformSamples.times.empty(), mesh.primvarSamples.contains("points"));
+  };
+  s.set("/mesh", Token("mesh"), moving);
+  EXPECT_EQ(has(), std::pair(true, true));
+  EXPECT_EQ(s.edit("/mesh", {{"transform", Matrix4d()}}), dirty::kTransform);
+  EXPECT_EQ(has(), std::pair(false, true));
+  EXPECT_EQ(s.edit("/mesh", {{"primvars:points", points}}), dirty::kPoints);
+  EXPECT_EQ(has(), std::pair(false, false));
+  s.set("/mesh", Token("mesh"), moving);
+  s.edit("/mesh", {{"primvars:points", {}}});
+  EXPECT_EQ(has(), std::pair(true, false));
+  EXPECT_EQ(s.scene.GetMeshes().at("/mesh").primvars.count("points"), 0u);
+}
+
+TEST(SceneFields, AFaultLeavesThePrimAsItIs) {
+  DrawnScene s;
+  s.set("/mesh", Token("mesh"), {{"refineLevel", 2}});
+  const Mesh before = s.scene.GetMeshes().at("/mesh");
+  for (const Fields& fields : {Fields{{"visible", false}, {"refineLevel", 9}},
+                               {{"visible", false}, {"unknown", 9}},
+                               {{"visible", false}, {"primvars:st:role", "color"}}}) {
+    EXPECT_NE(EditPrim(&s.scene, "/mesh", fields).fault, "");
+    EXPECT_NE(SetPrim(&s.scene, "/mesh", Token("mesh"), fields).fault, "");
+    EXPECT_EQ(s.index.GetChangeTracker().Get("/mesh"), dirty::kClean);
+    EXPECT_TRUE(s.scene.GetMeshes().at("/mesh") == before);
+  }
+  EXPECT_FALSE(EditPrim(&s.scene, "/nobody", {}).found);
+  EXPECT_TRUE(EditPrim(&s.scene, "/mesh", {}).fault.empty());
+}
+
+}  // namespace
+}  // namespace alabaster::hd::host
