@@ -44,7 +44,8 @@ Value samples(const std::string& name, const py::object& value, const std::strin
   for (const py::object& sample : items(value, argument)) {
     const std::vector<py::object> pair = items(sample, "each of " + argument);
     if (pair.size() != 2) throw py::value_error(argument + " is a list of pairs of a time and a value");
-    all.emplace_back(number(pair[0], "a time of " + argument), field_value(name, pair[1], argument));
+    Value at = name == "transform" ? Value(matrix(pair[1], argument)) : field_value(name, pair[1], argument);
+    all.emplace_back(number(pair[0], "a time of " + argument), std::move(at));
   }
   return Value::samples(std::move(all));
 }

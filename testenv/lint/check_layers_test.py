@@ -40,7 +40,7 @@ class Layers(unittest.TestCase):
                               ("delegate/prims/a.cpp", "delegate/rendering/framing.h"),
                               ("delegate/prims/a.cpp", "delegate/host/render_index.h"),
                               ("delegate/host/a.cpp", "delegate/rendering/framing.h"),
-                              ("delegate/host/a.cpp", "core/session/render_session.h"),
+                              ("delegate/host/a.cpp", "core/integrator/path_integrator.h"),
                               ("delegate/gltf/a.cpp", "delegate/description/render_description.h"),
                               ("delegate/tradeoff/a.cpp", "delegate/cli/console.h"),
                               ("delegate/cli/a.cpp", "delegate/prims/records.h"),

@@ -107,6 +107,16 @@ class Arguments(unittest.TestCase):
         with self.assertRaisesRegex(TypeError, "aovs"):
             self.renderer.record("a.exr", aovs="color")
 
+    def test_fields_of_any_name(self):
+        scene = alabaster.Scene()
+        quad = dict(points=CORNERS, indices=[[0, 1, 2, 3]])
+        maps = {name: alabaster.Primvar([(0.0, 0.0)] * 4, "faceVarying") for name in ["uv:Faces", "leafCounts", "uv:indices:"]}
+        scene.set_mesh("/m", primvars=maps, categories=("near", "far"), **quad)
+        scene.set("/c", "camera", clip_planes=[(0, 0, 1, 0), (0, 1, 0, 0)], shutter_close=0.5)
+        scene.edit("/m", {"transform:samples": [(0, None), (1, None)]}, transform=None)
+        with self.assertRaisesRegex(alabaster.ArgumentError, "did you mean 'invisibleFaces'"):
+            scene.set_mesh("/m", invisible_face=[0] * 9, **quad)
+
     def test_a_text_in_a_list_of_numbers(self):
         with self.assertRaisesRegex(TypeError, "baseColor.*str"):
             self.scene.set_material("/wax", baseColor=("0.9", "0.6", "0.3"))

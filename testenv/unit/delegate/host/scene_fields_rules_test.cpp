@@ -19,12 +19,63 @@ TEST(SceneFields, CategoriesAreOfInstances) {
   using Categories = std::vector<std::vector<Token>>;
   DrawnScene s;
   const auto now = [&] { return s.scene.GetInstancers().at("/many").categories; };
-  s.set("/many", Token("instancer"), {{"categories:a", Array<int32_t>{2, 0}}, {"categories:b", Array<int32_t>{2}}});
+  s.set("/many", Token("instancer"),
+        {{"categories:a", Array<int32_t>{2, 0}},
+         {"categories:b", Array<int32_t>{2, 2}},
+         {"primvars:hydra:instanceTranslations", Array<Vec3f>{Vec3f(0), Vec3f(1), Vec3f(2)}}});
   EXPECT_EQ(now(), (Categories{{"a"}, {}, {"a", "b"}}));
   EXPECT_EQ(s.edit("/many", {{"categories:a", Array<int32_t>{1}}}), dirty::kCategories);
   EXPECT_EQ(now(), (Categories{{}, {"a"}, {"b"}}));
   EXPECT_EQ(s.edit("/many", {{"categories:a", {}}, {"categories:b", {}}}), dirty::kCategories);
   for (const auto& of_one : now()) EXPECT_TRUE(of_one.empty());
+  const SetResult beyond = EditPrim(&s.scene, "/many", {{"categories:a", Array<int32_t>{16777215}}});
+  EXPECT_NE(beyond.fault.find("has no instance 16777215; there are 3"), std::string::npos) << beyond.fault;
+}
+
+TEST(SceneFields, InstancersKnowTheirPrimvars) {
+  RetainedSceneDelegate scene;
+  for (const char* name :
+       {"primvars:hydra:instanceTranslation", "primvars:translations", "primvars:hydra:instanceTranslations:indices"}) {
+    const SetResult result = SetPrim(&scene, "/many", Token("instancer"), {{name, Array<Vec3f>{Vec3f(0)}}});
+    EXPECT_NE(result.fault.find("has no field"), std::string::npos) << name;
+  }
+  const SetResult near =
+      SetPrim(&scene, "/many", Token("instancer"), {{"primvars:hydra:instanceTranslation", Array<Vec3f>{Vec3f(0)}}});
+  EXPECT_NE(near.fault.find("did you mean 'primvars:hydra:instanceTranslations'?"), std::string::npos) << near.fault;
+}
+
+TEST(SceneFields, SamplesMayComeBeforeTheirValues) {
+  DrawnScene s;
+  const Value points = Array<Vec3f>{Vec3f(1)};
+  s.set("/mesh", Token("mesh"),
+        {{"transform:samples", samples(kMoved, kMoved)},
+         {"transform", kMoved},
+         {"primvars:points:samples", samples(points, points)},
+         {"primvars:points", points}});
+  EXPECT_EQ(s.scene.GetMeshes().at("/mesh").transformSamples.times.size(), 2u);
+  EXPECT_TRUE(s.scene.GetMeshes().at("/mesh").primvarSamples.contains("points"));
+  EXPECT_NE(EditPrim(&s.scene, "/mesh", {{"primvars:st:samples", samples(points, points)}}).fault, "");
+}
+
+TEST(SceneFields, AnEmptyWordIsTheDefault) {
+  DrawnScene s;
+  s.set("/mesh", Token("mesh"),
+        {{"scheme", ""}, {"interpolateBoundary", ""}, {"cullStyle", ""}, {"material", ""}, {"subsets:a:material", ""}});
+  EXPECT_EQ(s.scene.GetMeshes().at("/mesh").topology.scheme, Token("none"));
+}
+
+TEST(SceneFields, ATextureIsNoSurface) {
+  RetainedSceneDelegate scene;
+  const auto surface = [&] { return scene.GetMaterials().at("/a").terminals.at("surface").upstreamNode; };
+  const Fields texture_first = {{"tex.type", "AlabasterTexture"}, {"wax.type", "AlabasterDisney"}};
+  EXPECT_EQ(SetPrim(&scene, "/a", Token("material"), texture_first).fault, "");
+  EXPECT_EQ(surface(), Path("/a/wax"));
+  EXPECT_EQ(EditPrim(&scene, "/a", {{"surface", {}}}).fault, "");
+  EXPECT_EQ(EditPrim(&scene, "/a", {{"wax.roughness", 0.5f}}).fault, "");
+  EXPECT_FALSE(scene.GetMaterials().at("/a").terminals.contains("surface")) << "an edit chooses none";
+  const SetResult constant = EditPrim(&scene, "/a", {{"wax.normal", "tex.rgb"}});
+  EXPECT_NE(constant.fault.find("'wax.normal' must be connected"), std::string::npos) << constant.fault;
+  EXPECT_EQ(EditPrim(&scene, "/a", {{"wax.normal", Path("tex.rgb")}}).fault, "");
 }
 
 TEST(SceneFields, TheSurfaceIsTheFirstNodeUnlessItIsNamed) {

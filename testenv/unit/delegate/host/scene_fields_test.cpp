@@ -152,8 +152,6 @@ std::vector<Row<Mesh>> rows_of_meshes() {
        [](const Mesh& mesh) { return mesh.primvars.at("st").interpolation == Interpolation::faceVarying; }},
       {"primvars:st:role", "textureCoordinate", dirty::kPrimvar,
        [](const Mesh& mesh) { return mesh.primvars.at("st").role == Token("textureCoordinate"); }},
-      {"primvars:points:samples", samples(kFloats, kFloats), dirty::kPoints,
-       [](const Mesh& mesh) { return mesh.primvarSamples.contains("points"); }},
   };
 }
 
@@ -166,6 +164,11 @@ TEST(SceneFields, OfMeshes) {
   }
   expect_all(rows_of_table("kMesh"), names_of(rows));
   check(Token("mesh"), {{"primvars:st", Array<Vec2f>{Vec2f(0)}}}, rows, &RetainedSceneDelegate::GetMeshes);
+  const Value points = Array<Vec3f>{Vec3f(1)};
+  check(Token("mesh"), {{"primvars:points", points}},
+        {{"primvars:points:samples", samples(points, points), dirty::kPoints,
+          [](const Mesh& mesh) { return mesh.primvarSamples.contains("points"); }}},
+        &RetainedSceneDelegate::GetMeshes);
   check(Token("mesh"), {{"subsets:a:faces", kInts}},
         {{"subsets:a:material", Path("/wax"), dirty::kTopology,
           [](const Mesh& mesh) { return mesh.topology.geomSubsets[0].materialId == Path("/wax"); }}},
@@ -304,7 +307,7 @@ TEST(SceneFields, OfRenderSettings) {
 TEST(SceneFields, OfProducts) {
   using P = RenderProduct;
   const Token word = "a";
-  const std::vector<Row<Settings>> rows = {
+  std::vector<Row<Settings>> rows = {
       product<std::string>("file", &P::file, "b.exr", "b.exr"),
       product<Token>("dataType", &P::dataType, "float", "float"),
       product<std::string>("colorSpace", &P::colorSpace, word, "a"),
@@ -325,14 +328,26 @@ TEST(SceneFields, OfProducts) {
        }},
   };
   expect_all(rows_of_table("kProduct"), names_of(rows, "products:0:"));
-  check(Token("renderSettings"), {{"products:0:vars:b", "depth"}}, rows, &RetainedSceneDelegate::GetAllRenderSettings);
+  rows.erase(rows.begin());  // without a file there is no product
+  check(Token("renderSettings"), {{"products:0:file", "a.exr"}, {"products:0:vars:b", "depth"}}, rows,
+        &RetainedSceneDelegate::GetAllRenderSettings);
   DrawnScene s;
+  const auto products = [&] { return s.scene.GetAllRenderSettings().at("/settings").products; };
   s.set("/settings", Token("renderSettings"),
-        {{"products:1:file", "b.exr"}, {"products:1:vars:a", "depth"}, {"products:1:vars:a:dataType", "float"}});
-  const auto& products = s.scene.GetAllRenderSettings().at("/settings").products;
-  ASSERT_EQ(products.size(), 2u);
-  EXPECT_EQ(products[1].file, "b.exr");
-  EXPECT_EQ(products[1].vars, (std::vector<RenderVar>{{"a", "depth", "float"}}));
+        {{"products:1:vars:a:dataType", "float"},
+         {"products:1:file", "b.exr"},
+         {"products:1:vars:a", "depth"},
+         {"products:0:file", "a.exr"}});
+  ASSERT_EQ(products().size(), 2u);
+  EXPECT_EQ(products()[1].file, "b.exr");
+  EXPECT_EQ(products()[1].vars, (std::vector<RenderVar>{{"a", "depth", "float"}}));
+  EXPECT_EQ(s.edit("/settings", {{"products:0:file", {}}}), dirty::kParams);
+  ASSERT_EQ(products().size(), 1u);
+  EXPECT_EQ(products()[0].file, "b.exr");
+  EXPECT_NE(EditPrim(&s.scene, "/settings", {{"products:1:width", 8}}).fault.find("'products:1' has no file"),
+            std::string::npos);
+  EXPECT_NE(EditPrim(&s.scene, "/settings", {{"products:0:vars:z:dataType", "half"}}).fault.find("'z' has no AOV"),
+            std::string::npos);
 }
 
 TEST(SceneFields, OfMaterials) {
