@@ -93,8 +93,9 @@ constexpr auto kTypeInfos = make_type_infos(std::make_index_sequence<kTypeCount>
 /// Calls visit(std::type_identity<T>) with the C++ type of `type`.
 template <class Visit, size_t... kIndex>
 void visit_type_of(int32_t type, const Visit& visit, std::index_sequence<kIndex...>) {
-  const auto at = [&]<size_t kOne>(std::integral_constant<size_t, kOne>) {
-    if (static_cast<size_t>(type) == kOne) visit(std::type_identity<std::tuple_element_t<kOne, ValueTypes>>());
+  const auto at = [&](auto place) {
+    constexpr size_t kPlace = decltype(place)::value;
+    if (static_cast<size_t>(type) == kPlace) visit(std::type_identity<std::tuple_element_t<kPlace, ValueTypes>>());
   };
   (at(std::integral_constant<size_t, kIndex>()), ...);
 }
@@ -235,7 +236,8 @@ Value::~Value() = default;
 Value Value::number(int32_t type, const void* data) {
   Value made;
   if (!is_of_numbers(type)) return made;
-  visit_type(type, [&]<class T>(std::type_identity<T>) {
+  visit_type(type, [&](auto type_of) {
+    using T = typename decltype(type_of)::type;
     if constexpr (info_of<T>("").bytes != 0) {
       T value;
       std::memcpy(static_cast<void*>(&value), data, sizeof value);
@@ -248,7 +250,8 @@ Value Value::number(int32_t type, const void* data) {
 Value Value::array(int32_t type, std::shared_ptr<const void> owner, const void* data, size_t count, uint64_t version) {
   Value made;
   if (!is_of_numbers(type)) return made;
-  visit_type(type, [&]<class T>(std::type_identity<T>) {
+  visit_type(type, [&](auto type_of) {
+    using T = typename decltype(type_of)::type;
     if constexpr (info_of<T>("").bytes != 0) {
       if (owner) {
         made = Array<T>(std::move(owner), static_cast<const T*>(data), count, version);
@@ -266,7 +269,7 @@ Value Value::array(int32_t type, std::shared_ptr<const void> owner, const void* 
 
 double Value::component(size_t i) const {
   const TypeInfo& info = GetTypeInfo(type_);
-  const auto at = [&]<class T>(const T* numbers) { return static_cast<double>(numbers[i]); };
+  const auto at = [&](const auto* numbers) { return static_cast<double>(numbers[i]); };
   if (i >= count() * info.components) return std::numeric_limits<double>::quiet_NaN();
   switch (info.scalar) {
     case Scalar::boolean:
@@ -304,7 +307,8 @@ size_t Value::components(std::array<double, 4>* out) const {
 Value Value::frozen() const {
   if (!is_array_ || array_memory()->version() == 0) return *this;
   Value copy;
-  visit_type(type_, [&]<class T>(std::type_identity<T>) {
+  visit_type(type_, [&](auto type_of) {
+    using T = typename decltype(type_of)::type;
     if constexpr (kIsElement<T>) copy = get<Array<T>>()->frozen();
   });
   return copy;
@@ -320,7 +324,8 @@ std::string Value::text_or(std::string fallback) const {
 
 std::string Value::to_string() const {
   std::string text = is_array_ ? "[" : "";
-  visit_type(type_, [&]<class T>(std::type_identity<T>) {
+  visit_type(type_, [&](auto type_of) {
+    using T = typename decltype(type_of)::type;
     if constexpr (std::is_same_v<T, std::monostate>)
       text = "empty";
     else
@@ -332,7 +337,8 @@ std::string Value::to_string() const {
 bool Value::operator==(const Value& o) const {
   if (type_ != o.type_ || is_array_ != o.is_array_) return false;
   bool equal = true;
-  visit_type(type_, [&]<class T>(std::type_identity<T>) {
+  visit_type(type_, [&](auto type_of) {
+    using T = typename decltype(type_of)::type;
     if constexpr (kIsElement<T>)
       if (is_array_) {
         equal = *get<Array<T>>() == *o.get<Array<T>>();

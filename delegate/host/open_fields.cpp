@@ -198,7 +198,7 @@ bool is_among(const std::string& name, const Names& names) {
   return std::any_of(std::begin(names), std::end(names), [&](const char* one) { return name == one; });
 }
 
-std::string unknown_input(const std::string& node, const std::string& input, std::vector<std::string> known) {
+std::string unknown_input(const std::string& node, const std::string& input, const std::vector<std::string>& known) {
   const std::string nearest = support::NearestName(input, known);
   return "node '" + node + "' has no input '" + input + "'" +
          (nearest.empty() ? "" : "; did you mean '" + nearest + "'?");
