@@ -126,30 +126,33 @@ std::string number_text(T v) {
     return {text, std::to_chars(text, text + sizeof text, v).ptr};
 }
 
-template <class T>
-std::string text_at(const void* data, size_t i) {
-  return number_text(static_cast<const T*>(data)[i]);
-}
-std::string number_text_at(Scalar scalar, const void* data, size_t i) {
+/// Calls visit(number) with the i-th of `data`, in its own type. False: there are no numbers.
+template <class Visit>
+bool visit_number(Scalar scalar, const void* data, size_t i, const Visit& visit) {
   switch (scalar) {
     case Scalar::boolean:
-      return text_at<bool>(data, i);
+      return visit(static_cast<const bool*>(data)[i]), true;
     case Scalar::int32:
-      return text_at<int32_t>(data, i);
+      return visit(static_cast<const int32_t*>(data)[i]), true;
     case Scalar::int64:
-      return text_at<int64_t>(data, i);
+      return visit(static_cast<const int64_t*>(data)[i]), true;
     case Scalar::uint32:
-      return text_at<uint32_t>(data, i);
+      return visit(static_cast<const uint32_t*>(data)[i]), true;
     case Scalar::float16:
-      return text_at<Half>(data, i);
+      return visit(static_cast<const Half*>(data)[i]), true;
     case Scalar::float32:
-      return text_at<float>(data, i);
+      return visit(static_cast<const float*>(data)[i]), true;
     case Scalar::float64:
-      return text_at<double>(data, i);
+      return visit(static_cast<const double*>(data)[i]), true;
     case Scalar::other:
       break;
   }
-  return {};
+  return false;
+}
+std::string number_text_at(Scalar scalar, const void* data, size_t i) {
+  std::string text;
+  visit_number(scalar, data, i, [&](auto number) { text = number_text(number); });
+  return text;
 }
 std::string numbers_text(const TypeInfo& info, const void* data, size_t element) {
   const size_t first = element * info.components;
@@ -269,27 +272,15 @@ Value Value::array(int32_t type, std::shared_ptr<const void> owner, const void* 
 
 double Value::component(size_t i) const {
   const TypeInfo& info = GetTypeInfo(type_);
-  const auto at = [&](const auto* numbers) { return static_cast<double>(numbers[i]); };
-  if (i >= count() * info.components) return std::numeric_limits<double>::quiet_NaN();
-  switch (info.scalar) {
-    case Scalar::boolean:
-      return at(static_cast<const bool*>(data()));
-    case Scalar::int32:
-      return at(static_cast<const int32_t*>(data()));
-    case Scalar::int64:
-      return at(static_cast<const int64_t*>(data()));
-    case Scalar::uint32:
-      return at(static_cast<const uint32_t*>(data()));
-    case Scalar::float16:
-      return double(float(static_cast<const Half*>(data())[i]));
-    case Scalar::float32:
-      return at(static_cast<const float*>(data()));
-    case Scalar::float64:
-      return at(static_cast<const double*>(data()));
-    case Scalar::other:
-      break;
-  }
-  return std::numeric_limits<double>::quiet_NaN();
+  double read = std::numeric_limits<double>::quiet_NaN();
+  if (i >= count() * info.components) return read;
+  visit_number(info.scalar, data(), i, [&](auto number) {
+    if constexpr (std::is_same_v<decltype(number), Half>)
+      read = double(float(number));
+    else
+      read = static_cast<double>(number);
+  });
+  return read;
 }
 
 double Value::number_or(double fallback) const {

@@ -12,7 +12,7 @@
 
 #include "alabaster.h"
 
-namespace alabaster::door {
+namespace alabaster::c_api {
 
 class Error : public std::runtime_error {
  public:
@@ -270,4 +270,4 @@ class Pixels {
   AlabasterPixels raw_;
 };
 
-}  // namespace alabaster::door
+}  // namespace alabaster::c_api

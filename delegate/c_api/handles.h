@@ -1,4 +1,4 @@
-// The C door's handles and how its calls end. Internal to this room.
+// The C interface's handles and how its calls end. Internal to this room.
 #pragma once
 
 #include <pthread.h>

@@ -3,7 +3,7 @@
 
 using namespace alabaster::hd;
 
-// The numbers that cross the door are those of the contract.
+// The numbers that cross the interface are those of the contract.
 static_assert(int(Format::unorm8) == ALABASTER_UNORM8 && int(Format::float16) == ALABASTER_HALF &&
               int(Format::float32) == ALABASTER_FLOAT32 && int(Format::float32vec4) == ALABASTER_FLOAT32_4 &&
               int(Format::int32) == ALABASTER_INT32);

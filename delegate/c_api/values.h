@@ -1,4 +1,4 @@
-// Values across the C door. Internal to this room.
+// Values across the C interface. Internal to this room.
 #pragma once
 
 #include <deque>

@@ -61,7 +61,7 @@ void add_exceptions(py::module_& module) {
   py::register_exception_translator([](std::exception_ptr thrown) {
     try {
       if (thrown) std::rethrow_exception(std::move(thrown));
-    } catch (const door::Error& error) {
+    } catch (const c_api::Error& error) {
       PyErr_SetObject(exception_of(error.status).ptr(), message_to_python(error.what()).ptr());
     }
   });

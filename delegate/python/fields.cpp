@@ -80,7 +80,7 @@ std::string field_name(const std::string& argument) {
 }
 
 void add_primvar(const std::string& name, const Primvar& primvar, const std::string& argument, bool of_mesh,
-                 door::Parameters* fields) {
+                 c_api::Parameters* fields) {
   const std::string field = "primvars:" + name;
   if (!primvar.motion.is_none() && element_type(field) == ALABASTER_NONE)
     throw py::value_error("points, normals and transforms of instances have motion; " + argument + " has none");
@@ -95,7 +95,7 @@ void add_primvar(const std::string& name, const Primvar& primvar, const std::str
 }
 
 void add_field(const std::string& name, const py::object& value, const std::string& argument,
-               door::Parameters* fields) {
+               c_api::Parameters* fields) {
   constexpr const char* kPrimvars = "primvars:";
   if (py::isinstance<Primvar>(value) && name.starts_with(kPrimvars))
     return add_primvar(name.substr(std::char_traits<char>::length(kPrimvars)),
@@ -103,12 +103,12 @@ void add_field(const std::string& name, const py::object& value, const std::stri
   fields->emplace_back(name, field_value(name, value, argument));
 }
 
-void add_fields(py::handle values, const std::string& argument, door::Parameters* fields) {
+void add_fields(py::handle values, const std::string& argument, c_api::Parameters* fields) {
   for (const auto& [name, value] : entries(values, argument)) add_field(field_name(name), value, name, fields);
 }
 
-door::Parameters camera_fields(py::handle options) {
-  door::Parameters fields;
+c_api::Parameters camera_fields(py::handle options) {
+  c_api::Parameters fields;
   py::object motion = py::none();
   for (const auto& [name, value] : entries(options, "camera")) {
     if (name == "motion")

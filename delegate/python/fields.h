@@ -10,16 +10,17 @@ std::string field_name(const std::string& argument);
 
 /// Adds the field of that name. A Primvar adds those of its interpolation, indices, role and motion, too. `argument`:
 /// its name in errors.
-void add_field(const std::string& name, const py::object& value, const std::string& argument, door::Parameters* fields);
+void add_field(const std::string& name, const py::object& value, const std::string& argument,
+               c_api::Parameters* fields);
 
 /// Adds a field for each entry.
-void add_fields(py::handle values, const std::string& argument, door::Parameters* fields);
+void add_fields(py::handle values, const std::string& argument, c_api::Parameters* fields);
 
 /// "primvars:NAME" and its suffixes. `of_mesh`: instancers have no suffix but :samples.
 void add_primvar(const std::string& name, const Primvar& primvar, const std::string& argument, bool of_mesh,
-                 door::Parameters* fields);
+                 c_api::Parameters* fields);
 
 /// transform, motion, and parameters by name.
-door::Parameters camera_fields(py::handle options);
+c_api::Parameters camera_fields(py::handle options);
 
 }  // namespace alabaster::python

@@ -67,7 +67,7 @@ void add_fields_of_prims(py::class_<Scene>& scene) {
       .def(
           "set",
           [](Scene& s, const PrimPath& path, const Text& kind, const py::object& names, const py::kwargs& options) {
-            door::Parameters fields;
+            c_api::Parameters fields;
             if (!names.is_none()) add_fields(names, "fields", &fields);
             add_fields(options, "fields", &fields);
             s.set_fields(path, kind, fields);
@@ -81,7 +81,7 @@ void add_fields_of_prims(py::class_<Scene>& scene) {
       .def(
           "edit",
           [](Scene& s, const PrimPath& path, const py::object& names, const py::kwargs& options) {
-            door::Parameters fields;
+            c_api::Parameters fields;
             if (!names.is_none()) add_fields(names, "fields", &fields);
             add_fields(options, "fields", &fields);
             s.edit_fields(path, fields);
@@ -185,7 +185,7 @@ void add_settings(py::class_<Scene>& scene) {
       .def(
           "set_parameter",
           [](Scene& s, const PrimPath& path, const Text& name, const py::object& value) {
-            door::Parameters fields;
+            c_api::Parameters fields;
             add_field(name, value, name, &fields);
             s.edit_fields(path, fields);
           },
@@ -245,7 +245,7 @@ PYBIND11_MODULE(_alabaster, module) {
   add_exceptions(module);
   add_scene(module);
   add_renderer(module);
-  const std::string versions = alabaster::door::api().versions;
+  const std::string versions = alabaster::c_api::api().versions;
   module.attr("__version__") = versions.substr(0, versions.find('\n'));
   module.attr("versions") = versions;
 }

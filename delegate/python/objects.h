@@ -44,12 +44,12 @@ class Messages {
 /// the call failed.
 template <class Call>
 void run(Messages& messages, const Call& call) {
-  std::optional<door::Error> error;
+  std::optional<c_api::Error> error;
   {
     Unlocked unlocked;
     try {
-      door::check(call(door::api(), unlocked));
-    } catch (const door::Error& e) {
+      c_api::check(call(c_api::api(), unlocked));
+    } catch (const c_api::Error& e) {
       error.emplace(e);
     }
   }
@@ -73,14 +73,14 @@ class Scene : public NeverImplicit {
  public:
   explicit Scene(py::object report);
   ~Scene();
-  const door::Scene& handle() const { return handle_; }
+  const c_api::Scene& handle() const { return handle_; }
   Messages& messages() { return messages_; }
 
   py::dict load(const py::object& file, const py::dict& options);
   void write(const py::object& file, const py::object& overrides, const py::kwargs& frame);
   py::dict prims();
-  void set_fields(const std::string& path, const std::string& kind, const door::Parameters& fields);
-  void edit_fields(const std::string& path, const door::Parameters& fields);
+  void set_fields(const std::string& path, const std::string& kind, const c_api::Parameters& fields);
+  void edit_fields(const std::string& path, const c_api::Parameters& fields);
   void set_mesh(const std::string& path, const py::object& points, const py::object& indices, const py::object& counts,
                 const py::dict& options);
   void set_primvar(const PrimPath& mesh, const Text& name, const py::object& values, const Text& interpolation);
@@ -100,7 +100,7 @@ class Scene : public NeverImplicit {
 
  private:
   Messages messages_;
-  door::Scene handle_;
+  c_api::Scene handle_;
 };
 
 struct Primvar : NeverImplicit {
@@ -127,14 +127,14 @@ struct Engine {
   /// Comes before values are lent, which only a call gives back.
   void check_process() const {
     if (getpid() != process)
-      throw door::Error(ALABASTER_INVALID_ARGUMENT,
-                        "the renderer belongs to the process that made it, and this one was forked: make another one");
+      throw c_api::Error(ALABASTER_INVALID_ARGUMENT,
+                         "the renderer belongs to the process that made it, and this one was forked: make another one");
   }
   /// Before a restart, which would disturb the recording.
   void refuse_while_recording() const {
     if (records)
-      throw door::Error(ALABASTER_INVALID_ARGUMENT,
-                        "the progress callback of record cannot start or record with the same renderer");
+      throw c_api::Error(ALABASTER_INVALID_ARGUMENT,
+                         "the progress callback of record cannot start or record with the same renderer");
   }
   /// The answers of `call(api, delegate, AlabasterVisit, void*)`.
   template <class Call>
@@ -147,7 +147,7 @@ struct Engine {
   }
 
   Messages messages;
-  door::Delegate delegate;
+  c_api::Delegate delegate;
   /// Held by the one thread that starts renders or records. The callback of record may do both.
   std::recursive_mutex turn;
   bool records = false;  // the thread that holds it
@@ -156,21 +156,21 @@ struct Engine {
 
 class Pixels : public NeverImplicit {
  public:
-  Pixels(std::shared_ptr<Engine> engine, std::unique_ptr<door::Pixels> held);
+  Pixels(std::shared_ptr<Engine> engine, std::unique_ptr<c_api::Pixels> held);
   ~Pixels();
   py::buffer_info info() const;
   const AlabasterPixels& get() const { return held_->get(); }
 
  private:
   std::shared_ptr<Engine> engine_;
-  std::unique_ptr<door::Pixels> held_;
+  std::unique_ptr<c_api::Pixels> held_;
 };
 
 struct FrameOptions {
   std::vector<std::string> aovs = {"color"};
   int32_t width = 0, height = 0;
   std::string camera, settings;
-  door::Parameters free_camera;  // fields, in the place of `camera`; empty: none
+  c_api::Parameters free_camera;  // fields, in the place of `camera`; empty: none
   Tokens render_tags, roots, excluded;
   AlabasterRect window{};
   double pixel_aspect = 0;
@@ -190,10 +190,10 @@ class Display : public NeverImplicit {
           double exposure);
   double exposure() const { return exposure_; }
   void set_exposure(double stops);
-  const door::Display& handle() const { return held_; }
+  const c_api::Display& handle() const { return held_; }
 
  private:
-  door::Display held_;
+  c_api::Display held_;
   double exposure_;
 };
 
@@ -212,7 +212,7 @@ class Render : public NeverImplicit {
   bool show(const Text& aov, const py::buffer& into, const py::object& display, bool top_down);
 
  private:
-  using SharedBuffer = std::shared_ptr<door::Buffer>;
+  using SharedBuffer = std::shared_ptr<c_api::Buffer>;
   /// Memory of Python's, and what of the pixels it has.
   struct Shown {
     py::object into, display;  // held, so that no other object has their addresses
@@ -232,7 +232,7 @@ class Render : public NeverImplicit {
   SharedBuffer newest(const AlabasterApi& api, const std::string& aov);
 
   std::shared_ptr<Engine> engine_;
-  door::Pass pass_;
+  c_api::Pass pass_;
   std::mutex mutex_;  // guards these two, for look-ups only
   FrameOptions options_;
   std::vector<SharedBuffer> buffers_;

@@ -83,7 +83,7 @@ py::dict progress_of(const AlabasterProgress& progress) {
 }
 
 // Pixels -------------------------------------------------------------------------------------------
-Pixels::Pixels(std::shared_ptr<Engine> engine, std::unique_ptr<door::Pixels> held)
+Pixels::Pixels(std::shared_ptr<Engine> engine, std::unique_ptr<c_api::Pixels> held)
     : engine_(std::move(engine)), held_(std::move(held)) {}
 Pixels::~Pixels() {
   drop(held_);
@@ -107,13 +107,13 @@ py::buffer_info Pixels::info() const {
 
 // Renders ------------------------------------------------------------------------------------------
 AlabasterFrame FrameOptions::pass(std::vector<AlabasterParameter>* held) const {
-  auto frame = door::sized<AlabasterFrame>();
-  frame.settings = door::or_null(settings);
-  frame.camera = door::or_null(camera);
+  auto frame = c_api::sized<AlabasterFrame>();
+  frame.settings = c_api::or_null(settings);
+  frame.camera = c_api::or_null(camera);
   frame.width = width, frame.height = height;
   frame.window = window;
   frame.pixel_aspect = pixel_aspect;
-  *held = door::pass(free_camera);
+  *held = c_api::pass(free_camera);
   frame.free_camera = held->data(), frame.free_camera_count = held->size();
   frame.render_tags = render_tags.pass();
   frame.roots = roots.pass(), frame.excluded = excluded.pass();
@@ -127,7 +127,7 @@ FrameOptions changed(FrameOptions options, const FrameChanges& changes) {
 
 Render::Render(std::shared_ptr<Engine> engine) : engine_(std::move(engine)) {
   engine_->run([&](const AlabasterApi&, AlabasterDelegate*, Unlocked&) {
-    pass_ = door::make_pass(engine_->delegate);
+    pass_ = c_api::make_pass(engine_->delegate);
     return int32_t(ALABASTER_OK);
   });
 }
@@ -151,7 +151,7 @@ AlabasterStatus formats_of(const AlabasterApi& api, AlabasterDelegate* delegate,
   for (const std::string& aov : aovs) {
     int32_t format = ALABASTER_FORMAT_NONE;
     if (const AlabasterStatus status = api.aov_format(delegate, aov.c_str(), &format)) return status;
-    if (format == ALABASTER_FORMAT_NONE) throw door::Error(ALABASTER_NOT_FOUND, api.last_error());
+    if (format == ALABASTER_FORMAT_NONE) throw c_api::Error(ALABASTER_NOT_FOUND, api.last_error());
     formats->push_back(format);
   }
   return ALABASTER_OK;
@@ -175,7 +175,7 @@ AlabasterStatus Render::start(const AlabasterApi& api, const FrameOptions& next)
     const AlabasterStatus status = i < buffers.size() ? api.buffer_resize(buffers[i]->get(), width, height, formats[i])
                                                       : api.buffer_create(delegate, width, height, formats[i], &made);
     if (status != ALABASTER_OK) return status;
-    if (made) buffers.push_back(std::make_shared<door::Buffer>(made));
+    if (made) buffers.push_back(std::make_shared<c_api::Buffer>(made));
     bindings.push_back({next.aovs[i].c_str(), buffers[i]->get()});
   }
   if (const AlabasterStatus status = api.restart(delegate)) return status;
@@ -219,7 +219,7 @@ bool Render::wait(const py::object& seconds, const py::object& progress) {
 
 void Render::stop_quietly() {
   const Unlocked unlocked;
-  static_cast<void>(door::api().stop(engine_->delegate.get()));
+  static_cast<void>(c_api::api().stop(engine_->delegate.get()));
 }
 
 bool Render::wait_for(const py::object& seconds, const py::object& progress) {
@@ -231,7 +231,7 @@ bool Render::wait_for(const py::object& seconds, const py::object& progress) {
   do {  // once in any case: it takes up what has been built
     const double slice = std::clamp(limit - waited, 0.0, kTellSeconds);
     waited += kTellSeconds;
-    auto now = door::sized<AlabasterProgress>();
+    auto now = c_api::sized<AlabasterProgress>();
     engine_->run([&](const AlabasterApi& api, AlabasterDelegate* delegate, Unlocked&) {
       const AlabasterStatus status = api.pass_wait(pass_.get(), slice, &over);
       return status == ALABASTER_OK ? api.progress(delegate, &now) : status;
@@ -244,7 +244,7 @@ bool Render::wait_for(const py::object& seconds, const py::object& progress) {
     });
     if (!goes_on && over == 0) {
       cancel();
-      throw door::Error(ALABASTER_INTERRUPTED, "the render was cancelled");
+      throw c_api::Error(ALABASTER_INTERRUPTED, "the render was cancelled");
     }
   } while (over == 0 && waited < limit);
   return over != 0;
@@ -281,9 +281,9 @@ Render::SharedBuffer Render::newest(const AlabasterApi& api, const std::string& 
 }
 
 std::unique_ptr<Pixels> Render::pixels(const Text& aov) {
-  std::unique_ptr<door::Pixels> held;
+  std::unique_ptr<c_api::Pixels> held;
   engine_->run([&](const AlabasterApi& api, AlabasterDelegate*, Unlocked&) {
-    held = std::make_unique<door::Pixels>(*newest(api, aov));
+    held = std::make_unique<c_api::Pixels>(*newest(api, aov));
     return int32_t(ALABASTER_OK);
   });
   return make_object<Pixels>(engine_, std::move(held));
@@ -307,7 +307,7 @@ py::buffer_info contiguous(const py::buffer& into) {
 /// Memory of the host for pixels: an array of (height, width) or (height, width, components).
 AlabasterMemory memory_of(const py::buffer_info& info) {
   constexpr Py_ssize_t kMost = std::numeric_limits<int32_t>::max();
-  auto memory = door::sized<AlabasterMemory>();
+  auto memory = c_api::sized<AlabasterMemory>();
   const Py_ssize_t components = info.ndim == 3 ? info.shape[2] : 1;
   for (int32_t format = ALABASTER_UNORM8; format <= ALABASTER_INT32; ++format)
     if (const Format known = format_of(format); info.ndim >= 2 && info.ndim <= 3 && info.format == known.name &&
@@ -365,20 +365,20 @@ Display::Display(const py::object& color_config, const std::string& display, con
                  const std::string& look, double exposure)
     : exposure_(exposure) {
   const std::string config = color_config.is_none() ? std::string() : file_name(color_config, "color_config");
-  auto options = door::sized<AlabasterDisplayOptions>();
-  options.color_config = door::or_null(config);
-  options.display = door::or_null(display), options.view = door::or_null(view), options.look = door::or_null(look);
+  auto options = c_api::sized<AlabasterDisplayOptions>();
+  options.color_config = c_api::or_null(config);
+  options.display = c_api::or_null(display), options.view = c_api::or_null(view), options.look = c_api::or_null(look);
   options.exposure = exposure;
   const Unlocked unlocked;
   AlabasterDisplay* made = nullptr;
-  door::check(door::api().display_create(&options, &made));
+  c_api::check(c_api::api().display_create(&options, &made));
   held_.reset(made);
 }
 
 void Display::set_exposure(double stops) {
   {
     const Unlocked unlocked;
-    door::check(door::api().display_set_exposure(held_.get(), stops));
+    c_api::check(c_api::api().display_set_exposure(held_.get(), stops));
   }
   exposure_ = stops;
 }

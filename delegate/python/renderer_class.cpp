@@ -26,7 +26,7 @@ void end() {
   for (const auto& one : engines())
     if (const auto engine = one.lock()) living.push_back(engine);
   leave_library([&] {
-    for (const auto& engine : living) door::api().stop(engine->delegate.get());
+    for (const auto& engine : living) c_api::api().stop(engine->delegate.get());
   });
 }
 
@@ -39,12 +39,12 @@ struct SettingAnswer {
 class Renderer : public NeverImplicit {
  public:
   Renderer(const py::object& scene, py::object report, const py::dict& settings) {
-    const door::Parameters held = parameters(settings, "settings");
-    const door::Scene none;
-    const door::Scene& shown = scene.is_none() ? none : scene_of(scene).handle();
+    const c_api::Parameters held = parameters(settings, "settings");
+    const c_api::Scene none;
+    const c_api::Scene& shown = scene.is_none() ? none : scene_of(scene).handle();
     const auto engine = std::make_shared<Engine>(std::move(report));
     engine->run([&](const AlabasterApi&, AlabasterDelegate*, Unlocked&) {
-      engine->delegate = door::make_delegate(shown, held, &Messages::hear, &engine->messages);
+      engine->delegate = c_api::make_delegate(shown, held, &Messages::hear, &engine->messages);
       return int32_t(ALABASTER_OK);
     });
     keep(engine);
@@ -82,14 +82,14 @@ class Renderer : public NeverImplicit {
     return all;
   }
   py::dict progress() {
-    auto now = door::sized<AlabasterProgress>();
+    auto now = c_api::sized<AlabasterProgress>();
     run([&](const AlabasterApi& api, AlabasterDelegate* delegate) { return api.progress(delegate, &now); });
     return progress_of(now);
   }
   py::object command(const Text& name, const py::dict& arguments) {
-    const door::Parameters held = parameters(arguments, "arguments");
+    const c_api::Parameters held = parameters(arguments, "arguments");
     engine_->check_process();
-    const std::vector<AlabasterParameter> raw = door::pass(held);
+    const std::vector<AlabasterParameter> raw = c_api::pass(held);
     return last_of(
         engine_->ask([&](const AlabasterApi& api, AlabasterDelegate* delegate, AlabasterVisit visit, void* user) {
           return api.command(delegate, name.c_str(), raw.data(), raw.size(), visit, user);
@@ -201,8 +201,8 @@ py::list Renderer::record(const py::args& files, const Text& settings, const py:
   for (const py::handle file : files) names.push_back(file_name(file, "a file"));
   const std::vector<std::string> layers = texts(aovs, "aovs");
   const auto raw_names = pointers(names), raw_aovs = pointers(layers);
-  auto options = door::sized<AlabasterRecordOptions>();
-  options.settings = door::or_null(settings);
+  auto options = c_api::sized<AlabasterRecordOptions>();
+  options.settings = c_api::or_null(settings);
   options.files = raw_names.data(), options.file_count = raw_names.size();
   options.aovs = raw_aovs.data(), options.aov_count = raw_aovs.size();
   options.keep_going = keep_going;
@@ -220,7 +220,7 @@ py::list Renderer::record(const py::args& files, const Text& settings, const py:
       engine_->records = false;
       return status == ALABASTER_DEGRADED && keep_going ? int32_t(ALABASTER_OK) : status;
     });
-  } catch (const door::Error&) {
+  } catch (const c_api::Error&) {
     if (recording.error) std::rethrow_exception(recording.error);
     throw;
   }
@@ -232,7 +232,7 @@ py::list Renderer::record(const py::args& files, const Text& settings, const py:
 
 void set_camera(FrameChanges& changes, py::handle value) {
   if (PyDict_Check(value.ptr())) {
-    door::Parameters fields = camera_fields(value);
+    c_api::Parameters fields = camera_fields(value);
     if (fields.empty()) fields.emplace_back("transform", Value());  // a camera of defaults
     changes.push_back([fields](FrameOptions& o) { o.camera.clear(), o.free_camera = fields; });
     return;

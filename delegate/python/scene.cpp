@@ -45,7 +45,7 @@ std::pair<Value, Value> topology(const py::object& indices, const py::object& co
 
 /// The options of meshes that are not fields by the rule of names.
 void add_mesh_option(const std::string& path, const std::string& name, const py::object& value,
-                     door::Parameters* fields) {
+                     c_api::Parameters* fields) {
   if (name == "primvars") {
     for (const auto& [primvar, values] : entries_of(value, "primvars"))
       add_primvar(primvar, primvar_of(values, primvar, "vertex"), primvar, true, fields);
@@ -79,10 +79,10 @@ constexpr std::pair<const char*, const char*> kPlaces[] = {{"transforms", "hydra
                                                            {"rotations", "hydra:instanceRotations"},
                                                            {"scales", "hydra:instanceScales"}};
 
-void add_node(const std::string& name, const py::object& values, door::Parameters* fields) {
+void add_node(const std::string& name, const py::object& values, c_api::Parameters* fields) {
   if (name.find('.') != std::string::npos) throw py::value_error("node '" + name + "': names of nodes have no dot");
   std::string type = "AlabasterDisney";
-  door::Parameters inputs;
+  c_api::Parameters inputs;
   for (const auto& [input, value] : entries(values, "node '" + name + "'")) {
     if (input == "type")
       type = python::text(value, input);
@@ -96,7 +96,7 @@ void add_node(const std::string& name, const py::object& values, door::Parameter
 }  // namespace
 
 Scene::Scene(py::object report)
-    : messages_(std::move(report)), handle_(door::make_scene(&Messages::hear, &messages_)) {}
+    : messages_(std::move(report)), handle_(c_api::make_scene(&Messages::hear, &messages_)) {}
 Scene::~Scene() {
   drop(handle_);
 }
@@ -110,7 +110,7 @@ py::dict Scene::load(const py::object& file, const py::dict& options) {
   for (const std::string& one : overrides) raw.push_back(one.c_str());
   const std::string camera = text(options, "camera"), dome = text(options, "dome"), scene = text(options, "scene");
   const std::string animation = text(options, "animation"), variant = text(options, "variant");
-  auto in = door::sized<AlabasterLoadOptions>();
+  auto in = c_api::sized<AlabasterLoadOptions>();
   in.overrides = raw.data(), in.override_count = raw.size();
   in.camera = camera.c_str(), in.dome = dome.c_str(), in.scene = scene.c_str();
   in.animation = animation.c_str(), in.variant = variant.c_str();
@@ -119,7 +119,7 @@ py::dict Scene::load(const py::object& file, const py::dict& options) {
   in.keep_going = flag(options, "keep_going", false);
   in.allow_outside = flag(options, "allow_outside", false);
   const std::string name = file_name(file, "file");
-  auto loaded = door::sized<AlabasterLoaded>();
+  auto loaded = c_api::sized<AlabasterLoaded>();
   run([&](const AlabasterApi& api, AlabasterScene* held) { return api.scene_load(held, name.c_str(), &in, &loaded); });
   py::dict told;
   told["settings"] = name_to_python(loaded.settings);
@@ -131,10 +131,10 @@ py::dict Scene::load(const py::object& file, const py::dict& options) {
 void Scene::write(const py::object& file, const py::object& overrides, const py::kwargs& frame) {
   if (frame.contains("aovs")) throw py::type_error("unexpected keyword argument 'aovs'");
   const FrameOptions options = changed({}, frame_changes(frame));
-  const door::Parameters held = overrides.is_none() ? door::Parameters() : python::parameters(overrides, "overrides");
+  const c_api::Parameters held = overrides.is_none() ? c_api::Parameters() : python::parameters(overrides, "overrides");
   const std::string name = file_name(file, "file");
   std::vector<AlabasterParameter> camera;
-  const std::vector<AlabasterParameter> raw = door::pass(held);
+  const std::vector<AlabasterParameter> raw = c_api::pass(held);
   const AlabasterFrame in = options.pass(&camera);
   run([&](const AlabasterApi& api, AlabasterScene* scene) {
     return api.scene_write(scene, name.c_str(), &in, raw.data(), raw.size());
@@ -149,15 +149,15 @@ py::dict Scene::prims() {
   return all;
 }
 
-void Scene::set_fields(const std::string& path, const std::string& kind, const door::Parameters& fields) {
-  const std::vector<AlabasterParameter> raw = door::pass(fields);
+void Scene::set_fields(const std::string& path, const std::string& kind, const c_api::Parameters& fields) {
+  const std::vector<AlabasterParameter> raw = c_api::pass(fields);
   run([&](const AlabasterApi& api, AlabasterScene* scene) {
     return api.scene_set(scene, path.c_str(), kind.c_str(), raw.data(), raw.size());
   });
 }
 
-void Scene::edit_fields(const std::string& path, const door::Parameters& fields) {
-  const std::vector<AlabasterParameter> raw = door::pass(fields);
+void Scene::edit_fields(const std::string& path, const c_api::Parameters& fields) {
+  const std::vector<AlabasterParameter> raw = c_api::pass(fields);
   run([&](const AlabasterApi& api, AlabasterScene* scene) {
     return api.scene_edit(scene, path.c_str(), raw.data(), raw.size());
   });
@@ -165,7 +165,7 @@ void Scene::edit_fields(const std::string& path, const door::Parameters& fields)
 
 void Scene::set_mesh(const std::string& path, const py::object& points, const py::object& indices,
                      const py::object& counts, const py::dict& options) {
-  door::Parameters fields;
+  c_api::Parameters fields;
   Primvar given = primvar_of(points, "points", "vertex");
   if (!py::isinstance<Primvar>(points)) given.role = "point";
   add_primvar("points", given, "points", true, &fields);
@@ -178,13 +178,13 @@ void Scene::set_mesh(const std::string& path, const py::object& points, const py
 }
 
 void Scene::set_primvar(const PrimPath& mesh, const Text& name, const py::object& values, const Text& interpolation) {
-  door::Parameters fields;
+  c_api::Parameters fields;
   add_primvar(name, primvar_of(values, name, interpolation.c_str()), name, true, &fields);
   edit_fields(mesh, fields);
 }
 
 void Scene::set_instancer(const std::string& path, const py::dict& prototypes, const py::dict& options) {
-  door::Parameters fields;
+  c_api::Parameters fields;
   for (const auto& [name, indices] : entries(prototypes, "prototypes"))
     add_field("prototypes:" + name, indices, "prototypes[" + name + "]", &fields);
   for (const auto& [name, value] : entries(options, "options")) {
@@ -201,7 +201,7 @@ void Scene::set_instancer(const std::string& path, const py::dict& prototypes, c
 
 void Scene::set_instance_values(const std::string& path, size_t first, const py::dict& options) {
   check_options(options, {"transforms", "translations", "rotations", "scales"});
-  door::Parameters all;  // read before the first one is set
+  c_api::Parameters all;  // read before the first one is set
   for (const auto& [name, primvar] : kPlaces)
     if (const py::object values = option(options, name); !values.is_none())
       add_primvar(primvar, Primvar(values, "instance"), name, false, &all);
@@ -218,7 +218,7 @@ void Scene::set_material(const std::string& path, const py::object& nodes, const
                          const py::dict& parameters) {
   if (!nodes.is_none() && py::len(parameters) > 0)
     throw py::type_error("a material has nodes, or parameters: put these into a node");
-  door::Parameters fields;
+  c_api::Parameters fields;
   for (const auto& [name, values] : entries_of(nodes, "nodes")) {
     add_node(name, values, &fields);
     if (name == "surface") fields.emplace_back("surface", Value(name));
@@ -230,7 +230,7 @@ void Scene::set_material(const std::string& path, const py::object& nodes, const
 
 void Scene::set_light(const std::string& path, const std::string& type, const py::object& transform, bool visible,
                       const py::dict& parameters) {
-  door::Parameters fields;
+  c_api::Parameters fields;
   add_field("transform", transform, "transform", &fields);
   fields.emplace_back("visible", Value(visible));
   add_fields(parameters, "parameters", &fields);
@@ -242,7 +242,7 @@ void Scene::set_camera(const std::string& path, const py::dict& options) {
 }
 
 void Scene::set_render_settings(const std::string& path, const py::dict& options) {
-  door::Parameters fields;
+  c_api::Parameters fields;
   for (const auto& [name, value] : entries(options, "settings")) {
     const bool is_length = name == "width" || name == "height";
     if (is_length && (value.is_none() || length_of(value, name) == 0)) continue;

@@ -1,4 +1,4 @@
-// Structs of the C door made of Python's arguments. Each holds what its struct points at. Internal to this room.
+// Structs of the C interface made of Python's arguments. Each holds what its struct points at. Internal to this room.
 #pragma once
 
 #include <optional>

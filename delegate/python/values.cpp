@@ -371,8 +371,8 @@ Value parameter(py::handle value, const std::string& name) {
   return numbers_parameter(value, name);
 }
 
-door::Parameters parameters(py::handle values, const std::string& name) {
-  door::Parameters read;
+c_api::Parameters parameters(py::handle values, const std::string& name) {
+  c_api::Parameters read;
   for (const auto& [key, value] : entries(values, name)) read.emplace_back(key, parameter(value, key));
   return read;
 }

@@ -1,4 +1,4 @@
-// Python's values as the C door's. Internal to this room.
+// Python's values as the C interface's. Internal to this room.
 #pragma once
 
 #include "delegate/c_api/alabaster.hpp"
@@ -6,7 +6,7 @@
 
 namespace alabaster::python {
 
-using door::Value;
+using c_api::Value;
 
 // `name` is that of the argument, for errors.
 
@@ -14,7 +14,7 @@ using door::Value;
 Value parameter(py::handle value, const std::string& name);
 /// Four numbers each.
 Value planes(py::handle values, const std::string& name);
-door::Parameters parameters(py::handle values, const std::string& name);
+c_api::Parameters parameters(py::handle values, const std::string& name);
 
 /// Elements of `type` (ALABASTER_INT, FLOAT, FLOAT2, ..., MATRIX) from an array or nested sequences. An array of
 /// contiguous float32 (int32, float64 for matrices) is lent, as one that the host edits if it can be written to; others

@@ -3,7 +3,7 @@
 #include <alabaster/alabaster.hpp>
 #include <cstdio>
 
-using namespace alabaster::door;
+using namespace alabaster::c_api;
 
 namespace {
 

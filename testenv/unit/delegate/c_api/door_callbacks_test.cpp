@@ -12,7 +12,7 @@
 
 #include "testenv/unit/delegate/c_api/door_fixture.h"
 
-namespace alabaster::door_testing {
+namespace alabaster::c_api_testing {
 namespace {
 
 class DoorCallbacks : public Door {
@@ -249,4 +249,4 @@ TEST_F(DoorCallbacks, ReleasesMayDestroyHandles) {
 }
 
 }  // namespace
-}  // namespace alabaster::door_testing
+}  // namespace alabaster::c_api_testing

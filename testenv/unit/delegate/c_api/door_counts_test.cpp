@@ -10,7 +10,7 @@
 #include "testenv/support/build_paths.h"
 #include "testenv/unit/delegate/c_api/door_fixture.h"
 
-namespace alabaster::door_testing {
+namespace alabaster::c_api_testing {
 namespace {
 
 constexpr size_t kMany = 3;
@@ -145,4 +145,4 @@ TEST_F(DoorCounts, SizesThatNoHeaderHasAreRefused) {
 }
 
 }  // namespace
-}  // namespace alabaster::door_testing
+}  // namespace alabaster::c_api_testing

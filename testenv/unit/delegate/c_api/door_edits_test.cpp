@@ -4,7 +4,7 @@
 
 #include "testenv/unit/delegate/c_api/door_fixture.h"
 
-namespace alabaster::door_testing {
+namespace alabaster::c_api_testing {
 namespace {
 
 class DoorEdits : public Door {
@@ -119,4 +119,4 @@ TEST_F(DoorEdits, ARenderThatIsOnlyLookedAtBegins) {
 }
 
 }  // namespace
-}  // namespace alabaster::door_testing
+}  // namespace alabaster::c_api_testing

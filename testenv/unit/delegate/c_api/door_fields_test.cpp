@@ -8,7 +8,7 @@
 #include "testenv/support/build_paths.h"
 #include "testenv/unit/delegate/c_api/door_fixture.h"
 
-namespace alabaster::door_testing {
+namespace alabaster::c_api_testing {
 namespace {
 
 constexpr int32_t kInts[] = {0, 1, 2, 3};
@@ -357,4 +357,4 @@ TEST_F(DoorProducts, PurposesSelectMeshes) {
 }
 
 }  // namespace
-}  // namespace alabaster::door_testing
+}  // namespace alabaster::c_api_testing

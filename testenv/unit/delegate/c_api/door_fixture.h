@@ -10,7 +10,7 @@
 
 #include "delegate/c_api/alabaster.h"
 
-namespace alabaster::door_testing {
+namespace alabaster::c_api_testing {
 
 inline const AlabasterApi& api() {
   return *alabaster_api(ALABASTER_API_VERSION);
@@ -164,4 +164,4 @@ class Door : public ::testing::Test {
   std::vector<std::string> heard_;
 };
 
-}  // namespace alabaster::door_testing
+}  // namespace alabaster::c_api_testing

@@ -9,7 +9,7 @@
 
 #include "testenv/unit/delegate/c_api/door_fixture.h"
 
-namespace alabaster::door_testing {
+namespace alabaster::c_api_testing {
 namespace {
 
 /// The exit status of a child that runs `body`; -1 if it does not end within 30 seconds.
@@ -180,4 +180,4 @@ TEST_F(DoorFrame, AnUnknownAovIsNamed) {
 }
 
 }  // namespace
-}  // namespace alabaster::door_testing
+}  // namespace alabaster::c_api_testing

@@ -1,7 +1,7 @@
 // Edits of single instances through the C interface.
 #include "testenv/unit/delegate/c_api/door_fixture.h"
 
-namespace alabaster::door_testing {
+namespace alabaster::c_api_testing {
 namespace {
 
 // Two quads, of which the first is moved to where the camera looks.
@@ -44,4 +44,4 @@ TEST_F(Door, OneInstanceIsEditedByItself) {
 }
 
 }  // namespace
-}  // namespace alabaster::door_testing
+}  // namespace alabaster::c_api_testing

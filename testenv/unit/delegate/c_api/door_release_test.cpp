@@ -5,7 +5,7 @@
 #include "testenv/support/failing_memory.h"
 #include "testenv/unit/delegate/c_api/door_fixture.h"
 
-namespace alabaster::door_testing {
+namespace alabaster::c_api_testing {
 namespace {
 
 constexpr float kNumbers[64] = {};
@@ -261,4 +261,4 @@ TEST_F(DoorReleases, ComeFromAnEditThatMemoryDoesNotHold) {
 }
 
 }  // namespace
-}  // namespace alabaster::door_testing
+}  // namespace alabaster::c_api_testing

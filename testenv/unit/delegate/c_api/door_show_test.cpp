@@ -5,7 +5,7 @@
 #include "testenv/support/failing_memory.h"
 #include "testenv/unit/delegate/c_api/door_fixture.h"
 
-namespace alabaster::door_testing {
+namespace alabaster::c_api_testing {
 namespace {
 
 class DoorShow : public Door {
@@ -89,4 +89,4 @@ TEST_F(DoorShow, AThreadThatEditsMeanwhileIsServed) {
 }
 
 }  // namespace
-}  // namespace alabaster::door_testing
+}  // namespace alabaster::c_api_testing

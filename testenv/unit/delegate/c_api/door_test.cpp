@@ -12,7 +12,7 @@
 
 #include "testenv/unit/delegate/c_api/door_fixture.h"
 
-namespace alabaster::door_testing {
+namespace alabaster::c_api_testing {
 namespace {
 
 TEST(DoorVersion, NeitherZeroNorALaterVersionIsPromised) {
@@ -366,4 +366,4 @@ TEST_F(Door, SettingsAndPrimsAreTold) {
 }
 
 }  // namespace
-}  // namespace alabaster::door_testing
+}  // namespace alabaster::c_api_testing

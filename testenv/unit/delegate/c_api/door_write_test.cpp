@@ -5,7 +5,7 @@
 
 #include "testenv/unit/delegate/c_api/door_fixture.h"
 
-namespace alabaster::door_testing {
+namespace alabaster::c_api_testing {
 namespace {
 
 class DoorWrite : public Door {
@@ -71,4 +71,4 @@ TEST_F(DoorWrite, SaysWhyItFails) {
 }
 
 }  // namespace
-}  // namespace alabaster::door_testing
+}  // namespace alabaster::c_api_testing
