@@ -72,7 +72,7 @@ class View {
   /// Elements of this kind that the library may read where they lie.
   bool can_be_lent(const Element& as) const {
     const Element own = element();
-    return own.kind == as.kind && own.bytes == as.bytes && PyBuffer_IsContiguous(view_, 'C') != 0 &&
+    return as.bytes > 0 && own.kind == as.kind && own.bytes == as.bytes && PyBuffer_IsContiguous(view_, 'C') != 0 &&
            reinterpret_cast<uintptr_t>(view_->buf) % as.bytes == 0;
   }
 
