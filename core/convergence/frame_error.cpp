@@ -183,6 +183,22 @@ Convergence fit_convergence(const PixelSet& pixels, const std::vector<double>& s
   return c;
 }
 
+// The variances of pixels' means by a law, from their differences.
+class Variances {
+ public:
+  Variances(const ConvergenceLaw& law, uint32_t most) : law_(law), factors_(size_t(most) + 1) {}
+  double of(const PixelNoise& pixel) const {
+    std::atomic<double>& shared = factors_[pixel.samples];
+    double factor = shared.load(std::memory_order_relaxed);
+    if (factor == 0) shared = factor = variance_per_difference(pixel.samples, law_);
+    return factor * squared(pixel.difference());
+  }
+
+ private:
+  ConvergenceLaw law_;
+  mutable std::vector<std::atomic<double>> factors_;  // by number of samples; 0: not computed yet
+};
+
 // L^2 + f^2 of every pixel, and the variance of each pixel's mean over that, which is computed when it is used: the
 // scales are all of a frame's size that is kept.
 class RelativeErrors {
@@ -193,21 +209,16 @@ class RelativeErrors {
       : pixels_(pixels),
         scales_(std::move(scales)),
         convergence_(fit_convergence(pixels, scales_, samples.least, cancel)),
-        factors_(size_t(samples.most) + 1) {}
+        variances_(convergence_.law, samples.most) {}
   const Convergence& convergence() const { return convergence_; }
   double scale(size_t i) const { return scales_[i]; }
-  double value(size_t i) const {
-    std::atomic<double>& shared = factors_[pixels_[i].samples];
-    double factor = shared.load(std::memory_order_relaxed);
-    if (factor == 0) shared = factor = variance_per_difference(pixels_[i].samples, convergence_.law);
-    return factor * squared(pixels_[i].difference()) / scales_[i];
-  }
+  double value(size_t i) const { return variances_.of(pixels_[i]) / scales_[i]; }
 
  private:
   const PixelSet& pixels_;
   std::vector<double> scales_;
   Convergence convergence_;
-  mutable std::vector<std::atomic<double>> factors_;  // by number of samples; 0: not computed yet
+  Variances variances_;
 };
 
 // Sum over the n pixels of value(i) / n.
@@ -216,6 +227,8 @@ double mean_of(size_t n, const Value& value, const CancelToken& cancel) {
   return sum_over_pixels<double>(
       n, [&](size_t i, double* sum) { *sum += value(i) / double(n); }, cancel);
 }
+
+constexpr double kNoiseDoubt = 0.12;  // about ln E^2 of independent samples
 
 // How far ln E^2 may be off (frame_error.md, "The interval").
 struct LogScatter {
@@ -228,7 +241,7 @@ struct LogScatter {
 template <class Value>
 LogScatter log_scatter(const PixelSet& pixels, const RelativeErrors& errors, const Value& value, double mean,
                        const CancelToken& cancel) {
-  constexpr double kNoiseDoubt = 0.12, kStratifiedDoubt = 0.5;
+  constexpr double kStratifiedDoubt = 0.5;
   const ConvergenceLaw& law = errors.convergence().law;
   const PerDifference &means = errors.convergence().means, &elasticity = errors.convergence().elasticity;
   const double doubt = kNoiseDoubt + kStratifiedDoubt * law.stratified();
@@ -310,6 +323,15 @@ Lowest lowest_scales(const PixelSet& pixels, double floor, const CancelToken& ca
   return lowest;
 }
 
+// The upper end of E^2 if stratification has ended its work: the last difference is then that of independent samples
+// (frame_error.md, "The interval"). Where noise rules, it lies below the other upper end.
+double high_without_strata(const PixelSet& pixels, const std::vector<double>& scales, uint32_t most,
+                           const CancelToken& cancel) {
+  const Variances variances({}, most);
+  const auto value = [&](size_t i) { return variances.of(pixels[i]) / scales[i]; };
+  return mean_of(pixels.size(), value, cancel) * std::exp(1.96 * kNoiseDoubt);
+}
+
 }  // namespace
 
 FrameError estimate_frame_error(const NoiseImage& image, const CancelToken& cancel, uint32_t groups) {
@@ -346,7 +368,8 @@ FrameError estimate_frame_error(const NoiseImage& image, const CancelToken& canc
   return {.known = true,
           .relative_rmse = std::sqrt(least * std::pow(most / least, kWeightOfMost)),
           .low = std::sqrt(least * std::exp(-least_reach)),
-          .high = std::sqrt(most * std::exp(most_reach))};
+          .high = std::sqrt(
+              std::max(most * std::exp(most_reach), high_without_strata(pixels, lowest.scales, samples.most, cancel)))};
 }
 
 std::vector<double> relative_squared_errors(const NoiseImage& image, uint32_t groups) {
@@ -373,7 +396,7 @@ FrameError estimate_frame_error(const Film& film) {
 size_t frame_error_bytes(const PixelRect& window, uint64_t most_samples) {
   if (window.empty()) return 0;
   constexpr size_t kPixel = sizeof(PixelNoise) + 2 * sizeof(double);  // RelativeErrors, Lowest
-  const size_t factors = sizeof(double) * (size_t(most_samples) + 1);
+  const size_t factors = 2 * sizeof(double) * (size_t(most_samples) + 1);  // of two laws
   return kPixel * size_t(window.width()) * size_t(window.height()) + factors;
 }
 

@@ -79,19 +79,21 @@ std::string missed_target_text(const RenderProgress& p, double samples, double m
 
 // The cause of a render's end; where its target error is missed, also the cost of reaching it.
 void add_end(const RenderProgress& p, double samples, Dictionary* stats) {
-  constexpr double kSlack = 1.2;  // groups of pixels end each other: the frame may end a fifth above the target
+  // Groups of pixels end each other: the frame may end a fifth above the target. Where its interval ends above that,
+  // it may have missed.
+  constexpr double kSlack = 1.2;
   Dictionary& s = *stats;
   if (p.ended_by == RenderEnd::none || p.state != SessionState::finished) return;
   s["endedBy"] = std::string(kEnds[static_cast<size_t>(p.ended_by)]);
   if (!(p.target_error > 0)) return;
-  // Where few bright samples decide, the error may be far above what they tell.
   const double allowed = p.target_error * (p.ended_by == RenderEnd::target_error ? kSlack : 1.0);
-  const bool missed = !(p.noise.relative_rmse <= allowed) || !(p.noise.with_doubt() <= kSlack * p.target_error) ||
-                      !p.noise.is_bounded();
+  const bool missed =
+      !(p.noise.relative_rmse <= allowed) || !(p.noise.high <= kSlack * p.target_error) || !p.noise.is_bounded();
   s["target.error"] = p.target_error;
   s["target.missed"] = missed;
   if (!missed) return;
-  const double reached = p.noise.relative_rmse > p.target_error ? p.noise.relative_rmse : p.noise.with_doubt();
+  const double doubtful = std::max(p.noise.with_doubt(), p.noise.high / kSlack);
+  const double reached = p.noise.relative_rmse > p.target_error ? p.noise.relative_rmse : doubtful;
   const double more = std::max(1.0, std::pow(reached / p.target_error, 2));
   s["target.message"] = missed_target_text(p, samples, more);
   if (!p.noise.known) return;

@@ -47,6 +47,27 @@ TEST_F(TargetErrorTest, ATimeLimitThatMissesItIsTold) {
   EXPECT_EQ(nlohmann::json::parse(std::ifstream(folder_ / "s.json"))["target"]["endedBy"], "timeLimit");
 }
 
+// A render without a report has an error of at most a fifth above its target, as surely as its interval holds.
+TEST_F(TargetErrorTest, AnIntervalThatEndsAFifthAboveTheTargetIsReported) {
+  const auto stats_with = [&](const std::string& target) {
+    Program program(folder_, {"render", "patch.gltf", "--size", "12x8", "--spp", "16", "--target-error", target, "-o",
+                              "a.exr", "--stats", "s.json", "--quiet"});
+    EXPECT_EQ(program.wait(), 0) << program.err();
+    said_ = program.err();
+    return nlohmann::json::parse(std::ifstream(folder_ / "s.json"));
+  };
+  const auto first = stats_with("0.001");
+  const double reported = first["error"]["relativeRmse"], high = first["error"]["high95"];
+  ASSERT_LT(reported, high / 1.24);
+  const auto wide = stats_with(std::to_string(high / 1.22));
+  EXPECT_EQ(wide["error"]["high95"], high);
+  EXPECT_TRUE(wide["target"]["missed"].get<bool>());
+  EXPECT_NEAR(wide["target"]["samples"].get<double>() / 16, std::pow(1.22 / 1.2, 2), 0.07);
+  EXPECT_HAS(said_, " and may be up to ");
+  EXPECT_FALSE(stats_with(std::to_string(high / 1.18))["target"]["missed"].get<bool>());
+  EXPECT_EQ(said_, "");
+}
+
 TEST_F(TargetErrorTest, OneThatIsReachedNeedsNoWord) {
   Program program(folder_, {"render", "patch.gltf", "--size", "48x32", "--target-error", "0.1", "-o", "a.exr",
                             "--stats", "s.json", "--quiet"});
