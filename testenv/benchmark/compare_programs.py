@@ -54,6 +54,10 @@ def parsed_size(text):
 
 
 def render(program, scene, output, flags, prefix=()):
+    if prefix:
+        with open(shutil.which(program) or program, "rb") as file:
+            if file.read(4) != b"\x7fELF":
+                sys.exit(f"{program} is a script, of which callgrind counts nothing: name bin/alabaster itself")
     command = [*prefix, program, "render", str(SCENES / scene / f"{scene}.json"), "-o", str(output), "--quiet", *flags]
     done = subprocess.run(command, env=environment(program), capture_output=True, text=True)
     if done.returncode != 0:
