@@ -43,7 +43,6 @@ std::shared_ptr<LightFiles> pull_files(SceneDelegate& scene, const Path& id, Lig
     files->image.path = file.text_or("");
     if (const auto* asset = file.get<AssetPath>())
       files->image.bytes = asset->bytes, files->image.within = asset->within;
-    files->image.wrap_t = Wrap::clamp;  // round the horizon, but not over the poles
   }
   return files->names_image() || !files->profile.empty() ? files : nullptr;
 }

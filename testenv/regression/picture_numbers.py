@@ -71,16 +71,19 @@ class PictureNumbers(unittest.TestCase):
         self.assertTrue(((0 < bad) & (bad < 4) & (found["color"].max(axis=-1) > 0)).any())  # the others of the pixel remain
         self.check_sums(found)
 
-    def white_ball(self, studio):
-        """Mean radiance of the parts of a white ball to the upper left, to the lower right, and what was said."""
+    def ball_without_light(self, studio, samples, material):
+        """Color of 48x32 pixels."""
         doc = Document("picture_numbers.py")
-        white = doc.add_material("white", {"baseColor": [0.8, 0.8, 0.8], "roughness": 1.0, "specular": 0.0})
-        doc.add_node("ball", doc.add_mesh("ball", ball(1.0, 4), white))
+        doc.add_node("ball", doc.add_mesh("ball", ball(1.0, 4), doc.add_material("ball", material)))
         doc.write_glb(self.folder / "ball.glb")
         (self.folder / "ball.json").write_text(json.dumps({"gltf": [{"file": "ball.glb"}], "settings": {"studio": studio}}))
         scene = alabaster.Scene()
         loaded = scene.load(str(self.folder / "ball.json"))
-        color = render(alabaster.Renderer(scene, samples=64), ["color"], settings=loaded["settings"], width=48, height=32)["color"]
+        return render(alabaster.Renderer(scene, samples=samples), ["color"], settings=loaded["settings"], width=48, height=32)["color"]
+
+    def white_ball(self, studio):
+        """Mean radiance of the parts of a white ball to the upper left and to the lower right."""
+        color = self.ball_without_light(studio, 64, {"baseColor": [0.8, 0.8, 0.8], "roughness": 1.0, "specular": 0.0})
         return color[9:14, 17:22].mean(), color[18:22, 27:31].mean()
 
     def test_a_scene_without_light_is_lit_well(self):
@@ -88,6 +91,12 @@ class PictureNumbers(unittest.TestCase):
         for studio, bright, dark in (("auto", (0.8, 1.3), (0.2, 0.5)), ("off", (0.7, 1.0), (0.3, 0.7))):
             key, fill = self.white_ball(studio)
             self.assertTrue(bright[0] < key < bright[1] and dark[0] < fill < dark[1], (studio, key, fill))
+
+    def test_a_mirror_shows_the_studio(self):
+        """The sky and the key light, whose radiances are 0.2 and 8, of which the color of the latter passes 0.982."""
+        color = self.ball_without_light("auto", 16, {"baseColor": [1.0, 1.0, 1.0], "roughness": 0.0, "metallic": 1.0})
+        sky, key = color[7:10, 24:30].mean(), color[11:13, 18:21].mean()
+        self.assertTrue(abs(sky / 0.2 - 1) < 0.02 and abs(key / (8 * 0.982) - 1) < 0.05, (sky, key))
 
     def test_a_pole_of_a_dome_shows_its_own_row(self):
         rows = [3.0, 1.0, 1.0, 0.25]
