@@ -132,12 +132,11 @@ typedef struct AlabasterApi {
      color; the pass goes on. A file of an unfinished render is marked so. */
   AlabasterStatus (*snapshot)(AlabasterPass*, const char* file);
 
-  /* Writes the scene as a pass of `frame` draws it, as files that scene_load reads: `file`, a render
-     description (NAME.json), and beside it NAME.gltf and NAME.bin, and images that are in memory. Files of these names
-     are replaced. `frame` may be null; its bindings count for nothing. `settings` come over those of the frame's render
-     settings, as a delegate's do. "ocio" among them names the OpenColorIO config; else it is that of the file that was
-     loaded last. OUTPUT_FAILED: the scene holds what files cannot, and nothing is written, or a file cannot be
-     written; last_error names the prim and a remedy. description/write_scene.h says what the files hold. */
+  /* Writes the scene to an archive (NAME.alab), which scene_load reads: every prim, with render settings that draw what
+     a pass of `frame` draws. `frame` may be null; its bindings count for nothing, and meshes that it leaves out are
+     hidden. `settings` come over those of the frame's render settings, as a delegate's do; "ocio" among them names the
+     OpenColorIO config, which else is that of the file that was loaded last. Images of files are named by path and
+     digest, those in memory are stored. OUTPUT_FAILED: the file is as it was; last_error names the prim or the cause. */
   AlabasterStatus (*scene_write)(AlabasterScene*, const char* file, const AlabasterFrame* frame,
                                  const AlabasterParameter* settings, size_t count);
 } AlabasterApi;

@@ -1,8 +1,8 @@
 #include <limits>
 
+#include "delegate/archive/archive.h"
 #include "delegate/c_api/functions.h"
 #include "delegate/c_api/values.h"
-#include "delegate/description/write_scene.h"
 #include "delegate/host/picker.h"
 #include "delegate/host/snapshot.h"
 
@@ -196,7 +196,7 @@ AlabasterStatus scene_write(AlabasterScene* handle, const char* file, const Alab
       settings.emplace("renderSettingsPrimPath", path);          // its camera, where the frame has none
     }
     if (!data.loaded.color_config.empty()) settings.emplace("ocio", data.loaded.color_config);
-    const std::string fault = description::WriteScene(&required(file, "file"), data.scene, state, settings);
+    const std::string fault = archive::WritePass(&required(file, "file"), archive::PrimsOf(data.scene), state, settings);
     if (!fault.empty()) throw Failure(ALABASTER_OUTPUT_FAILED, fault);
   });
 }

@@ -53,6 +53,12 @@ struct CheckArguments {
 };
 int run_check(const CheckArguments& arguments);
 
+struct ConvertArguments : SceneArguments {
+  std::string output;
+  bool embed = false;
+};
+int run_convert(const ConvertArguments& arguments);
+
 struct FarmArguments {
   RenderArguments render;
   std::string tasks, engine = "script", folder;

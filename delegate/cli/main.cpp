@@ -260,6 +260,15 @@ void add_view(CLI::App& app) {
       "view", "Opens a window on a scene: look around, pick, edit, save. 'alabaster view --help' lists its options.");
 }
 
+CLI::App* add_convert(CLI::App& app, ConvertArguments* a) {
+  CLI::App* c = app.add_subcommand(
+      "convert", "Writes a scene, as the options change it, to one file (.alab) that every command reads.");
+  add_scene_options(c, a);
+  c->add_option("-o,--output", a->output, "File to write: NAME.alab")->required()->type_name("FILE");
+  c->add_flag("--embed", a->embed, "Store images in the file; else it names them by path and digest");
+  return c;
+}
+
 CLI::App* add_info(CLI::App& app, InfoArguments* a) {
   CLI::App* c = app.add_subcommand("info", "Lists what a scene contains and what rendering it requires.");
   c->add_option("file", a->scene, "Scene file")->required()->type_name("SCENE");
@@ -285,6 +294,7 @@ int run(int argc, char** argv) {
   RenderArguments render;
   InfoArguments info;
   CheckArguments check;
+  ConvertArguments convert;
   OcioArguments ocio;
   TradeoffArguments tradeoff;
   MergeArguments merge;
@@ -296,6 +306,7 @@ int run(int argc, char** argv) {
   const CLI::App* tradeoff_command = add_tradeoff(app, &tradeoff);
   const CLI::App* info_command = add_info(app, &info);
   const CLI::App* check_command = add_check(app, &check);
+  const CLI::App* convert_command = add_convert(app, &convert);
   add_view(app);
   CLI::App* schema_command = app.add_subcommand("schema", "Prints a JSON schema, which lists every parameter.");
   schema_command
@@ -324,6 +335,7 @@ int run(int argc, char** argv) {
   if (tradeoff_command->parsed()) return run_tradeoff(tradeoff);
   if (info_command->parsed()) return run_info(info);
   if (check_command->parsed()) return run_check(check);
+  if (convert_command->parsed()) return run_convert(convert);
   if (schema_command->parsed()) return run_schema(schema);
   return run_ocio(ocio);
 }

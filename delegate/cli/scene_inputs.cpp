@@ -36,6 +36,7 @@ std::string input_overwritten(const std::vector<std::string>& outputs, const Sce
       if (const auto* image = value.get<hd::AssetPath>()) add_files(image->resolved, &inputs);
   };
   for (const auto& summary : session.file.gltf) inputs.insert(summary.files.begin(), summary.files.end());
+  for (const auto& archive : session.file.archives) inputs.insert(archive.file);
   for (const auto& [path, light] : session.scene.GetLights()) add_images(light.parameters);
   for (const auto& [path, network] : session.scene.GetMaterials())
     for (const auto& [node_path, node] : network.nodes) add_images(node.parameters);

@@ -45,7 +45,7 @@ void add_allow_outside(CLI::App* command, bool* allowed) {
 }
 
 void add_scene_options(CLI::App* command, SceneArguments* a) {
-  command->add_option("file", a->scene, "Scene file (.gltf, .glb or a render description .json)")
+  command->add_option("file", a->scene, "Scene file (.gltf, .glb, .alab or a render description .json)")
       ->required()
       ->type_name("SCENE");
   for (const TextFlag& flag : kFlags) command->add_option(flag.flag, a->*flag.value, flag.help)->type_name(flag.type);

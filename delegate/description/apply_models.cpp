@@ -16,6 +16,26 @@ Path root_for(const std::string& file, std::set<std::string>* taken) {
   return root;
 }
 
+// The paths of an archive are its own, so that each but the first model of a description gets a root. Models that come
+// after it do not take its names.
+Path archive_root(size_t model) {
+  return model == 0 ? Path() : Path("/model" + std::to_string(model + 1));
+}
+void take_names(const host::RetainedSceneDelegate& scene, std::set<std::string>* taken) {
+  const auto take = [&](const auto& prims) {
+    for (const auto& prim : prims) {
+      const std::string& path = prim.first.str();
+      taken->insert("/|" + path.substr(1, path.find('/', 1) - 1));
+    }
+  };
+  take(scene.GetMeshes()), take(scene.GetInstancers()), take(scene.GetMaterials());
+  take(scene.GetLights()), take(scene.GetCameras());
+}
+
+bool is_archive(const std::string& file) {
+  return file.ends_with(".alab");
+}
+
 // A choice of the command line takes the place of the model's own.
 std::string chosen(const nlohmann::json& model, const char* key, const std::string& asked) {
   return asked.empty() ? model.value(key, std::string()) : asked;
@@ -40,6 +60,54 @@ LoadOptions described_shutter(const Reader& reader) {
   const double open = camera.value("shutterOpen", 0.0), close = camera.value("shutterClose", 0.0);
   options.shutter = {open, close};
   return options;
+}
+
+/// Where a description puts a model. A motion has its first place at time 0.
+struct Placement {
+  std::optional<Matrix4d> transform;
+  TimeSamples<Matrix4d> motion;
+};
+bool read_placement(const Reader& reader, const std::string& pointer, const nlohmann::json& model,
+                    Placement* placement) {
+  if (model.contains("transform")) {
+    placement->transform = to_transform(model["transform"]);
+    if (!placement->transform)
+      return reader.fail(pointer + "/transform",
+                         "The transform cannot be inverted or is not affine: the last column must be 0, 0, 0, 1, and "
+                         "no scale may be 0.");
+  }
+  if (!model.contains("motion")) return true;
+  if (model.contains("transform"))
+    return reader.fail(pointer, "Give either a transform or a motion, which has one for each of its times.");
+  const auto samples = to_motion(reader, pointer + "/motion", model["motion"]);
+  if (!samples) return false;
+  placement->motion = *samples;
+  placement->transform = transform_at(placement->motion, 0);
+  return true;
+}
+
+bool add_gltf(const Reader& reader, const nlohmann::json& model, const AssetPath& file, const Path& root,
+              const Placement& placement) {
+  gltf::GltfOptions options = options_of(model, reader.state().options);
+  options.root = root;
+  options.within = file.within;
+  sample_shutter(described_shutter(reader), &options);
+  options.memory_limit = std::max(reader.state().memory->left(), size_t(1));
+  if (placement.transform) options.transform = *placement.transform;
+  OpenModel open;
+  open.time = model.value("time", 0.0);
+  open.motion = placement.motion;
+  return load_model(file.resolved, options, std::move(open), &reader.state());
+}
+
+bool add_archive(const Reader& reader, const std::string& pointer, const nlohmann::json& model, const AssetPath& file,
+                 const Path& root, const Placement& placement) {
+  for (const char* key : {"scene", "animation", "variant", "time", "refineLevel"})
+    if (model.contains(key))
+      return reader.fail(pointer_append(pointer, key),
+                         "An archive has one scene, at one time, with its own levels of refinement: leave it out.");
+  ArchiveModel archive{root.str(), file.within, placement.transform, placement.motion};
+  return load_archive(file.resolved, archive, &reader.state());
 }
 
 }  // namespace
@@ -88,31 +156,14 @@ bool apply_models(const Reader& reader) {
     const std::string pointer = "/gltf/" + std::to_string(i);
     const AssetPath file = reader.asset(pointer + "/file", model["file"]);
     if (file.resolved.empty()) return false;
-    gltf::GltfOptions options = options_of(model, asked);
-    options.root = root_for(file.resolved, &taken);
-    options.within = file.within;
-    sample_shutter(described_shutter(reader), &options);
-    options.memory_limit = std::max(reader.state().memory->left(), size_t(1));
-    if (model.contains("transform")) {
-      const auto transform = to_transform(model["transform"]);
-      if (!transform)
-        return reader.fail(pointer + "/transform",
-                           "The transform cannot be inverted or is not affine: the last column must be 0, 0, 0, 1, and "
-                           "no scale may be 0.");
-      options.transform = *transform;
+    Placement placement;
+    if (!read_placement(reader, pointer, model, &placement)) return false;
+    if (is_archive(file.resolved)) {
+      ok = add_archive(reader, pointer, model, file, archive_root(i), placement) && ok;
+      take_names(reader.scene(), &taken);
+    } else {
+      ok = add_gltf(reader, model, file, root_for(file.resolved, &taken), placement) && ok;
     }
-    OpenModel open;
-    open.time = model.value("time", 0.0);
-    TimeSamples<Matrix4d>& motion = open.motion;
-    if (model.contains("motion")) {
-      if (model.contains("transform"))
-        return reader.fail(pointer, "Give either a transform or a motion, which has one for each of its times.");
-      const auto samples = to_motion(reader, pointer + "/motion", model["motion"]);
-      if (!samples) return false;
-      motion = *samples;
-      options.transform = transform_at(motion, 0);
-    }
-    ok = load_model(file.resolved, options, std::move(open), &reader.state()) && ok;
   }
   return ok;
 }

@@ -94,6 +94,7 @@ bool apply_products(const Reader& reader) {
   }
   const auto entries = reader.value().find("products");
   if (entries == reader.value().end()) return true;
+  std::erase_if(reader.state().products, [](const ProductPlan& plan) { return plan.is_of_archive; });
   for (size_t i = 0; i < entries->size(); ++i) {
     const json& entry = (*entries)[i];
     const std::string pointer = "/products/" + std::to_string(i);

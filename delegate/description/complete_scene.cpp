@@ -35,7 +35,8 @@ Frustum visible_frustum(const host::CameraDescription& camera, const RenderSetti
 Path first_camera(const LoadState& state) {
   for (const gltf::GltfSummary& model : state.result->gltf)
     if (!model.cameras.empty()) return model.cameras.front();
-  return {};
+  const auto& cameras = state.scene->GetCameras();
+  return state.has_archive && !cameras.empty() ? cameras.begin()->first : Path();
 }
 
 Path base_camera(const LoadState& state) {
@@ -145,6 +146,11 @@ void complete_lights(LoadState* state, bool own_camera) {
   host::RetainedSceneDelegate& scene = *state->scene;
   const bool lit = !scene.GetLights().empty() || any_emission(scene), asked = state->studio == StudioChoice::on;
   if (lit && !asked) return;
+  if (state->has_archive && !asked) {
+    state->result->notes.push_back(
+        "no light: the scene is drawn as the archive has it (--studio on: lights and a backdrop)");
+    return;
+  }
   const Matrix4d camera = scene.GetCameras().at(state->settings.camera).transform;
   if (state->studio != StudioChoice::off)
     if (const auto plan = plan_studio(enclosing_points(scene), camera); plan && (asked || !own_camera || !plan->inside))
@@ -173,8 +179,14 @@ void complete_settings(LoadState* state) {
     }
     render->second.products.push_back(std::move(plan.product));
   }
+  const std::map<Path, RenderSettingsDescription> others = state->scene->GetAllRenderSettings();  // of an archive
+  for (const auto& [path, settings] : others)
+    if (!settings.products.empty()) state->result->further_settings.push_back(path);
+  Path path = state->settings_path;
+  size_t number = 1;
   for (size_t i = 0; i < renders.size(); ++i) {
-    const Path path = i == 0 ? Path("/render") : Path("/render" + std::to_string(i + 1));
+    while (i > 0 && state->scene->GetAllRenderSettings().contains(path))
+      path = Path("/render" + std::to_string(++number));
     state->scene->SetRenderSettings(path, std::move(renders[i].second));
     if (i == 0) {
       state->result->settings = path;

@@ -28,6 +28,7 @@ struct FramePlan {
 struct ProductPlan {
   FramePlan frame;
   RenderProduct product;
+  bool is_of_archive = false;  // products of the description come in the place of those
 };
 
 /// A model of the scene, to be posed.
@@ -60,12 +61,14 @@ struct LoadState {
   LoadOptions options;
   CameraPlan camera;
   RenderSettingsDescription settings;
+  Path settings_path = "/render";
   StudioChoice studio = StudioChoice::when_dark;
   std::vector<ProductPlan> products;
   std::map<std::pair<std::string, std::string>, std::string> image_faults;  // by path and folder; empty: it is an image
   std::shared_ptr<MemoryBudget> memory;  // of loading: the description, and the models one after the other
   MemoryReservation held;                // by what is loaded already
   std::vector<OpenModel> models;
+  bool has_archive = false;  // nothing is added to what an archive holds, but a camera where it has none
   std::vector<AppliedDocument> documents;
   std::vector<MeshLink> links;                 // in the order in which they were made
   std::map<std::string, Path> mesh_materials;  // that meshes were given, by pattern
@@ -116,6 +119,15 @@ bool loosens_memory_limit(double mib);
 
 /// Adds a model to the scene, and notes the cause if it cannot be read.
 bool load_model(const std::string& file, const gltf::GltfOptions& options, OpenModel model, LoadState* state);
+
+/// Adds the prims of a scene archive. Those of the first one without a root have render settings: their settings,
+/// camera and products are taken, which the description may change. `transform` places them; empty: they stay.
+struct ArchiveModel {
+  std::string root, within;
+  std::optional<Matrix4d> transform;
+  TimeSamples<Matrix4d> motion;
+};
+bool load_archive(const std::string& file, const ArchiveModel& model, LoadState* state);
 
 /// Has the animation sampled over the shutter, if that is open.
 void sample_shutter(const LoadOptions& asked, gltf::GltfOptions* model);

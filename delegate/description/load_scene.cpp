@@ -82,7 +82,7 @@ class Loader {
   bool load_file(const std::string& file) {
     const InputFile input(file);
     if (input.fault() == InputFile::Fault::not_regular)
-      return fail("scene.kind", file, "It is not a regular file. A scene is a .gltf, .glb or .json file.");
+      return fail("scene.kind", file, "It is not a regular file. A scene is a .gltf, .glb, .json or .alab file.");
     if (input.fault() == InputFile::Fault::missing)
       return fail("scene.missing", file, "There is no such file. Check the name and the working folder.");
     const std::string extension = lower_extension(file);
@@ -99,11 +99,12 @@ class Loader {
       options.memory_limit = state_.memory->left();
       return load_model(file, options, {}, &state_);
     }
+    if (extension == ".alab") return load_archive(file, {}, &state_);
     const bool is_usd = extension == ".usd" || extension == ".usda" || extension == ".usdc" || extension == ".usdz";
     return fail("scene.kind", file,
                 is_usd ? "Files of OpenUSD are rendered by its own hosts, such as usdrecord, with the plug-in of "
-                         "delegate/hydra/README.md. Here use .gltf, .glb or .json (a render description)."
-                       : "This is not a scene file: use .gltf, .glb or .json (a render description).");
+                         "delegate/hydra/README.md. Here use .gltf, .glb, .json (a render description) or .alab."
+                       : "This is not a scene file: use .gltf, .glb, .json (a render description) or .alab.");
   }
 
   // As the setting of a description or an override says, which counts before any description. A description may only

@@ -1,5 +1,5 @@
 // The render description (.json, schemas/render_description.json), for everything that glTF cannot express, and
-// LoadScene, which loads any scene file: .json, .gltf and .glb.
+// LoadScene, which loads any scene file: .json, .gltf, .glb and .alab (archive/archive.h).
 #pragma once
 
 #include "delegate/gltf/gltf_scene.h"
@@ -47,6 +47,11 @@ struct SceneFile {
   std::string color_config;            // OCIO config that the description names; empty if none
   std::string color_config_within;     // as of an AssetPath
   std::vector<gltf::GltfSummary> gltf;
+  struct Archive {
+    std::string file;
+    std::vector<Path> lights;
+  };
+  std::vector<Archive> archives;
   bool framed = false;             // there was no camera, and one was placed to show all of the scene
   std::vector<std::string> notes;  // "no camera: framed the scene", "no light: added a soft dome", as the program says
 };

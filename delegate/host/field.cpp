@@ -141,6 +141,49 @@ bool is_default(const Value& value) {
   return value.empty() || (is_text(value) && value.text_or("").empty());
 }
 
+Value write(const Token& member, const Limits&) {
+  return member;
+}
+Value write(const Path& member, const Limits&) {
+  return member;
+}
+Value write(const std::string& member, const Limits&) {
+  return member;
+}
+Value write(bool member, const Limits&) {
+  return member;
+}
+Value write(int member, const Limits&) {
+  return int32_t(member);
+}
+Value write(float member, const Limits&) {
+  return member;
+}
+Value write(double member, const Limits&) {
+  return member;
+}
+Value write(const Matrix4d& member, const Limits&) {
+  return member;
+}
+Value write(const Array<int32_t>& member, const Limits&) {
+  return member;
+}
+Value write(const Array<float>& member, const Limits&) {
+  return member;
+}
+Value write(const std::vector<Token>& member, const Limits&) {
+  return member;
+}
+Value write(const TimeSamples<Value>& member, const Limits&) {
+  return std::make_shared<const TimeSamples<Value>>(member);
+}
+Value write(const TimeSamples<Matrix4d>& member, const Limits& limits) {
+  return write(TimeSamples<Value>{member.times, {member.values.begin(), member.values.end()}}, limits);
+}
+Value write(const std::optional<Rect2i>& member, const Limits&) {
+  return member ? Value(Array<int32_t>{member->minX, member->minY, member->maxX, member->maxY}) : Value();
+}
+
 std::string fault_text(std::string_view name, const std::string& must, const Value& value) {
   const bool is_long = value.is_array() || value.type() == ALABASTER_SAMPLES || value.type() == ALABASTER_DICTIONARY;
   const std::string is = is_long

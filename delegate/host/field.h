@@ -59,6 +59,30 @@ std::string read(const Value& value, const Limits& limits, std::optional<T>* out
   return must;
 }
 
+// The values that read() reads as the same members. Empty: none.
+Value write(const Token& member, const Limits& limits);
+Value write(const Path& member, const Limits& limits);
+Value write(const std::string& member, const Limits& limits);
+Value write(bool member, const Limits& limits);
+Value write(int member, const Limits& limits);
+Value write(float member, const Limits& limits);
+Value write(double member, const Limits& limits);
+Value write(const Matrix4d& member, const Limits& limits);
+Value write(const Array<int32_t>& member, const Limits& limits);
+Value write(const Array<float>& member, const Limits& limits);
+Value write(const std::vector<Token>& member, const Limits& limits);
+Value write(const TimeSamples<Matrix4d>& member, const Limits& limits);
+Value write(const TimeSamples<Value>& member, const Limits& limits);
+Value write(const std::optional<Rect2i>& member, const Limits& limits);
+template <class Enum>
+requires std::is_enum_v<Enum> Value write(Enum member, const Limits& limits) {
+  return Token(limits.words[static_cast<size_t>(member)]);
+}
+template <class T>
+Value write(const std::optional<T>& member, const Limits& limits) {
+  return member ? write(*member, limits) : Value();
+}
+
 /// "'refineLevel' must be 0 to 8, and is 9".
 std::string fault_text(std::string_view name, const std::string& must, const Value& value);
 
@@ -72,6 +96,8 @@ struct Field {
   bool (*equal)(const void* a, const void* b);
   /// An empty value sets the default. Returns a fault, or "".
   std::string (*put)(const Field& field, void* object, const Value& value);
+  /// The value that put() sets. Empty: the default.
+  Value (*get)(const Field& field, const void* object);
 };
 
 template <class Object, class Member>
@@ -89,7 +115,9 @@ constexpr auto& follow(Object& object) {
 template <auto kFirst, auto... kRest>
 constexpr Field field(const char* name, DirtyBits dirty, const Limits& limits = {}) {
   using Object = decltype(class_of(kFirst));
-  return {name, dirty, limits,
+  return {name,
+          dirty,
+          limits,
           [](const void* a, const void* b) {
             return follow<kFirst, kRest...>(*static_cast<const Object*>(a)) ==
                    follow<kFirst, kRest...>(*static_cast<const Object*>(b));
@@ -103,6 +131,11 @@ constexpr Field field(const char* name, DirtyBits dirty, const Limits& limits = 
             }
             const std::string must = read(value, row.limits, &member);
             return must.empty() ? must : fault_text(row.name, must, value);
+          },
+          [](const Field& row, const void* object) -> Value {
+            const Object defaults{};
+            const auto& member = follow<kFirst, kRest...>(*static_cast<const Object*>(object));
+            return member == follow<kFirst, kRest...>(defaults) ? Value() : write(member, row.limits);
           }};
 }
 

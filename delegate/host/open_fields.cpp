@@ -172,19 +172,31 @@ Put put_product(RenderSettingsDescription* settings, const std::string& rest, co
 
 // Materials -----------------------------------------------------------------------------------------
 
+std::string node_name(const Path& material, const Path& node) {
+  const std::string below = material.str() + "/";
+  return node.str().starts_with(below) ? node.str().substr(below.size()) : node.str();
+}
+
+/// Of "NODE.OUTPUT", or "NODE" for the output `otherwise`.
+MaterialConnection connection_of(const Path& material, const std::string& text, const char* otherwise) {
+  const size_t dot = text.rfind('.');
+  if (dot == std::string::npos || text.find('/', dot) != std::string::npos)
+    return {node_path(material, text), otherwise};
+  return {node_path(material, text.substr(0, dot)), text.substr(dot + 1)};
+}
+std::string connection_text(const Path& material, const MaterialConnection& connection) {
+  return node_name(material, connection.upstreamNode) + "." + connection.upstreamOutput.str();
+}
+
 std::vector<MaterialConnection> connections_of(const Path& id, const Value& value) {
-  std::vector<Path> paths;
-  if (const auto* path = value.get<Path>()) paths = {*path};
-  if (const auto* all = value.get<Array<Path>>()) paths.assign(all->begin(), all->end());
   std::vector<MaterialConnection> connections;
-  for (const Path& path : paths) {
-    const size_t dot = path.str().rfind('.');
-    const std::string node = path.str().substr(0, dot);
-    connections.push_back({id.append(node), dot == std::string::npos ? "" : path.str().substr(dot + 1)});
-  }
+  if (const auto* path = value.get<Path>()) connections = {connection_of(id, path->str(), "")};
+  if (const auto* all = value.get<Array<Path>>())
+    for (const Path& path : *all) connections.push_back(connection_of(id, path.str(), ""));
   return connections;
 }
 
+constexpr const char* kTerminals[] = {"surface", "displacement", "volume"};
 constexpr const char* kOtherDisneyInputs[] = {"normal", "coatNormal", "bump"};
 constexpr const char* kTextureInputs[] = {"file",     "sourceColorSpace", "wrapS",   "wrapT", "filter", "st",
                                           "stOffset", "stRotation",       "stScale", "scale", "bias"};
@@ -221,6 +233,10 @@ std::string check_input(const std::string& node, const Token& type, const std::s
 }
 
 }  // namespace
+
+Path node_path(const Path& material, const std::string& name) {
+  return name.starts_with('/') ? Path(name) : material.append(name);
+}
 
 Put put_open(MeshDescription* mesh, const std::string& name, const Value& value) {
   if (const auto subset = after(name, "subsets:")) {
@@ -312,16 +328,16 @@ Put put_open(RenderSettingsDescription* settings, const std::string& name, const
 }
 
 Put put_open(MaterialNetwork* network, const Path& id, const std::string& name, const Value& value) {
-  if (name == "surface" || name == "displacement") {
+  if (is_among(name, kTerminals)) {
     Path node;
     if (const std::string fault = read_into(name, value, {}, &node); !fault.empty()) return fault;
     if (node.empty()) return network->terminals.erase(Token(name)), "";
-    network->terminals[name] = {id.append(node.str()), "out"};
+    network->terminals[name] = connection_of(id, node.str(), "out");
     return "";
   }
-  const size_t dot = name.find('.');
+  const size_t dot = name.rfind('.');
   if (dot == std::string::npos || dot == 0 || dot + 1 == name.size()) return std::nullopt;
-  const Path path = id.append(name.substr(0, dot));
+  const Path path = node_path(id, name.substr(0, dot));
   const std::string input = name.substr(dot + 1);
   if (input == "type" && value.empty()) return network->nodes.erase(path), "";
   MaterialNode& node = network->nodes[path];
@@ -333,6 +349,84 @@ Put put_open(MaterialNetwork* network, const Path& id, const std::string& name, 
   }
   store(&node.parameters, Token(input), value);
   return value.type() == ALABASTER_SAMPLES ? fault_text(name, "a value that does not move", value) : "";
+}
+
+namespace {
+void add(const std::string& name, Value value, Fields* fields) {
+  if (!value.empty()) fields->emplace_back(name, std::move(value));
+}
+void add_samples(const std::string& name, const TimeSamples<Value>* samples, Fields* fields) {
+  if (samples) add(name + ":samples", write(*samples, {}), fields);
+}
+template <class Map, class Key>
+auto find(const Map& map, const Key& key) -> const typename Map::mapped_type* {
+  const auto found = map.find(key);
+  return found == map.end() ? nullptr : &found->second;
+}
+}  // namespace
+
+void get_open(const MeshDescription& mesh, Fields* fields) {
+  for (const auto& [key, primvar] : mesh.primvars) {
+    const std::string name = "primvars:" + key.str();
+    add(name, primvar.value, fields);
+    add(name + ":interpolation", write(primvar.interpolation, kInterpolations), fields);
+    if (!primvar.role.empty()) add(name + ":role", primvar.role, fields);
+    if (!primvar.indices.empty()) add(name + ":indices", primvar.indices, fields);
+    add_samples(name, find(mesh.primvarSamples, key), fields);
+  }
+  for (const GeomSubset& subset : mesh.topology.geomSubsets) {
+    add("subsets:" + subset.id.str() + ":faces", subset.indices, fields);
+    add("subsets:" + subset.id.str() + ":material", subset.materialId, fields);
+  }
+}
+
+void get_open(const InstancerDescription& instancer, Fields* fields) {
+  for (const auto& [key, value] : instancer.primvars) {
+    add("primvars:" + key.str(), value, fields);
+    add_samples("primvars:" + key.str(), find(instancer.primvarSamples, key), fields);
+  }
+  for (const auto& [prototype, indices] : instancer.indices) add("prototypes:" + prototype.str(), indices, fields);
+  std::map<Token, std::vector<int32_t>> by_category;
+  for (size_t i = 0; i < instancer.categories.size(); ++i)
+    for (const Token& category : instancer.categories[i]) by_category[category].push_back(int32_t(i));
+  for (const auto& [category, instances] : by_category) add("categories:" + category.str(), instances, fields);
+}
+
+void get_open(const LightDescription& light, Fields* fields) {
+  for (const auto& [name, value] : light.parameters) add(name.str(), value, fields);
+}
+void get_open(const CameraDescription& camera, Fields* fields) {
+  for (const auto& [name, value] : camera.parameters) add(name.str(), value, fields);
+}
+
+void get_open(const RenderSettingsDescription& settings, Fields* fields) {
+  for (const auto& [name, value] : settings.settings) add(name, value, fields);
+  for (size_t i = 0; i < settings.products.size(); ++i) {
+    const RenderProduct& product = settings.products[i];
+    const std::string prefix = "products:" + std::to_string(i) + ":";
+    add(prefix + "file", product.file, fields);  // also where it is empty, so that the product is there
+    get_rows(kProductFields, &product, prefix, fields);
+    for (const RenderVar& var : product.vars) {
+      add(prefix + "vars:" + var.name, var.aov, fields);
+      add(prefix + "vars:" + var.name + ":dataType", var.dataType, fields);
+    }
+  }
+}
+
+void get_open(const MaterialNetwork& network, const Path& id, Fields* fields) {
+  for (const auto& [path, node] : network.nodes) {
+    const std::string name = node_name(id, path);
+    add(name + ".type", node.nodeTypeId, fields);
+    for (const auto& [input, value] : node.parameters) add(name + "." + input.str(), value, fields);
+    for (const auto& [input, connections] : node.inputConnections) {
+      std::vector<Path> upstream;
+      for (const MaterialConnection& one : connections) upstream.emplace_back(connection_text(id, one));
+      add(name + "." + input.str(), std::move(upstream), fields);
+    }
+  }
+  for (const auto& [terminal, connection] : network.terminals)
+    add(terminal.str(), Token(connection_text(id, connection)), fields);
+  if (!network.terminals.contains("surface")) fields->emplace_back("surface", Value());  // else SetPrim chooses one
 }
 
 std::string finish(MeshDescription* mesh) {
@@ -377,7 +471,7 @@ std::string finish(const MaterialNetwork& network) {
   return {};
 }
 
-std::vector<std::string> light_names() {
+std::vector<std::string> LightParameterNames() {
   return names_of(light_parameters(), kOfLights);
 }
 std::vector<std::string> camera_names() {

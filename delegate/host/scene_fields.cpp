@@ -132,7 +132,7 @@ std::string fill(const Fields& fields, InstancerDescription* instancer) {
   return fault.empty() ? finish(instancer) : fault;
 }
 std::string fill(const Fields& fields, LightDescription* light) {
-  return put_all(kLight, light->type.str(), light_names(), fields, light,
+  return put_all(kLight, light->type.str(), LightParameterNames(), fields, light,
                  [&](const std::string& name, const Value& value) { return put_open(light, name, value); });
 }
 std::string fill(const Fields& fields, CameraDescription* camera) {
@@ -149,9 +149,9 @@ std::string fill(const Fields& fields, Settings* settings) {
 void choose_surface(const Fields& fields, const Path& id, MaterialNetwork* network) {
   Path first, surface;
   for (const auto& field : fields) {
-    const size_t dot = field.first.find('.');
+    const size_t dot = field.first.rfind('.');
     if (dot == std::string::npos) continue;
-    const Path node = id.append(field.first.substr(0, dot));
+    const Path node = node_path(id, field.first.substr(0, dot));
     const Token type = network->nodes[node].nodeTypeId;
     if (first.empty()) first = node;
     if (surface.empty() && (type == Token("AlabasterDisney") || type == Token("UsdPreviewSurface"))) surface = node;
@@ -163,11 +163,12 @@ void choose_surface(const Fields& fields, const Path& id, MaterialNetwork* netwo
 
 std::string fill(const Fields& fields, const Path& id, MaterialNetwork* network) {
   const bool is_new = network->nodes.empty();
+  const bool is_chosen = std::any_of(fields.begin(), fields.end(), [](const auto& f) { return f.first == "surface"; });
   const std::string fault =
       put_all({}, "material", {"surface", "displacement"}, fields, network,
               [&](const std::string& name, const Value& value) { return put_open(network, id, name, value); });
   if (!fault.empty()) return fault;
-  if (is_new && !network->terminals.contains("surface")) choose_surface(fields, id, network);
+  if (is_new && !is_chosen) choose_surface(fields, id, network);
   return finish(*network);
 }
 
@@ -200,6 +201,41 @@ Put put_row(std::span<const Field> table, void* object, std::string_view name, c
   for (const Field& field : table)
     if (name == field.name) return field.put(field, object, value);
   return std::nullopt;
+}
+
+void get_rows(std::span<const Field> table, const void* object, const std::string& prefix, Fields* fields) {
+  for (const Field& field : table)
+    if (Value value = field.get(field, object); !value.empty())
+      fields->emplace_back(prefix + field.name, std::move(value));
+}
+
+namespace {
+template <class T, class... Arguments>
+Fields all_fields(std::span<const Field> table, const T& object, const Arguments&... arguments) {
+  Fields fields;
+  get_rows(table, &object, "", &fields);
+  get_open(object, arguments..., &fields);
+  return fields;
+}
+}  // namespace
+
+Fields GetFields(const MeshDescription& mesh) {
+  return all_fields(kMesh, mesh);
+}
+Fields GetFields(const InstancerDescription& instancer) {
+  return all_fields(kInstancer, instancer);
+}
+Fields GetFields(const LightDescription& light) {
+  return all_fields(kLight, light);
+}
+Fields GetFields(const CameraDescription& camera) {
+  return all_fields(kCamera, camera);
+}
+Fields GetFields(const RenderSettingsDescription& settings) {
+  return all_fields(kSettings, settings);
+}
+Fields GetFields(const MaterialNetwork& network, const Path& id) {
+  return all_fields({}, network, id);
 }
 
 SetResult SetPrim(RetainedSceneDelegate* scene, const Path& path, const Token& kind, const Fields& fields) {

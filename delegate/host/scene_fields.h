@@ -22,10 +22,21 @@ ALABASTER_API SetResult SetPrim(RetainedSceneDelegate* scene, const Path& path, 
                                 const Fields& fields);
 /// Changes the named fields of a prim.
 ALABASTER_API SetResult EditPrim(RetainedSceneDelegate* scene, const Path& path, const Fields& fields);
+// The fields that SetPrim makes the same prim of. A light's kind is its type.
+ALABASTER_API Fields GetFields(const MeshDescription& mesh);
+ALABASTER_API Fields GetFields(const InstancerDescription& instancer);
+ALABASTER_API Fields GetFields(const LightDescription& light);
+ALABASTER_API Fields GetFields(const CameraDescription& camera);
+ALABASTER_API Fields GetFields(const RenderSettingsDescription& settings);
+/// Nodes that do not lie below `id`, the material's path, have their own paths as names.
+ALABASTER_API Fields GetFields(const MaterialNetwork& network, const Path& id);
 /// A camera that is no prim. Returns a fault, or "".
 ALABASTER_API std::string ReadCamera(const Fields& fields, CameraDescription* camera);
 /// "" if it is a setting of schemas/render_settings.json and the value fits it; else a sentence.
 ALABASTER_API std::string CheckSetting(const std::string& name, const Value& value);
+
+/// The names of all parameters that a light may have.
+ALABASTER_API std::vector<std::string> LightParameterNames();
 
 /// The bits that an edit from `a` to `b` marks.
 DirtyBits difference(const MeshDescription& a, const MeshDescription& b);

@@ -1,38 +1,10 @@
 #include "delegate/hydra/scene_capture.h"
 
-#include <algorithm>
-#include <cmath>
-#include <nlohmann/json.hpp>
-
-#include "delegate/description/render_description.h"
-#include "delegate/description/write_scene.h"
+#include "delegate/archive/archive.h"
+#include "delegate/host/scene_fields.h"
 
 namespace alabaster::hydra {
 namespace {
-
-// A direction that normalizing leaves as it is. To normalize once is not enough, because the rounded result may have
-// another length than 1, and some results follow each other in a circle.
-hd::Vec3f settled(hd::Vec3f n) {
-  constexpr int kAttempts = 64;
-  for (int i = 0; i < kAttempts; ++i) {
-    const hd::Vec3f once = n.normalized();
-    if (once == n) break;
-    n = once;
-    if (i % 4 == 3) n[i / 4 % 3] = std::nextafter(n[i / 4 % 3], 0.0f);
-  }
-  return n;
-}
-
-// Names of the parameters that schemas/lights.json has for lights of this type.
-std::vector<std::string> light_parameter_names(const std::string& type) {
-  static const auto schema = nlohmann::json::parse(hd::description::SchemaText("lights"));
-  std::vector<std::string> all;
-  for (const auto& [name, property] : schema.at("properties").items()) {
-    const nlohmann::json types = property.value("appliesTo", nlohmann::json{type});
-    if (std::find(types.begin(), types.end(), type) != types.end()) all.push_back(name);
-  }
-  return all;
-}
 
 // Samples of what moves; of what stands still there are none.
 void take_samples(hd::SceneDelegate& scene, const hd::Path& id, std::initializer_list<const char*> names,
@@ -42,14 +14,6 @@ void take_samples(hd::SceneDelegate& scene, const hd::Path& id, std::initializer
 }
 
 }  // namespace
-
-hd::Value UnitNormals(const hd::Value& normals) {
-  const auto* const given = normals.get<hd::Array<hd::Vec3f>>();
-  if (!given) return normals;
-  std::vector<hd::Vec3f> unit(given->begin(), given->end());
-  for (hd::Vec3f& n : unit) n = settled(n);
-  return hd::Array<hd::Vec3f>(std::move(unit));
-}
 
 void SceneCapture::TakeMesh(hd::SceneDelegate& scene, const hd::Path& id) {
   hd::host::MeshDescription mesh;
@@ -73,6 +37,7 @@ void SceneCapture::TakeMesh(hd::SceneDelegate& scene, const hd::Path& id) {
   mesh.cullStyle = scene.GetCullStyle(id);
   mesh.material = scene.GetMaterialId(id);
   mesh.instancer = scene.GetInstancerId(id);
+  mesh.categories = scene.GetCategories(id);
   const auto indices = mesh.instancer.empty() ? hd::Array<int32_t>() : scene.GetInstanceIndices(mesh.instancer, id);
   const std::lock_guard lock(mutex_);
   if (!mesh.instancer.empty()) instancers_[mesh.instancer].indices[id] = indices;
@@ -94,11 +59,13 @@ void SceneCapture::TakeInstancer(hd::SceneDelegate& scene, const hd::Path& id) {
       scene, id,
       {"hydra:instanceTransforms", "hydra:instanceTranslations", "hydra:instanceRotations", "hydra:instanceScales"},
       &samples);
+  auto categories = scene.GetInstanceCategories(id);
   const std::lock_guard lock(mutex_);
   if (!parent.empty()) instancers_[parent].indices[id] = indices;
   auto& held = instancers_[id];
   held.transform = transform, held.parent = parent, held.primvars = std::move(primvars);
   held.transformSamples = std::move(motion), held.primvarSamples = std::move(samples);
+  held.categories = std::move(categories);
 }
 
 void SceneCapture::TakeMaterial(hd::SceneDelegate& scene, const hd::Path& id) {
@@ -109,29 +76,23 @@ void SceneCapture::TakeMaterial(hd::SceneDelegate& scene, const hd::Path& id) {
 
 void SceneCapture::TakeLight(hd::SceneDelegate& scene, const hd::Path& id, const hd::Token& type) {
   hd::host::LightDescription light{.type = type, .transform = scene.GetTransform(id), .parameters = {}};
-  for (const std::string& name : light_parameter_names(type.str()))
+  for (const std::string& name : hd::host::LightParameterNames())
     if (hd::Value value = scene.GetLightParamValue(id, name); !value.empty()) light.parameters[name] = std::move(value);
   light.visible = scene.GetVisible(id);
-  bool is_linked = false;
-  for (const char* link : {"lightLink", "shadowLink"})
-    is_linked |= !scene.GetLightParamValue(id, link).text_or("").empty();
   const std::lock_guard lock(mutex_);
   lights_[id] = std::move(light);
-  is_linked ? void(linked_.insert(id)) : void(linked_.erase(id));
 }
 
 void SceneCapture::Remove(const hd::Path& id) {
   const std::lock_guard lock(mutex_);
-  meshes_.erase(id), instancers_.erase(id), materials_.erase(id), lights_.erase(id), linked_.erase(id);
+  meshes_.erase(id), instancers_.erase(id), materials_.erase(id), lights_.erase(id);
   for (auto& [instancer, held] : instancers_) held.indices.erase(id);
 }
 
 std::string SceneCapture::Write(const std::string& file, const hd::RenderPassState& state,
                                 const std::map<hd::Token, hd::Value>& settings) const {
   const std::lock_guard lock(mutex_);
-  for (const hd::Path& id : linked_)
-    if (lights_.at(id).visible) return id.str() + " is linked to a part of the scene, which is not written";
-  return hd::description::WriteScene(file, {meshes_, instancers_, materials_, lights_, {}}, state, settings);
+  return hd::archive::WritePass(file, {meshes_, instancers_, materials_, lights_, {}, {}}, state, settings);
 }
 
 }  // namespace alabaster::hydra

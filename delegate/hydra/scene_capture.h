@@ -1,16 +1,11 @@
-// The scene as the renderer was given it, as files that the program renders: to report a picture, or to compare.
+// The scene as the renderer was given it, as an archive that the program renders: to report a picture, or to compare.
 #pragma once
 
 #include <mutex>
-#include <set>
 
 #include "delegate/host/retained_scene_delegate.h"
 
 namespace alabaster::hydra {
-
-/// Normals of unit length to the last bit, as readers of glTF make them. The renderer is given these while a scene is
-/// captured, so that the files hold just what it has.
-hd::Value UnitNormals(const hd::Value& normals);
 
 /// Takes each prim when it is synced for the first time, or again. Prims may be taken by several threads at once.
 class SceneCapture {
@@ -21,8 +16,7 @@ class SceneCapture {
   void TakeLight(hd::SceneDelegate& scene, const hd::Path& id, const hd::Token& type);
   void Remove(const hd::Path& id);
 
-  /// Writes the scene as description::WriteScene does. Returns the reason if that fails, or if the scene holds what
-  /// these files cannot.
+  /// Writes what the pass draws, as archive::WritePass does. Returns "", or the reason.
   std::string Write(const std::string& file, const hd::RenderPassState& state,
                     const std::map<hd::Token, hd::Value>& settings) const;
 
@@ -32,7 +26,6 @@ class SceneCapture {
   std::map<hd::Path, hd::host::InstancerDescription> instancers_;
   std::map<hd::Path, hd::MaterialNetwork> materials_;
   std::map<hd::Path, hd::host::LightDescription> lights_;
-  std::set<hd::Path> linked_;  // lights for a part of the scene
 };
 
 }  // namespace alabaster::hydra

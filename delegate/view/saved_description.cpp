@@ -8,8 +8,8 @@
 #include <set>
 
 #include "core/files/input_file.h"
+#include "delegate/archive/archive.h"
 #include "delegate/support/output_file.h"
-#include "delegate/view/backdrop_model.h"
 #include "delegate/view/load_options_json.h"
 
 namespace alabaster::view {
@@ -113,9 +113,10 @@ class Description {
     for (const auto& [name, value] : c_.settings) document_["settings"][name] = json_of(value);
     for (const auto& [name, bytes] : companions_)
       if (is_input((folder_ / name).string())) return false;
-    if (is_input(file_)) return false;
+    if (is_input(file_) || (!backdrop_.empty() && is_input((folder_ / backdrop_).string()))) return false;
     for (const auto& [name, bytes] : companions_)
       if (!write_file((folder_ / name).string(), bytes)) return false;
+    if (!backdrop_.empty() && !write_backdrop()) return false;
     const std::string text = document_.dump(2) + "\n";
     if (!write_file(file_, {text.begin(), text.end()})) return false;
     if (outside_ && sink_)
@@ -185,20 +186,25 @@ class Description {
   }
 
   void add_backdrop() {
-    const auto mesh = c_.scene->GetMeshes().find(kBackdrop);
-    if (mesh == c_.scene->GetMeshes().end()) return;
-    const std::string material = last_name(mesh->second.material);
-    document_["gltf"].push_back({{"file", companion("_backdrop.glb", model_of_mesh(mesh->second, material))}});
-    json entry{{"match", material}, {"replace", json::object()}};
-    for (const auto& [path, node] : c_.scene->GetMaterials().at(mesh->second.material).nodes)
-      for (const auto& [name, value] : node.parameters) entry["replace"][name.str()] = json_of(value);
-    document_["materials"].push_back(std::move(entry));
+    if (!c_.scene->GetMeshes().contains(kBackdrop)) return;
+    backdrop_ = fs::path(file_).stem().string() + "_backdrop.alab";
+    document_["gltf"].push_back({{"file", backdrop_}});
+  }
+  bool write_backdrop() {
+    const hd::host::MeshDescription& mesh = c_.scene->GetMeshes().at(kBackdrop);
+    hd::host::RetainedSceneDelegate scene;
+    scene.SetMesh(kBackdrop, mesh);
+    scene.SetMaterial(mesh.material, c_.scene->GetMaterials().at(mesh.material));
+    const std::string file = (folder_ / backdrop_).string();
+    const std::string problem = hd::archive::WriteArchive(file, hd::archive::PrimsOf(scene));
+    return problem.empty() || fail(file + " could not be written: " + problem + ".");
   }
 
   // The paths of the lights that the scene's own files bring.
   std::set<hd::Path> own_lights() const {
     std::set<hd::Path> own;
     for (const auto& model : c_.loaded->gltf) own.insert(model.lights.begin(), model.lights.end());
+    for (const auto& model : c_.loaded->archives) own.insert(model.lights.begin(), model.lights.end());
     if (document_.contains("lights"))
       for (const json& light : document_["lights"])
         if (light.contains("name")) own.insert(hd::Path("/lights").append(light["name"].get<std::string>()));
@@ -241,6 +247,7 @@ class Description {
   fs::path base_;
   json document_;
   std::vector<std::pair<std::string, std::vector<uint8_t>>> companions_;
+  std::string backdrop_;  // the name of its archive; empty: there is none
   bool outside_ = false;
 };
 

@@ -243,7 +243,7 @@ class Host final : CallArguments {
       }
       case 3: {
         const auto made = frame(or_null(buffer_));
-        const std::string file = scratch_folder() + "/c_api.json";
+        const std::string file = scratch_folder() + "/c_api.alab";
         const auto [first, count] = parameters();
         return api().scene_write(or_null(scene_), file.c_str(), &made, first, count);
       }

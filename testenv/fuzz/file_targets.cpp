@@ -56,6 +56,36 @@ void run_description(Bytes input) {
   load_and_render(scratch_file("fuzzed.json", input));
 }
 
+namespace {
+
+/// An archive whose list of prims is `text`, with a tensor of each of some types, all over the same numbers.
+std::string archive_of(Bytes text) {
+  std::string header =
+      R"({"__metadata__":{"format":"alabaster scene","version":"1"},"points":{"dtype":"F32","shape":[4,3],)"
+      R"("data_offsets":[0,48]},"counts":{"dtype":"I32","shape":[2],"data_offsets":[48,56]},"indices":)"
+      R"({"dtype":"I32","shape":[6],"data_offsets":[56,80]},"image":{"dtype":"U8","shape":[80],)"
+      R"("data_offsets":[0,80]},"scene.json":{"dtype":"U8","shape":[)" +
+      std::to_string(text.size()) + R"(],"data_offsets":[80,)" + std::to_string(80 + text.size()) + "]}}";
+  header.resize((header.size() + 7) / 8 * 8, ' ');
+  std::string file(8, '\0');
+  for (size_t i = 0; i < 8; ++i) file[i] = char(header.size() >> (8 * i) & 255);
+  file += header;
+  const float points[] = {0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1};
+  const int32_t counts_and_indices[] = {3, 3, 0, 1, 2, 0, 2, 3};
+  file.append(reinterpret_cast<const char*>(points), sizeof points);
+  file.append(reinterpret_cast<const char*>(counts_and_indices), sizeof counts_and_indices);
+  return file.append(text.begin(), text.end());
+}
+
+}  // namespace
+
+void run_archive(Bytes input) {
+  write_neighbours();
+  if (input.empty() || input[0] != '{') return load_and_render(scratch_file("fuzzed.alab", input));
+  const std::string file = archive_of(input);
+  load_and_render(scratch_file("fuzzed.alab", {reinterpret_cast<const uint8_t*>(file.data()), file.size()}));
+}
+
 void run_override(Bytes input) {
   write_neighbours();
   hd::description::LoadOptions options;

@@ -17,6 +17,7 @@ struct Target {
 
 void run_gltf(Bytes input);          // a .gltf or .glb
 void run_description(Bytes input);   // a render description beside a model and an image
+void run_archive(Bytes input);       // a .alab, or the list of prims of one
 void run_override(Bytes input);      // the text of --set
 void run_mesh(Bytes input);          // topology, primvars and instances through the contract
 void run_material(Bytes input);      // parameters of a material, lights and camera through the contract
@@ -29,17 +30,9 @@ void run_c_api(Bytes input);         // calls of a host of the C interface, righ
 void run_path(Bytes input);          // names of files with placeholders and links, in scene files
 
 inline constexpr Target kTargets[] = {
-    {"gltf", run_gltf},
-    {"description", run_description},
-    {"override", run_override},
-    {"mesh", run_mesh},
-    {"material", run_material},
-    {"image", run_image},
-    {"image_format", run_image_format},
-    {"ocio", run_ocio},
-    {"checkpoint", run_checkpoint},
-    {"job", run_job},
-    {"c_api", run_c_api},
+    {"gltf", run_gltf}, {"description", run_description}, {"archive", run_archive}, {"override", run_override},
+    {"mesh", run_mesh}, {"material", run_material},       {"image", run_image},     {"image_format", run_image_format},
+    {"ocio", run_ocio}, {"checkpoint", run_checkpoint},   {"job", run_job},         {"c_api", run_c_api},
     {"path", run_path},
 };
 

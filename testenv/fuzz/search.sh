@@ -7,7 +7,7 @@ set -eu
 top=$(cd "$(dirname "$0")/../.." && pwd)
 seconds=${1:?usage: search.sh SECONDS [TARGET...]}
 shift
-[ $# -gt 0 ] || set -- gltf description override mesh material image image_format ocio checkpoint job c_api path
+[ $# -gt 0 ] || set -- gltf description archive override mesh material image image_format ocio checkpoint job c_api path
 . "$top/testenv/install_packages.sh"
 install_packages "$top/testenv/packages.txt" "$top/testenv/packages_tests.txt" "$top/testenv/packages_fuzz.txt"
 

@@ -23,7 +23,7 @@ def polygons_written(_):
 
 @case
 def preview_surface_written(folder):
-    """UsdPreviewSurface becomes our material in the files, too."""
+    """The archive holds UsdPreviewSurface as it is."""
     picture(folder / "checks.tga", [[(230, 90, 40), (40, 120, 220)] * 2, [(40, 120, 220), (230, 90, 40)] * 2] * 2)
     paint = material("paint", "s", shader("s", "UsdPreviewSurface", "color3f inputs:diffuseColor.connect = </paint/t.outputs:rgb>", "float inputs:roughness = 0.3",
                                           "float inputs:clearcoat = 0.5", "token outputs:surface"),
@@ -32,4 +32,4 @@ def preview_surface_written(folder):
                      shader("r", "UsdPrimvarReader_float2", 'string inputs:varname = "st"', "float2 outputs:result"))
     metal = material("metal", "s", shader("s", "UsdPreviewSurface", "color3f inputs:diffuseColor = (0.9, 0.6, 0.3)", "float inputs:metallic = 1", "token outputs:surface"))
     return {"stage": HEAD + camera() + sun() + paint + metal + quad("board", bound("/paint"), x=-0.9, half=0.8) + octahedron("body", bound("/metal"))
-            + floor(bound("/metal")), "written": True, "materials": {"_metal": {"metallic": 1, "baseColor": [0.9, 0.6, 0.3]}, "_paint": {"coat": 0.5, "roughness": 0.3}}}
+            + floor(bound("/metal")), "written": True, "materials": {"/metal": {"metallic": 1, "diffuseColor": [0.9, 0.6, 0.3]}, "/paint": {"clearcoat": 0.5, "roughness": 0.3}}}

@@ -74,8 +74,8 @@ def own_nodes(folder):
     body = octahedron("body", bound("/soft"), radius=0.7)
     board = quad("board", bound("/painted"), x=-1.1, z=0.2, half=0.6).replace("[4]", "[3, 3]").replace("[0, 1, 2, 3]", "[0, 1, 2, 0, 2, 3]")
     return {"stage": HEAD + camera() + sun() + soft + painted + body + board, "written": True,
-            "materials": {"_soft": {"baseColor": [0.9, 0.6, 0.4], "scatterDistance": [0.3, 0.15, 0.08], "scatterAnisotropy": 0.4, "roughness": 0.35, "coat": 0.5, "ior": 1.4},
-                          "_painted": {"baseColor": {"file": str(folder / "checks.tga"), "wrap": "clamp"}, "roughness": 0.6, "sheen": 0.7, "thin": True, "priority": 3}}}
+            "materials": {"/soft": {"baseColor": [0.9, 0.6, 0.4], "scatterDistance": [0.3, 0.15, 0.08], "scatterAnisotropy": 0.4, "roughness": 0.35, "coat": 0.5, "ior": 1.4},
+                          "/painted": {"wrapS": "clamp", "roughness": 0.6, "sheen": 0.7, "thin": True, "priority": 3}}}
 
 
 def colors_at(picture_of, places):
@@ -139,14 +139,3 @@ def own_context(_):
                 node("theirs", "ND_standard_surface_surfaceshader", "float inputs:emission = 1", "color3f inputs:emission_color = (1, 0, 0)"),
                 node("all", "UsdPreviewSurface", "color3f inputs:emissiveColor = (0, 0, 1)"))
     return {"stage": HEAD + camera() + many + quad("board", bound("/many"), half=1), "check": lambda p: colors_at(p[0], {(0.5, 0.5): (0, 1, 0)})}
-
-
-@case
-def refused_capture(folder):
-    """A scene that files cannot hold is refused by name, and rendered all the same."""
-    picture(folder / "white.tga", [[(255, 255, 255)] * 4] * 4)
-    bumpy = disney("bumpy", "color3f inputs:emission = (0.5, 0.5, 0.5)", *DARK, "float inputs:bump.connect = </bumpy/t.outputs:r>",
-                   nodes=[texture("t", folder / "white.tga", 'token inputs:filter = "nearest"')])
-    return {"stage": HEAD + camera() + bumpy + octahedron("body", bound("/bumpy")), "frames": [{"settings": {"alabaster:writeScene": str(folder / "refused.json")}}],
-            "warns": "/bumpy has a texture with filter, which is not written",
-            "check": lambda p: colors_at(p[0], {(0, 0): (0.5, 0.5, 0.5)}) or ("it is written" if (folder / "refused.json").exists() else "")}

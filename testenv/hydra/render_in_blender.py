@@ -20,9 +20,6 @@ import numpy  # noqa: E402
 import alabaster_hydra  # noqa: E402
 import scenes  # noqa: E402
 
-# Their materials have what a render description has no place for: placed coordinates, nearest texels.
-NOT_WRITTEN = {"textures_and_normal_map", "orthographic_cutout"}
-
 
 def textured_board():
     """An image file as colour, looked up by a map of corners."""
@@ -74,8 +71,8 @@ def load(file):
 def by_hydra(name):
     scene = view("ALABASTER_HYDRA")
     scene.hydra.export_method = "HYDRA"
-    written = pathlib.Path(job["out"]) / f"{name}.json"
-    scene["alabaster"] = {"samples": job["samples"], "filter": "box", **({} if name in NOT_WRITTEN else {"writeScene": str(written)})}
+    written = pathlib.Path(job["out"]) / f"{name}.alab"
+    scene["alabaster"] = {"samples": job["samples"], "filter": "box", "writeScene": str(written)}
     return (*picture(name, "ALABASTER_HYDRA"), written)
 
 
@@ -94,13 +91,12 @@ def compare(name):
     SCENES[name]()
     hydra, seconds, written = by_hydra(name)
     told = {"name": name, "seconds": seconds, "mean": float(hydra[:, :3].mean())}
-    if name not in NOT_WRITTEN:
-        # Now, because Blender deletes its copies of images with the next scene.
-        done = subprocess.run([job["program"], "render", "--quiet", "--allow-outside", str(written)], capture_output=True, text=True)
-        told["error"] = done.stderr.strip()[-300:] if done.returncode else ""
-        if not told["error"]:
-            program = load(written.with_suffix(".exr"))
-            told["pixels_that_differ"] = int((hydra.view(numpy.uint32) != program.view(numpy.uint32)).any(axis=1).sum())
+    # Now, because Blender deletes its copies of images with the next scene.
+    done = subprocess.run([job["program"], "render", "--quiet", "--allow-outside", str(written)], capture_output=True, text=True)
+    told["error"] = done.stderr.strip()[-300:] if done.returncode else ""
+    if not told["error"]:
+        program = load(written.with_suffix(".exr"))
+        told["pixels_that_differ"] = int((hydra.view(numpy.uint32) != program.view(numpy.uint32)).any(axis=1).sum())
     if job["cycles"]:
         told["over_cycles"] = (hydra[:, :3].mean(axis=0) / by_cycles(name)[:, :3].mean(axis=0)).tolist()
     print("\nSCENE " + json.dumps(told), flush=True)

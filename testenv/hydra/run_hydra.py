@@ -80,7 +80,7 @@ def judge(rows):
     failed = []
     for row in rows:
         wrong = row.get("error") or row.get("pixels_that_differ")
-        state = "not written as a description" if "error" not in row else row["error"] or f"{row['pixels_that_differ']} pixels differ"
+        state = row["error"] or f"{row['pixels_that_differ']} pixels differ"
         cycles = "  over Cycles: " + ", ".join(f"{c:.3f}" for c in row["over_cycles"]) if "over_cycles" in row else ""
         print(f"{row['name']:28} {state}{cycles}")
         failed += [row["name"]] if wrong or not row["mean"] > 0 else []
@@ -90,10 +90,10 @@ def judge(rows):
 def table(version, rows, job):
     lines = [f"## bpy {version}, HydraRenderEngine, export method HYDRA with MaterialX", "",
              f"{job['width']} x {job['height']}, {job['samples']} samples, by `run_hydra.py --results`. Pixels of Blender's EXR that differ from those that "
-             "`alabaster render` gives for the description that the plug-in wrote; and the mean over that of Cycles.", "",
+             "`alabaster render` gives for the archive that the plug-in wrote; and the mean over that of Cycles.", "",
              "| scene | pixels that differ | red, green, blue over Cycles |", "| --- | --- | --- |"]
     for row in rows:
-        state = row.get("pixels_that_differ", "not written") if not row.get("error") else "failed"
+        state = row["pixels_that_differ"] if not row["error"] else "failed"
         lines.append(f"| {row['name'].replace('_', ' ')} | {state} | {', '.join(f'{c:.3f}' for c in row['over_cycles'])} |")
     return "\n".join(lines) + "\n"
 

@@ -108,18 +108,24 @@ def judge_nodes(host, name, given):
     return fault, f"nodes: {len(nodes)}, as expected"
 
 
-def fault_of_description(file, materials):
+def prims_of(archive):
+    data = archive.read_bytes()
+    length = int.from_bytes(data[:8], "little")
+    begin, end = json.loads(data[8:8 + length])["scene.json"]["data_offsets"]
+    return json.loads(data[8 + length + begin:8 + length + end])["prims"]
+
+
+def fault_of_archive(file, materials):
     """The parameters that the plug-in wrote are those that the stage has, numbers as floats."""
-    found = {one["match"]: one["replace"] for one in json.loads(file.read_text())["materials"]}
-    for name, wanted in materials.items():
+    found = {prim["path"]: {name.split(".")[-1]: next(iter(value.values())) for name, value in prim["fields"] if value}
+             for prim in prims_of(file) if prim["kind"] == "material"}
+    for path, wanted in materials.items():
         for key, value in wanted.items():
-            there = found.get(name, {}).get(key)
-            if isinstance(value, dict):
-                there = {k: (there or {}).get(k) for k in value}
-            elif not isinstance(value, str):
+            there = found.get(path, {}).get(key)
+            if not isinstance(value, str):
                 there, value = (numpy.asarray(v, numpy.float32).tolist() if v is not None else v for v in (there, value))
             if there != value:
-                return f"{key} of {name} is written as {there}, not {value}"
+                return f"{key} of {path} is written as {there}, not {value}"
     return ""
 
 
@@ -133,7 +139,7 @@ def judge(host, name, given):
     within, written, warns, control = given.pop("within", 0), given.pop("written", False), given.pop("warns", ""), given.pop("control", "")
     frames, materials = given.pop("frames", [{}]), given.pop("materials", {})
     if written:
-        frames[-1].setdefault("settings", {})["alabaster:writeScene"] = str(host.folder / f"{name}.json")
+        frames[-1].setdefault("settings", {})["alabaster:writeScene"] = str(host.folder / f"{name}.alab")
     pictures, warned = host.pictures(name, stage, given, frames)
     color = pictures[-1]["color"]
     if "Alabaster" in warned and not warns or warns not in warned:
@@ -143,10 +149,10 @@ def judge(host, name, given):
     if check:
         return check(pictures), "as expected"
     if written:
-        done = subprocess.run([str(host.build / "bin/alabaster"), "render", "--quiet", "--allow-outside", str(host.folder / f"{name}.json")], capture_output=True, text=True)
+        done = subprocess.run([str(host.build / "bin/alabaster"), "render", "--quiet", "--allow-outside", str(host.folder / f"{name}.alab")], capture_output=True, text=True)
         if done.returncode:
             return done.stderr.strip()[-300:], ""
-        if fault := fault_of_description(host.folder / f"{name}.json", materials):
+        if fault := fault_of_archive(host.folder / f"{name}.alab", materials):
             return fault, ""
         other = exr(host.folder / f"{name}.exr")
     else:
@@ -183,7 +189,7 @@ def sheet(host, names, out):
 def table(rows):
     lines = ["## USD stages by the engine of usdrecord", "",
              f"OpenUSD 24.05, {SIZE[0]} x {SIZE[1]}, {SAMPLES} samples, by `run_stages.py --results`. Each stage of `stage_cases.py` against its expectation: the "
-             "program's picture of the scene that the plug-in writes, another stage, or values that are known. Those that have a picture are in `stages.jpg` in this order.", "",
+             "program's picture of the archive that the plug-in writes, another stage, or values that are known. Those that have a picture are in `stages.jpg` in this order.", "",
              "| stage | found |", "| --- | --- |"]
     return "\n".join(lines + [f"| {name.replace('_', ' ')} | {found} |" for name, found in rows]) + "\n"
 

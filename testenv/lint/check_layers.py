@@ -12,7 +12,7 @@ import sys
 
 CORE_ROOMS = ["diagnostics", "memory", "digest", "files", "math", "color", "parameter", "sampling", "images", "texture", "geometry", "camera", "film",
               "denoise", "convergence", "material", "subsurface", "light", "scene", "integrator", "session"]
-CONTRACT = ["api", "host", "gltf", "description"]  # rooms with installed headers
+CONTRACT = ["api", "host", "gltf", "archive", "description"]  # rooms with installed headers
 DELEGATE_ROOMS = {  # room -> the rooms of delegate that it may include besides itself
     "api": [],
     "support": ["api"],
@@ -20,7 +20,8 @@ DELEGATE_ROOMS = {  # room -> the rooms of delegate that it may include besides 
     "rendering": ["api", "support", "prims"],
     "host": ["api", "support"],
     "gltf": ["api", "support", "host"],
-    "description": ["api", "support", "host", "gltf"],
+    "description": ["api", "support", "host", "gltf", "archive"],
+    "archive": ["api", "support", "host"],
     "c_api": CONTRACT + ["support"],
     "python": ["c_api"],
     "hydra": CONTRACT + ["support"],
@@ -34,6 +35,7 @@ CORE_SEEN_BY = {  # room of delegate -> the rooms of core that it may include
     "support": ["color", "files", "parameter"],
     # of camera, light, material and session the tables of parameters
     "host": ["camera", "color", "film", "files", "images", "light", "material", "math", "session"],
+    "archive": ["digest", "files", "memory"],
     "c_api": ["math"],
     "gltf": ["files", "images", "material", "math", "memory", "subsurface", "texture"],
     "description": ["files", "math", "memory", "texture"],

@@ -69,10 +69,7 @@ void HydraMesh::Sync(pxr::HdSceneDelegate* scene, pxr::HdRenderParam* param, pxr
   HydraParam& shared = ParamOf(param);
   if (prim_) prim_->SetPrimId(GetPrimId());
   HydraScene pulled = shared.scene(scene, GetId());
-  if (SceneCapture* const capture = shared.capture()) {
-    pulled.set_unit_normals();
-    capture->TakeMesh(pulled, ToPath(GetId()));
-  }
+  if (SceneCapture* const capture = shared.capture()) capture->TakeMesh(pulled, ToPath(GetId()));
   if (sync(prim_, &pulled, shared, TranslateBits(*bits, kGeometryBits))) *bits &= ~Tracker::AllSceneDirtyBits;
 }
 

@@ -6,7 +6,6 @@
 #include <algorithm>
 
 #include "delegate/hydra/plugin/convert.h"
-#include "delegate/hydra/scene_capture.h"
 
 namespace alabaster::hydra {
 namespace {
@@ -174,21 +173,16 @@ hd::Value HydraScene::GetPrimvar(const hd::Path& id, const hd::Token& name, hd::
   const bool is_indexed =
       std::any_of(descriptors_.begin(), descriptors_.end(), [&](const auto& d) { return d.name == name && d.indexed; });
   const pxr::TfToken key(name.str());
-  const bool is_unit = unit_normals_ && name == hd::Token("normals");
   if (const auto* by_host = computed(id, name)) {
     const auto values = pxr::HdExtComputationUtils::GetComputedPrimvarValues({*by_host}, host_);
     const auto found = values.find(by_host->name);
-    const hd::Value value = found == values.end() ? hd::Value() : ToValue(found->second);
-    return is_unit ? UnitNormals(value) : value;
+    return found == values.end() ? hd::Value() : ToValue(found->second);
   }
-  if (!is_indexed) {
-    const hd::Value value = ToValue(host_->Get(path(id), key));
-    return is_unit ? UnitNormals(value) : value;
-  }
+  if (!is_indexed) return ToValue(host_->Get(path(id), key));
   pxr::VtIntArray found;
   const pxr::VtValue value = host_->GetIndexedPrimvar(path(id), key, &found);
   *indices = ToArray<int32_t>(found);
-  return is_unit ? UnitNormals(ToValue(value)) : ToValue(value);
+  return ToValue(value);
 }
 
 hd::TimeSamples<hd::Matrix4d> HydraScene::SampleTransform(const hd::Path& id) {

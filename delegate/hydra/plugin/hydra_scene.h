@@ -17,9 +17,6 @@ class HydraScene final : public TranslatedScene {
              const pxr::TfToken& light = {})
       : TranslatedScene(rules, std::move(report)), host_(host), id_(id), light_(light) {}
 
-  /// Normals come as UnitNormals makes them.
-  void set_unit_normals() { unit_normals_ = true; }
-
   hd::MeshTopology GetMeshTopology(const hd::Path& id) override;
   hd::SubdivTags GetSubdivTags(const hd::Path& id) override;
   hd::DisplayStyle GetDisplayStyle(const hd::Path& id) override;
@@ -58,7 +55,6 @@ class HydraScene final : public TranslatedScene {
   pxr::HdSceneDelegate* host_;
   pxr::SdfPath id_;
   pxr::TfToken light_;
-  bool unit_normals_ = false;
   std::vector<hd::PrimvarDescriptor> descriptors_;  // as asked for last
   std::optional<pxr::HdExtComputationPrimvarDescriptorVector> computed_;
 };

@@ -139,7 +139,7 @@ class Ends(unittest.TestCase):
     def test_a_forked_child_is_told_what_it_cannot_use(self):
         for use in ["draw(renderer)", "kept.update()", "kept.wait(1)", "kept.state", "kept.show('color', memory)", "kept.pixels()",
                     "renderer.stop()", "renderer.record('a.exr')", "renderer.get('samples')", "renderer.stats()", "scene.prims",
-                    "scene.clear()", "scene.set_visible('/square', True)", "scene.load('a.json')", "scene.write('a.json')",
+                    "scene.clear()", "scene.set_visible('/square', True)", "scene.load('a.alab')", "scene.write('a.alab')",
                     "alabaster.Renderer(scene)", "renderer.show(None)"]:
             self.assert_ends(f"""
                 kept = renderer.start(**frame)

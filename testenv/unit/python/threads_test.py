@@ -47,7 +47,7 @@ class Objects:
         self.scene.set_instancer("/many", {"/part": [0, 1]}, translations=[(0, 0, 0), (1, 0, 0)])
         self.scene.set_mesh("/part", CORNERS, [[0, 1, 2, 3]], instancer="/many")
         self.scene.set_render_settings("/settings", camera="/camera", width=8, height=8, samples=1)
-        self.file = folder + "/scene.json"
+        self.file = folder + "/scene.alab"
         self.scene.write(self.file)
         self.other = square()
         self.renderer = alabaster.Renderer(self.scene, samples=2, report=lambda *_: None)
@@ -172,12 +172,12 @@ class Threads(unittest.TestCase):
                 scene = square()
                 scene.set_render_settings("/settings", camera="/camera", width=8, height=8)
                 os.makedirs(folder + name)
-                scene.write(folder + name + "/scene.json")
+                scene.write(folder + name + "/scene.alab")
             scene, wrong = alabaster.Scene(report=lambda *_: None), []
 
             def load(name):
                 scene.clear()
-                loaded = scene.load(folder + name + "/scene.json")
+                loaded = scene.load(folder + name + "/scene.alab")
                 if not loaded["settings"].startswith("/") or not loaded["settings"].isprintable():
                     wrong.append(loaded)
 

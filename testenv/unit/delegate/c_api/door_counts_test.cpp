@@ -73,7 +73,7 @@ std::vector<Pair> DoorCounts::pairs() {
          return api().command(
              delegate_, "dumpScene", nullptr, kMany, [](void*, const char*, const AlabasterValue*) {}, nullptr);
        }},
-      {"scene_write.count", [this] { return api().scene_write(scene_, "a.json", nullptr, nullptr, kMany); }},
+      {"scene_write.count", [this] { return api().scene_write(scene_, "a.alab", nullptr, nullptr, kMany); }},
   };
 }
 

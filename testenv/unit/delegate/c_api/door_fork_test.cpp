@@ -98,7 +98,7 @@ TEST_F(DoorFork, AChildCannotUseWhatItsParentMade) {
       [&] {
         return edit(scene_, "/quad", {{"visible", flag(0)}});
       },
-      [&] { return api().scene_write(scene_, "/gone/scene.json", nullptr, nullptr, 0); },
+      [&] { return api().scene_write(scene_, "/gone/scene.alab", nullptr, nullptr, 0); },
   };
   for (const auto& call : calls)
     EXPECT_EQ(status_of_child([&] {

@@ -185,7 +185,7 @@ TEST_F(DoorReleases, ComeFromFramesAtFault) {
   const auto a = frame();
   expect_all_back("frame_size", api().frame_size(delegate_, &a, &width, &height));
   const auto b = frame();
-  expect_all_back("scene_write", api().scene_write(scene_, "a.json", &b, parameters(), 2));
+  expect_all_back("scene_write", api().scene_write(scene_, "a.alab", &b, parameters(), 2));
   const auto c = frame();
   expect_all_back("pass_start", api().pass_start(nullptr, &c));
 }

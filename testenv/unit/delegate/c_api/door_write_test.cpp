@@ -30,15 +30,15 @@ class DoorWrite : public Door {
 };
 
 TEST_F(DoorWrite, LoadsAsTheSamePicture) {
-  ASSERT_EQ(write("copy.json"), ALABASTER_OK) << api().last_error();
+  ASSERT_EQ(write("copy.alab"), ALABASTER_OK) << api().last_error();
   const std::vector<float> before = render();
   ASSERT_EQ(api().scene_clear(scene_), ALABASTER_OK);
   AlabasterLoaded loaded = {};
   loaded.size = sizeof loaded;
-  ASSERT_EQ(api().scene_load(scene_, file("copy.json").c_str(), nullptr, &loaded), ALABASTER_OK) << api().last_error();
+  ASSERT_EQ(api().scene_load(scene_, file("copy.alab").c_str(), nullptr, &loaded), ALABASTER_OK) << api().last_error();
   EXPECT_STREQ(loaded.notes, "");
   EXPECT_EQ(render(), before);
-  EXPECT_EQ(api().scene_write(scene_, file("again.json").c_str(), nullptr, nullptr, 0), ALABASTER_OK)
+  EXPECT_EQ(api().scene_write(scene_, file("again.alab").c_str(), nullptr, nullptr, 0), ALABASTER_OK)
       << "by its own render settings";
 }
 
@@ -49,25 +49,25 @@ TEST_F(DoorWrite, TakesTheCameraOfTheFramesOwnRenderSettings) {
   AlabasterFrame frame = {};
   frame.size = sizeof frame;
   frame.settings = "/b";
-  EXPECT_EQ(api().scene_write(scene_, file("copy.json").c_str(), &frame, nullptr, 0), ALABASTER_OUTPUT_FAILED);
+  EXPECT_EQ(api().scene_write(scene_, file("copy.alab").c_str(), &frame, nullptr, 0), ALABASTER_OUTPUT_FAILED);
   EXPECT_NE(std::string(api().last_error()).find("has no camera"), std::string::npos) << api().last_error();
   frame.settings = "/a";
-  EXPECT_EQ(api().scene_write(scene_, file("copy.json").c_str(), &frame, nullptr, 0), ALABASTER_OK);
+  EXPECT_EQ(api().scene_write(scene_, file("copy.alab").c_str(), &frame, nullptr, 0), ALABASTER_OK);
 }
 
 TEST_F(DoorWrite, SaysWhyItFails) {
-  EXPECT_EQ(write("copy.json", "/gone"), ALABASTER_OUTPUT_FAILED);
+  EXPECT_EQ(write("copy.alab", "/gone"), ALABASTER_OUTPUT_FAILED);
   EXPECT_STREQ(api().last_error(), "/gone is no camera of the scene; name one that is");
   EXPECT_EQ(write("copy.txt"), ALABASTER_OUTPUT_FAILED);
-  EXPECT_NE(std::string(api().last_error()).find("must end in .json"), std::string::npos);
-  EXPECT_EQ(write("no/copy.json"), ALABASTER_OUTPUT_FAILED);
+  EXPECT_NE(std::string(api().last_error()).find("must end in .alab"), std::string::npos);
+  EXPECT_EQ(write("no/copy.alab"), ALABASTER_OUTPUT_FAILED);
   EXPECT_NE(std::string(api().last_error()).find("there is no folder"), std::string::npos);
   EXPECT_TRUE(std::filesystem::is_empty(folder_));
   const AlabasterFrame frame = {};
-  EXPECT_EQ(api().scene_write(scene_, "copy.json", &frame, nullptr, 0), ALABASTER_INVALID_ARGUMENT) << "without a size";
+  EXPECT_EQ(api().scene_write(scene_, "copy.alab", &frame, nullptr, 0), ALABASTER_INVALID_ARGUMENT) << "without a size";
   EXPECT_EQ(api().scene_write(scene_, nullptr, nullptr, nullptr, 0), ALABASTER_INVALID_ARGUMENT);
-  EXPECT_EQ(api().scene_write(nullptr, "copy.json", nullptr, nullptr, 0), ALABASTER_INVALID_ARGUMENT);
-  EXPECT_EQ(api().scene_write(scene_, "copy.json", nullptr, nullptr, 1), ALABASTER_INVALID_ARGUMENT);
+  EXPECT_EQ(api().scene_write(nullptr, "copy.alab", nullptr, nullptr, 0), ALABASTER_INVALID_ARGUMENT);
+  EXPECT_EQ(api().scene_write(scene_, "copy.alab", nullptr, nullptr, 1), ALABASTER_INVALID_ARGUMENT);
 }
 
 }  // namespace

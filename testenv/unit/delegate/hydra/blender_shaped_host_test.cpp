@@ -249,36 +249,8 @@ TEST_F(BlenderShapedHost, WritesItsSceneAsFilesOfTheSamePicture) {
   capture.TakeLight(scene_, "/scene/World", "domeLight");
   capture.Remove("/scene/O_gone");
   const Folder folder;
-  EXPECT_EQ(capture.Write(folder.file("held.json"), state_of(buffer_), {{"samples", int64_t(16)}}), "");
-  EXPECT_EQ(picture_of_file(folder.file("held.json")), picture());
-}
-
-TEST_F(BlenderShapedHost, ScenesThatFilesCannotHoldAreRefusedByName) {
-  hd::Stage stage;
-  hd::host::MeshDescription quad = hd::Stage::quad();
-  quad.topology.orientation = "leftHanded";
-  stage.scene.SetMesh("/quad", quad);
-  SceneCapture capture;
-  capture.TakeMesh(stage.scene, "/quad");
-  const Folder folder;
-  const std::string fault = capture.Write(folder.file("held.json"), state_of(buffer_), {});
-  EXPECT_NE(fault.find("/quad is left-handed"), std::string::npos) << fault;
-  EXPECT_TRUE(folder.is_empty());
-  EXPECT_NE(SceneCapture().Write(folder.file("held.txt"), state_of(buffer_), {}), "");
-  EXPECT_NE(SceneCapture().Write("/gone/held.json", state_of(buffer_), {}).find("/gone"), std::string::npos);
-}
-
-TEST(UnitNormals, AreWhatNormalizingLeavesAlone) {
-  std::vector<Vec3f> normals;
-  for (int i = 1; i < 2000; ++i)
-    normals.emplace_back(std::sin(0.37f * float(i)), std::cos(0.61f * float(i)), std::sin(0.11f * float(i)));
-  const Value unit = UnitNormals(Array<Vec3f>(normals));
-  const auto* const held = unit.get<Array<Vec3f>>();
-  ASSERT_NE(held, nullptr);
-  for (size_t i = 0; i < normals.size(); ++i) {
-    EXPECT_EQ((*held)[i].normalized(), (*held)[i]) << i;
-    EXPECT_NEAR((*held)[i].dot(normals[i].normalized()), 1, 1e-5) << i;
-  }
+  EXPECT_EQ(capture.Write(folder.file("held.alab"), state_of(buffer_), {{"samples", int64_t(16)}}), "");
+  EXPECT_EQ(picture_of_file(folder.file("held.alab")), picture());
 }
 
 TEST_F(BlenderShapedHost, WaitsBetweenItsQuestions) {

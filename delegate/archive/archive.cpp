@@ -1,0 +1,317 @@
+#include "delegate/archive/archive.h"
+
+#include <algorithm>
+#include <filesystem>
+#include <set>
+
+#include "core/digest/digest.h"
+#include "core/files/input_file.h"
+#include "core/files/real_path.h"
+#include "core/memory/memory_budget.h"
+#include "delegate/archive/values.h"
+#include "delegate/host/scene_fields.h"
+#include "delegate/support/output_file.h"
+
+namespace alabaster::hd::archive {
+namespace {
+
+using nlohmann::json;
+constexpr const char* kFormat = "alabaster scene";
+constexpr const char* kScene = "scene.json";
+
+std::string digest_of(const std::vector<uint8_t>& bytes) {
+  Digest digest;
+  digest.add(bytes);
+  return digest.text();
+}
+
+// A value of JSON takes a node of the document.
+constexpr size_t kValueBytes = 300;
+
+/// Names of files below `folder` are relative to it.
+std::string name_from(const std::string& folder, const std::string& file) {
+  const std::string below = folder + "/";
+  return file.starts_with(below) ? file.substr(below.size()) : file;
+}
+
+class Writer {
+ public:
+  Writer(const std::string& file, const WriteOptions& options) : embeds_(options.embed_images) {
+    std::error_code error;
+    const std::filesystem::path parent = std::filesystem::path(file).parent_path();
+    folder_ = std::filesystem::weakly_canonical(parent.empty() ? "." : parent, error).string();
+  }
+  void add(const Prims& prims, const SceneInfo& info) {
+    for (const auto& [path, settings] : prims.settings)
+      add(path, "renderSettings", host::GetFields(with_own_files(settings)));
+    add_all(prims.cameras, "camera");
+    for (const auto& [path, material] : prims.materials) add(path, "material", host::GetFields(material, path));
+    for (const auto& [path, light] : prims.lights) add(path, light.type, host::GetFields(light));
+    add_all(prims.instancers, "instancer");
+    add_all(prims.meshes, "mesh");
+    json scene = {{"prims", std::move(prims_)}};
+    if (!info.settings.empty()) scene["settings"] = info.settings.str();
+    if (!info.color_config.resolved.empty()) scene["ocio"] = asset(info.color_config, false);
+    const std::string text = scene.dump();
+    tensors_.add_bytes(std::make_shared<const std::vector<uint8_t>>(text.begin(), text.end()), kScene);
+  }
+  std::string write(const std::string& file) {
+    const std::string header = tensors_.header(kFormat, kVersion);
+    return support::StreamOutputFile(file, [&](const support::ByteSink& sink) {
+      if (!sink({reinterpret_cast<const uint8_t*>(header.data()), header.size()})) return false;
+      for (const std::span<const uint8_t> bytes : tensors_.order())
+        if (!sink(bytes)) return false;
+      return true;
+    });
+  }
+
+ private:
+  template <class Map>
+  void add_all(const Map& map, const char* kind) {
+    for (const auto& [path, prim] : map) add(path, kind, host::GetFields(prim));
+  }
+  // Products that a description names beside itself are written beside the archive.
+  static RenderSettingsDescription with_own_files(RenderSettingsDescription settings) {
+    for (RenderProduct& product : settings.products) {
+      std::error_code error;
+      const auto file = std::filesystem::weakly_canonical(product.file, error);
+      if (!product.within.empty() && !error) product.file = name_from(product.within, file.string());
+    }
+    return settings;
+  }
+  // A prim that SetPrim refuses would make the archive unreadable.
+  void add(const Path& path, const Token& kind, const host::Fields& fields) {
+    host::RetainedSceneDelegate scratch;
+    const host::SetResult set = SetPrim(&scratch, path, kind, fields);
+    if (!set.fault.empty()) throw Fault(path.str() + ": " + set.fault);
+    json written = json::array();
+    for (const auto& [name, value] : fields) {
+      try {
+        written.push_back(
+            {name, write_value(value, &tensors_, [this](const AssetPath& a) { return asset(a, embeds_); })});
+      } catch (const Fault& fault) {
+        throw Fault(path.str() + ": '" + name + "': " + fault.what());
+      }
+    }
+    prims_.push_back({{"path", path.str()}, {"kind", kind.str()}, {"fields", std::move(written)}});
+  }
+  json asset(const AssetPath& path, bool embeds) {
+    json written = {{"authored", path.authored}};
+    std::shared_ptr<const std::vector<uint8_t>> bytes = path.bytes;
+    const bool is_file = !bytes && !path.resolved.empty();
+    if (is_file) {
+      const auto read = std::make_shared<std::vector<uint8_t>>();
+      const InputFile file(path.resolved, path.within);
+      if (file && file.read(read.get())) bytes = read;
+      std::error_code error;
+      written["file"] = name_from(folder_, std::filesystem::weakly_canonical(path.resolved, error).string());
+    }
+    if (!bytes && is_file && embeds)
+      throw Fault(path.resolved + " is not stored: it cannot be read, or names a set of images");
+    if (!bytes) return written;
+    written["digest"] = digest_of(*bytes);
+    if (is_file && !embeds) return written;
+    // The same image of several materials is stored once.
+    std::string& name = images_[written["digest"]];
+    if (name.empty()) name = tensors_.add_bytes(bytes);
+    written["bytes"] = name;
+    return written;
+  }
+
+  bool embeds_;
+  std::string folder_;
+  json prims_ = json::array();
+  TensorWriter tensors_;
+  std::map<std::string, std::string> images_;  // digest -> tensor
+};
+
+class Reader {
+ public:
+  Reader(const std::string& file, const DiagnosticSink& sink, const ReadOptions& options)
+      : file_(file),
+        sink_(sink),
+        options_(options),
+        folder_(std::filesystem::path(file).parent_path().string()),
+        memory_(std::make_shared<MemoryBudget>(options.memory_limit)) {
+    if (folder_.empty()) folder_ = ".";
+    if (!options.allow_outside) within_ = allowed_folder(folder_);
+  }
+  void read(host::RetainedSceneDelegate* scene, ReadResult* result) {
+    const InputFile input(file_, options_.within);
+    if (!input) throw Fault(input.reason());
+    result->memory_bytes = input.size();
+    const MemoryReservation held(memory_, MemoryUse::scene, input.size(), file_);
+    const auto bytes = std::make_shared<std::vector<uint8_t>>();
+    if (!input.read(bytes.get())) throw Fault("the file could not be read");
+    const MemoryReservation header = for_json(TensorReader::header_of(*bytes));
+    const TensorReader tensors(bytes);
+    check_version(tensors.metadata());
+    const std::span<const uint8_t> text = tensors.bytes(kScene);
+    const MemoryReservation parsed = for_json(text);
+    const json root = json::parse(text.begin(), text.end(), nullptr, false);
+    if (!root.is_object() || !root.contains("prims") || !root["prims"].is_array())
+      throw Fault("tensor 'scene.json' has no list of prims");
+    for (const json& prim : root["prims"]) read_prim(prim, tensors, scene);
+    place_products(scene);
+    if (root.contains("ocio")) result->info.color_config = asset(root["ocio"], tensors);
+    if (const auto settings = root.find("settings"); settings != root.end() && settings->is_string())
+      result->info.settings = Path(options_.root + settings->get<std::string>());
+    result->ok = true;
+  }
+
+ private:
+  MemoryReservation for_json(std::span<const uint8_t> text) const {
+    const auto values =
+        std::count_if(text.begin(), text.end(), [](uint8_t c) { return c == ',' || c == '[' || c == '{'; });
+    return {memory_, MemoryUse::scene, text.size() + size_t(values) * kValueBytes, file_ + ": its list of prims"};
+  }
+  // With the root before a path, and before the paths in names: "prototypes:/mesh", "/material/node.input".
+  std::string placed(const std::string& path) const { return path.starts_with('/') ? options_.root + path : path; }
+  std::string placed_name(const std::string& name) const {
+    constexpr std::string_view kPrototypes = "prototypes:";
+    return name.starts_with(kPrototypes) ? std::string(kPrototypes) + placed(name.substr(kPrototypes.size()))
+                                         : placed(name);
+  }
+  Value placed(Value value) const {
+    if (const auto* path = value.get<Path>()) return Path(placed(path->str()));
+    const auto* all = value.get<Array<Path>>();
+    if (!all) return value;
+    std::vector<Path> paths;
+    for (const Path& path : *all) paths.emplace_back(placed(path.str()));
+    return paths;
+  }
+  static void check_version(const json& metadata) {
+    const auto text = [&](const char* key) {
+      return metadata.is_object() && metadata.contains(key) && metadata[key].is_string()
+                 ? metadata[key].get<std::string>()
+                 : std::string();
+    };
+    if (text("format") != kFormat) throw Fault("the file is no scene archive of Alabaster");
+    const std::string version = text("version");
+    const bool is_number = !version.empty() && version.find_first_not_of("0123456789") == std::string::npos;
+    if (!is_number || version.size() > 9 || std::stoi(version) < 1) throw Fault("the archive has no version");
+    if (std::stoi(version) > kVersion)
+      throw Fault("the archive has version " + version + ", and this program reads up to version " +
+                  std::to_string(kVersion) + ": use the program that wrote it, or a newer one");
+  }
+  void read_prim(const json& prim, const TensorReader& tensors, host::RetainedSceneDelegate* scene) {
+    const auto text = [&](const char* key) {
+      if (!prim.is_object() || !prim.contains(key) || !prim[key].is_string())
+        throw Fault(std::string("a prim has no ") + key);
+      return prim[key].get<std::string>();
+    };
+    const std::string path = text("path");
+    host::Fields fields;
+    if (!prim.contains("fields") || !prim["fields"].is_array()) throw Fault(path + " has no fields");
+    for (const json& field : prim["fields"]) {
+      if (!field.is_array() || field.size() != 2 || !field[0].is_string()) throw Fault(path + " has a wrong field");
+      try {
+        Value value = read_value(field[1], tensors, [&](const json& a) { return asset(a, tensors); });
+        fields.emplace_back(placed_name(field[0].get<std::string>()), placed(std::move(value)));
+      } catch (const Fault& fault) {
+        throw Fault(path + ": '" + field[0].get<std::string>() + "': " + fault.what());
+      }
+    }
+    const host::SetResult result = SetPrim(scene, Path(placed(path)), Token(text("kind")), fields);
+    if (!result.fault.empty()) throw Fault(path + ": " + result.fault);
+    if (text("kind") == "renderSettings") settings_.insert(Path(placed(path)));
+  }
+  std::string resolved(const std::string& name) const {
+    const std::string file = (std::filesystem::path(folder_) / name).lexically_normal();
+    const std::string fault = within_.empty() ? "" : outside_fault(within_, file);
+    if (!fault.empty()) throw Fault(fault);
+    return file;
+  }
+  void place_products(host::RetainedSceneDelegate* scene) const {
+    for (const Path& path : settings_) {
+      RenderSettingsDescription settings = scene->GetAllRenderSettings().at(path);
+      for (RenderProduct& product : settings.products) product.file = resolved(product.file), product.within = within_;
+      scene->SetRenderSettings(path, std::move(settings));
+    }
+  }
+  AssetPath asset(const json& given, const TensorReader& tensors) const {
+    const auto text = [&](const char* key) {
+      const auto found = given.is_object() ? given.find(key) : given.end();
+      if (!given.is_object() || (found != given.end() && !found->is_string())) throw Fault("a file has no name");
+      return found == given.end() ? std::string() : found->get<std::string>();
+    };
+    AssetPath path;
+    path.authored = text("authored");
+    if (const std::string name = text("bytes"); !name.empty()) {
+      const std::span<const uint8_t> bytes = tensors.bytes(name);
+      path.bytes = std::make_shared<const std::vector<uint8_t>>(bytes.begin(), bytes.end());
+      return path;
+    }
+    const std::string name = text("file");
+    if (name.empty()) return path;
+    path.resolved = resolved(name);
+    path.within = within_;
+    check_digest(path, text("digest"));
+    return path;
+  }
+  void check_digest(const AssetPath& path, const std::string& digest) const {
+    std::vector<uint8_t> bytes;
+    const InputFile file(path.resolved, path.within);
+    if (digest.empty() || !file || !file.read(&bytes) || digest_of(bytes) == digest || !sink_) return;
+    sink_({Severity::warning, "archive.image", file_ + ": " + path.resolved,
+           "The image is another one than when the archive was written. To keep images, embed them."});
+  }
+
+  std::string file_;
+  const DiagnosticSink& sink_;
+  const ReadOptions& options_;
+  std::string folder_, within_;
+  std::shared_ptr<MemoryBudget> memory_;
+  std::set<Path> settings_;
+};
+
+}  // namespace
+
+Prims PrimsOf(const host::RetainedSceneDelegate& scene) {
+  return {scene.GetMeshes(), scene.GetInstancers(), scene.GetMaterials(),
+          scene.GetLights(), scene.GetCameras(),    scene.GetAllRenderSettings()};
+}
+
+std::string WriteArchive(const std::string& file, const Prims& prims, const SceneInfo& info,
+                         const WriteOptions& options) {
+  try {
+    if (!file.ends_with(".alab")) return "'" + file + "' must end in .alab";
+    if (const std::string fault = support::OutputFault(file); !fault.empty()) return file + ": " + fault;
+    Writer writer(file, options);
+    writer.add(prims, info);
+    const std::string fault = writer.write(file);
+    return fault.empty() ? fault : file + " could not be written: " + fault;
+  } catch (const std::bad_alloc&) {
+    return "memory ran out";
+  } catch (const Fault& fault) {
+    return fault.what();
+  } catch (const nlohmann::json::exception&) {
+    return "a name of the scene is not UTF-8, as names in files are";
+  } catch (const std::exception& e) {
+    return std::string("the scene cannot be written: ") + e.what();
+  }
+}
+
+ReadResult ReadArchive(const std::string& file, host::RetainedSceneDelegate* scene, const DiagnosticSink& sink,
+                       const ReadOptions& options) {
+  ReadResult result;
+  const auto fail = [&](const char* code, const char* text) {
+    if (sink) sink({Severity::error, code, file, text});
+  };
+  try {
+    Reader(file, sink, options).read(scene, &result);
+  } catch (const Fault& fault) {
+    fail("archive", fault.what());
+  } catch (const MemoryRefused& refused) {
+    result.out_of_memory = true;
+    fail("archive.memory", refused.what());
+  } catch (const std::bad_alloc&) {
+    result.out_of_memory = true;
+    fail("archive.memory", "Not enough memory to read the archive.");
+  } catch (const std::exception& e) {
+    fail("archive", e.what());
+  }
+  return result;
+}
+
+}  // namespace alabaster::hd::archive

@@ -1,0 +1,68 @@
+// A scene archive (.alab): all prims of a scene in one file, without loss, for farms, reports of faults and captures.
+// The layout is that of safetensors (8 bytes with the length of the header, a JSON header, tensors), so that numpy
+// reads the arrays. Prims are JSON in the tensor "scene.json".
+#pragma once
+
+#include "delegate/host/retained_scene_delegate.h"
+
+namespace alabaster::hd::archive {
+
+/// Rises when older readers cannot read what is written. Archives of later versions are refused, earlier ones read.
+inline constexpr int kVersion = 1;
+
+/// The prims to write, as their owner holds them.
+struct Prims {
+  const std::map<Path, host::MeshDescription>& meshes;
+  const std::map<Path, host::InstancerDescription>& instancers;
+  const std::map<Path, MaterialNetwork>& materials;
+  const std::map<Path, host::LightDescription>& lights;
+  const std::map<Path, host::CameraDescription>& cameras;
+  const std::map<Path, RenderSettingsDescription>& settings;
+};
+ALABASTER_API Prims PrimsOf(const host::RetainedSceneDelegate& scene);
+
+/// What a scene has beside its prims.
+struct SceneInfo {
+  Path settings;           // the render settings that a render takes; empty: the first ones
+  AssetPath color_config;  // of OpenColorIO; empty: none
+};
+
+struct WriteOptions {
+  /// Images are stored in the archive. Else they are named by path and digest.
+  bool embed_images = false;
+};
+/// Writes all prims. Files of products that lie in their own folder (RenderProduct::within) are named relative to it,
+/// and come below the archive's when it is read. The file is replaced whole or stays as it was. Returns "", or the
+/// reason. Never throws.
+ALABASTER_API std::string WriteArchive(const std::string& file, const Prims& prims, const SceneInfo& info = {},
+                                       const WriteOptions& options = {});
+
+/// Writes all prims, with render settings that draw what a pass of `state` draws: they are those of the scene that
+/// `settings` name by "renderSettingsPrimPath", else new ones, with the camera and the framing of the state and with
+/// `settings` over theirs. Without a product they have NAME.exr, of floats, beside the archive. "ocio" names the
+/// OpenColorIO config. Meshes beyond the state's collection are hidden. Bindings count for nothing. Returns "", or the
+/// reason. Never throws.
+ALABASTER_API std::string WritePass(const std::string& file, const Prims& prims, const RenderPassState& state,
+                                    const std::map<Token, Value>& settings);
+
+struct ReadOptions {
+  /// An archive names files in its own folder or below only, symbolic links followed. True lifts this.
+  bool allow_outside = false;
+  std::string within = {};  // for the archive itself, as of an AssetPath
+  /// Comes before all paths of the archive, for a second archive with equal paths: "/copy2". Empty: nothing.
+  std::string root = {};
+  size_t memory_limit = ~size_t(0);  // bytes that reading may hold at a time
+};
+struct ReadResult {
+  bool ok = false;
+  bool out_of_memory = false;  // the cause, if not
+  SceneInfo info = {};
+  size_t memory_bytes = 0;  // of the file, over which the arrays of the scene lie
+};
+/// Adds the prims of an archive, which is checked as an untrusted file. An image whose digest differs is a warning.
+/// After a report `ok` is false, and the prims before the fault are in the scene. Never throws. The
+/// file is read, not mapped: a process that cuts a mapped file ends the one that maps it.
+ALABASTER_API ReadResult ReadArchive(const std::string& file, host::RetainedSceneDelegate* scene,
+                                     const DiagnosticSink& sink, const ReadOptions& options = {});
+
+}  // namespace alabaster::hd::archive

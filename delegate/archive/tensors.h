@@ -1,0 +1,72 @@
+// The layout of safetensors: named arrays of numbers behind a JSON header. Internal to this room.
+#pragma once
+
+#include <map>
+#include <nlohmann/json.hpp>
+#include <span>
+#include <stdexcept>
+#include <vector>
+
+#include "delegate/api/types.h"
+
+namespace alabaster::hd::archive {
+
+/// A fault of a file, which ends reading or writing.
+struct Fault : std::runtime_error {
+  using std::runtime_error::runtime_error;
+};
+
+/// Arrays to write. Each is stored once, however often it is added: arrays over the same memory are one.
+class TensorWriter {
+ public:
+  /// The name of the tensor of an array or a scalar of numbers.
+  std::string add(const Value& numbers);
+  /// Bytes as they are, by that name or another.
+  std::string add_bytes(std::shared_ptr<const std::vector<uint8_t>> bytes, std::string name = {});
+  /// The header with its length, padded to 8 bytes. The tensors follow it in order().
+  std::string header(const std::string& format, int version);
+  std::vector<std::span<const uint8_t>> order() const;
+
+ private:
+  struct Tensor {
+    std::string name;
+    const char* type;
+    size_t element_bytes;
+    std::vector<size_t> shape;
+    std::span<const uint8_t> bytes;
+    Value held;  // what owns them
+    std::shared_ptr<const std::vector<uint8_t>> held_bytes;
+  };
+  std::string store(Tensor tensor);
+  std::vector<const Tensor*> by_alignment() const;
+
+  std::vector<Tensor> tensors_;
+  std::map<std::pair<const void*, size_t>, std::string> names_;
+};
+
+/// Tensors of a file that has been read. Throws Fault.
+class TensorReader {
+ public:
+  /// `file` begins with the header's length.
+  explicit TensorReader(std::shared_ptr<const std::vector<uint8_t>> file);
+  /// The text of the header. Throws Fault if the file is too short for it.
+  static std::span<const uint8_t> header_of(const std::vector<uint8_t>& file);
+  const nlohmann::json& metadata() const { return metadata_; }
+  /// An array over the file's memory, or a scalar, of that type.
+  Value array(const std::string& name, int32_t type) const;
+  Value number(const std::string& name, int32_t type) const;
+  std::span<const uint8_t> bytes(const std::string& name) const;
+
+ private:
+  struct Tensor {
+    std::string type;
+    size_t begin = 0, end = 0;  // in file_
+  };
+  const Tensor& find(const std::string& name, int32_t type) const;
+
+  std::shared_ptr<const std::vector<uint8_t>> file_;
+  std::map<std::string, Tensor> tensors_;
+  nlohmann::json metadata_;
+};
+
+}  // namespace alabaster::hd::archive

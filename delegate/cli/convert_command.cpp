@@ -1,0 +1,28 @@
+#include "delegate/archive/archive.h"
+#include "delegate/cli/commands.h"
+#include "delegate/cli/exit_codes.h"
+#include "delegate/cli/interrupt.h"
+#include "delegate/cli/scene_inputs.h"
+
+namespace alabaster::cli {
+
+int run_convert(const ConvertArguments& arguments) {
+  catch_interrupts();
+  Console console(false);
+  if (!arguments.output.ends_with(".alab"))
+    return console.usage_error("--output", "'" + arguments.output + "' is no scene archive: write NAME.alab.");
+  if (const int code = check_scene_arguments(arguments, console); code != kDone) return code;
+  SceneSession session;
+  const hd::description::LoadOptions options = scene_load_options(arguments);
+  if (const int code = load_scene(arguments, options, console, console.sink(), &session); code != kDone) return code;
+  if (const std::string fault = input_overwritten({arguments.output}, session, arguments.scene); !fault.empty())
+    return console.usage_error("--output", fault);
+  const hd::archive::SceneInfo info = {session.file.settings, {session.colors().ocio, session.colors().ocio, nullptr}};
+  const std::string fault = hd::archive::WriteArchive(arguments.output, hd::archive::PrimsOf(session.scene), info,
+                                                      {.embed_images = arguments.embed});
+  if (fault.empty()) return kDone;
+  console.error(arguments.output, fault);
+  return kOutput;
+}
+
+}  // namespace alabaster::cli

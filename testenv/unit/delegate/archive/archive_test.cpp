@@ -1,0 +1,273 @@
+// Scene archives: nothing is lost, and hostile files are refused.
+#include "delegate/archive/archive.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <limits>
+
+#include "delegate/description/render_description.h"
+#include "delegate/host/scene_fields.h"
+#include "testenv/support/build_paths.h"
+#include "testenv/support/gltf_testing.h"
+
+namespace alabaster::hd::archive {
+namespace {
+
+using ::alabaster::hd::gltf::testing::TemporaryFolder;
+using host::RetainedSceneDelegate;
+
+std::string bytes_of(const std::filesystem::path& file) {
+  std::ifstream in(file, std::ios::binary);
+  return {std::istreambuf_iterator<char>(in), {}};
+}
+
+/// Files by their real paths, and products by their names alone: these come to lie beside the archive.
+void normalize(std::map<Token, Value>* values) {
+  for (auto& [name, value] : *values)
+    if (const auto* asset = value.get<AssetPath>()) {
+      AssetPath real = *asset;
+      real.resolved = asset->bytes ? "" : std::filesystem::canonical(asset->resolved).string();
+      real.within.clear();
+      value = real;
+    }
+}
+template <class Map, class Edit>
+Map normalized(Map prims, const Edit& edit) {
+  for (auto& [path, prim] : prims) edit(prim);
+  return prims;
+}
+auto settings_of(const RetainedSceneDelegate& scene) {
+  return normalized(scene.GetAllRenderSettings(), [](RenderSettingsDescription& settings) {
+    for (RenderProduct& product : settings.products)
+      product.file = std::filesystem::path(product.file).filename(), product.within.clear();
+  });
+}
+auto lights_of(const RetainedSceneDelegate& scene) {
+  return normalized(scene.GetLights(), [](host::LightDescription& light) { normalize(&light.parameters); });
+}
+auto materials_of(const RetainedSceneDelegate& scene) {
+  return normalized(scene.GetMaterials(), [](MaterialNetwork& network) {
+    for (auto& [path, node] : network.nodes) normalize(&node.parameters);
+  });
+}
+
+void expect_same(const RetainedSceneDelegate& a, const RetainedSceneDelegate& b, const std::string& name) {
+  EXPECT_TRUE(a.GetMeshes() == b.GetMeshes()) << name;
+  EXPECT_TRUE(a.GetInstancers() == b.GetInstancers()) << name;
+  EXPECT_TRUE(materials_of(a) == materials_of(b)) << name;
+  EXPECT_TRUE(lights_of(a) == lights_of(b)) << name;
+  EXPECT_TRUE(a.GetCameras() == b.GetCameras()) << name;
+  EXPECT_TRUE(settings_of(a) == settings_of(b)) << name;
+}
+
+TEST(Archive, BundledScenesComeBackWhole) {
+  const TemporaryFolder folder;
+  const std::filesystem::path scenes = testing::source_file("testenv/scenes");
+  int count = 0;
+  for (const auto& entry : std::filesystem::recursive_directory_iterator(scenes)) {
+    if (entry.path().extension() != ".json") continue;
+    RetainedSceneDelegate scene, again;
+    const description::SceneFile file = description::LoadScene(entry.path().string(), &scene, {});
+    if (!file.ok) continue;  // another kind of JSON
+    ++count;
+    const std::string archive = (folder.path() + "/scene.alab");
+    ASSERT_EQ(WriteArchive(archive, PrimsOf(scene)), "") << entry.path();
+    ASSERT_TRUE(ReadArchive(archive, &again, {}, {.allow_outside = true}).ok) << entry.path();
+    expect_same(scene, again, entry.path().string());
+    const std::string first = bytes_of(archive);
+    ASSERT_EQ(WriteArchive(archive, PrimsOf(again)), "");
+    EXPECT_TRUE(first == bytes_of(archive)) << entry.path() << ": written again, it has other bytes";
+  }
+  EXPECT_GT(count, 5);
+}
+
+/// A scene with a value of each form that archives have.
+void fill(RetainedSceneDelegate* scene) {
+  host::MeshDescription mesh;
+  mesh.topology.faceVertexCounts = {4};
+  mesh.topology.faceVertexIndices = {0, 1, 2, 3};
+  const float nan = std::numeric_limits<float>::quiet_NaN();
+  mesh.primvars["points"] = {
+      Interpolation::vertex, "point", Array<Vec3f>{{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, nan}}, {}};
+  mesh.primvars["st"] = {Interpolation::faceVarying, {}, Array<Vec2f>{{0, 0}, {1, 0}}, {0, 1, 1, 0}};
+  mesh.primvars["holdout"] = {Interpolation::constant, {}, true, {}};
+  mesh.primvars["half"] = {Interpolation::constant, {}, Array<Half>{Half(0.5f)}, {}};
+  mesh.primvarSamples["points"] = {{-0.5, 0.5}, {Array<Vec3f>{{0, 0, 0}}, Array<Vec3f>{{0, 0, 1}}}};
+  mesh.transformSamples = {{0, 0.1}, {Matrix4d(), Matrix4d().setTranslation(Vec3d(1, 2, 3))}};
+  mesh.categories = {"key", "rim"};
+  mesh.doubleSided = false, mesh.cullStyle = CullStyle::frontUnlessDoubleSided;
+  mesh.topology.geomSubsets = {{"/mesh/lid", "/wax", {0}}};
+  mesh.instancer = "/many";
+  scene->SetMesh("/mesh", mesh);
+  host::InstancerDescription instancer;
+  instancer.primvars["hydra:instanceTranslations"] = Array<Vec3f>{{0, 0, 0}, {1, 0, 0}};
+  instancer.indices["/mesh"] = {1, 0};
+  instancer.categories = {{"a"}, {"a", "b"}};
+  scene->SetInstancer("/many", instancer);
+  MaterialNetwork network;
+  network.nodes["/wax/surface"] = {"AlabasterDisney", {{"roughness", 0.25f}}, {{"baseColor", {{"/wax/image", "rgb"}}}}};
+  network.nodes["/wax/image"] = {"AlabasterTexture", {{"wrapS", Token("clamp")}}, {}};
+  network.terminals["surface"] = {"/wax/surface", "out"};
+  scene->SetMaterial("/wax", network);
+  host::LightDescription light{.type = "sphereLight", .transform = {}, .parameters = {{"exposure", 0.1}}};
+  light.parameters["lightLink"] = Token("key");
+  scene->SetLight("/lamp", light);
+  CameraDescription camera;
+  camera.parameters["clipPlanes"] = Array<Vec4f>{{0, 0, 1, 0}};
+  camera.parameters["clippingRange"] = Vec2f(0.1f, 100);
+  scene->SetCamera("/camera", camera);
+  RenderSettingsDescription settings;
+  settings.width = 7, settings.crop = Rect2i{0, 1, 2, 3}, settings.windowPolicy = WindowPolicy::fit;
+  settings.settings["samples"] = int64_t(12);
+  RenderProduct product;
+  product.file = "a.exr", product.denoise = false, product.vars = {{"z", "depth", "float"}, {"a", "color", "half"}};
+  settings.products = {product};
+  scene->SetRenderSettings("/render", settings);
+}
+
+std::string write(const TemporaryFolder& folder, const RetainedSceneDelegate& scene) {
+  std::string file = (folder.path() + "/scene.alab");
+  EXPECT_EQ(WriteArchive(file, PrimsOf(scene)), "");
+  return file;
+}
+
+TEST(Archive, EveryFormOfValueComesBack) {
+  const TemporaryFolder folder;
+  RetainedSceneDelegate scene, again;
+  fill(&scene);
+  const std::string file = write(folder, scene);
+  std::string said;
+  ASSERT_TRUE(ReadArchive(file, &again, [&](const Diagnostic& d) { said = d.text; }).ok) << said;
+  EXPECT_TRUE(scene.GetMaterials() == again.GetMaterials());
+  const auto &before = scene.GetMeshes().at("/mesh"), &after = again.GetMeshes().at("/mesh");
+  EXPECT_EQ(before.primvarSamples, after.primvarSamples);
+  EXPECT_EQ(before.topology, after.topology);
+  EXPECT_EQ(before.primvars.at("half"), after.primvars.at("half"));
+  EXPECT_TRUE(std::isnan((*after.primvars.at("points").value.get<Array<Vec3f>>())[3].z));
+  EXPECT_TRUE(scene.GetInstancers() == again.GetInstancers());
+  EXPECT_TRUE(scene.GetLights() == again.GetLights());
+  EXPECT_TRUE(scene.GetCameras() == again.GetCameras());
+  EXPECT_TRUE(settings_of(scene) == settings_of(again));
+  const std::string first = bytes_of(file);
+  write(folder, again);
+  EXPECT_TRUE(first == bytes_of(file));
+}
+
+TEST(Archive, CutAndChangedFilesAreRefusedOrRead) {
+  const TemporaryFolder folder;
+  RetainedSceneDelegate scene;
+  fill(&scene);
+  const std::string file = write(folder, scene), whole = bytes_of(file);
+  const auto reads = [&](const std::string& bytes) {
+    std::ofstream(file, std::ios::binary) << bytes;
+    RetainedSceneDelegate again;
+    int errors = 0;
+    const bool ok = ReadArchive(file, &again, [&](const Diagnostic& d) { errors += d.severity == Severity::error; }).ok;
+    EXPECT_EQ(ok, errors == 0);
+    return ok;
+  };
+  for (size_t length = 0; length < whole.size(); length += 1 + length / 64)
+    EXPECT_FALSE(reads(whole.substr(0, length)));
+  for (size_t at = 0; at < whole.size(); at += 3) {
+    std::string changed = whole;
+    changed[at] = char(changed[at] ^ 0x15);
+    reads(changed);
+  }
+  std::string newer = whole;
+  const size_t version = newer.find("\"version\":\"1\"");
+  ASSERT_NE(version, std::string::npos);
+  newer[version + 11] = '9';
+  EXPECT_FALSE(reads(newer));
+  EXPECT_TRUE(reads(whole));
+}
+
+TEST(Archive, ImagesAreNamedOrStored) {
+  const TemporaryFolder folder;
+  std::ofstream((folder.path() + "/image.png")) << "not really an image";
+  RetainedSceneDelegate scene;
+  fill(&scene);
+  MaterialNetwork network = scene.GetMaterials().at("/wax");
+  const std::string image = std::filesystem::canonical((folder.path() + "/image.png")).string();
+  network.nodes["/wax/image"].parameters["file"] = AssetPath{"image.png", image, nullptr};
+  scene.SetMaterial("/wax", network);
+  const auto asset_after = [&](const WriteOptions& options, const DiagnosticSink& sink) {
+    RetainedSceneDelegate again;
+    const std::string file = (folder.path() + "/scene.alab");
+    EXPECT_EQ(WriteArchive(file, PrimsOf(scene), {}, options), "");
+    if (sink) std::ofstream((folder.path() + "/image.png")) << "another one";
+    EXPECT_TRUE(ReadArchive(file, &again, sink).ok);
+    return *again.GetMaterials().at("/wax").nodes.at("/wax/image").parameters.at("file").get<AssetPath>();
+  };
+  EXPECT_EQ(std::filesystem::canonical(asset_after({}, {}).resolved), image);
+  const AssetPath stored = asset_after({.embed_images = true}, {});
+  ASSERT_TRUE(stored.bytes);
+  EXPECT_EQ(std::string(stored.bytes->begin(), stored.bytes->end()), "not really an image");
+  std::string warned;
+  asset_after({}, [&](const Diagnostic& d) { warned = d.code; });
+  EXPECT_EQ(warned, "archive.image");
+}
+
+// A hostile archive writes and reads nothing beyond its folder.
+TEST(Archive, FilesOutsideAreRefused) {
+  const TemporaryFolder folder;
+  std::filesystem::create_directory(folder.path() + "/below");
+  std::ofstream(folder.path() + "/secret.png") << "text";
+  const std::string file = folder.path() + "/below/scene.alab";
+  const auto fault_of = [&](const RetainedSceneDelegate& scene, bool allowed) {
+    EXPECT_EQ(WriteArchive(file, PrimsOf(scene)), "");
+    std::string said;
+    RetainedSceneDelegate again;
+    ReadArchive(file, &again, [&](const Diagnostic& d) { said += d.text; }, {.allow_outside = allowed});
+    return said;
+  };
+  RetainedSceneDelegate writes, reads;
+  RenderSettingsDescription settings;
+  settings.products.resize(1);
+  settings.products[0].file = "../gone.exr";
+  writes.SetRenderSettings("/render", settings);
+  EXPECT_NE(fault_of(writes, false).find("outside"), std::string::npos);
+  EXPECT_EQ(fault_of(writes, true), "");
+  host::LightDescription dome{.type = "domeLight", .transform = {}, .parameters = {}};
+  dome.parameters["texture:file"] = AssetPath{"secret.png", folder.path() + "/secret.png", nullptr};
+  reads.SetLight("/dome", dome);
+  EXPECT_NE(fault_of(reads, false).find("outside"), std::string::npos);
+  EXPECT_EQ(fault_of(reads, true), "");
+}
+
+// Each would be lost by a reader that takes names for suffixes, completes networks or forgets what is empty.
+TEST(Archive, UnusualNamesComeBack) {
+  const TemporaryFolder folder;
+  RetainedSceneDelegate scene, again;
+  host::MeshDescription mesh;
+  mesh.primvars["a"] = {Interpolation::constant, {}, 1.0f, {}};
+  mesh.primvars["a:b"] = {Interpolation::uniform, {}, Array<float>{}, {}};
+  mesh.primvars["indices"] = {Interpolation::constant, {}, Token("x"), {}};
+  mesh.topology.geomSubsets = {{"/a:b/c", {}, {0, 1}}, {"/a", "/m", {}}};
+  scene.SetMesh("/a b/\xc3\xa4.1", mesh);
+  MaterialNetwork network;
+  network.nodes["/m/node.001"] = {"AlabasterTexture", {{"wrapS", Token("clamp")}}, {}};
+  network.nodes["/other/d"] = {"AlabasterDisplacement", {{"scale", 2.0f}}, {{"displacement", {{"/m/node.001", "r"}}}}};
+  network.terminals["displacement"] = {"/other/d", "displacement"};
+  scene.SetMaterial("/m", network);
+  scene.SetMaterial("/none", {});
+  scene.SetCamera("/plain", {});
+  scene.SetInstancer("/empty", {});
+  expect_same(scene, (ReadArchive(write(folder, scene), &again, {}), again), "");
+}
+
+TEST(Archive, ASecondModelHasARoot) {
+  const TemporaryFolder folder;
+  RetainedSceneDelegate scene, again;
+  fill(&scene);
+  ASSERT_TRUE(ReadArchive(write(folder, scene), &again, {}, {.root = "/copy"}).ok);
+  EXPECT_EQ(again.GetMeshes().at("/copy/mesh").instancer, Path("/copy/many"));
+  EXPECT_EQ(again.GetMeshes().at("/copy/mesh").topology.geomSubsets[0].materialId, Path("/copy/wax"));
+  EXPECT_TRUE(again.GetInstancers().at("/copy/many").indices.contains("/copy/mesh"));
+  EXPECT_EQ(again.GetMaterials().at("/copy/wax").terminals.at("surface").upstreamNode, Path("/copy/wax/surface"));
+}
+
+}  // namespace
+}  // namespace alabaster::hd::archive
