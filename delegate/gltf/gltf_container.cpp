@@ -3,13 +3,14 @@
 #include <cstring>
 
 #include "core/files/input_file.h"
-#include "delegate/support/gltf_limits.h"
 
 namespace alabaster::hd::gltf {
 namespace {
 
 // Deeper JSON would overflow the stack of recursive readers. glTF itself needs about ten levels, extras rarely more.
 constexpr size_t kMostDepth = 128;
+// Commas and brackets outside of strings.
+constexpr size_t kMostValues = 10'000'000;
 // A parsed JSON value takes up to three hundred bytes while the document is read, beside three copies of its text.
 constexpr size_t kValueBytes = 300;
 
@@ -40,7 +41,7 @@ bool json_is_bounded(std::string_view text, MemoryReservation* memory, Report& r
                        std::to_string(i) + "; flatten it");
       return false;
     }
-    if (values > support::kMostGltfValues) {
+    if (values > kMostValues) {
       report.error("json.size", "", "the JSON holds too many values; store bulk data in buffers");
       return false;
     }

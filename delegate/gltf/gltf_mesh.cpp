@@ -7,8 +7,8 @@
 
 #include "delegate/gltf/gltf_material.h"
 #include "delegate/gltf/gltf_morph.h"
+#include "delegate/gltf/gltf_ngon_encoding.h"
 #include "delegate/gltf/gltf_skin.h"
-#include "delegate/support/ngon_encoding.h"
 
 namespace alabaster::hd::gltf {
 namespace {
@@ -82,7 +82,7 @@ struct CageSource {
 };
 bool set_cage(const CageSource& source, const std::vector<Primvar>& primvars, const std::string& element,
               Report& report, host::MeshDescription* mesh) {
-  support::Cage cage = support::build_cage(source.triangles, source.rest);
+  Cage cage = build_cage(source.triangles, source.rest);
   if (cage.dropped_faces > 0)
     report.warning("mesh.degenerate", element,
                    std::to_string(cage.dropped_faces) + " faces have no area and are left out");
@@ -91,7 +91,7 @@ bool set_cage(const CageSource& source, const std::vector<Primvar>& primvars, co
   mesh->primvars["points"] = {Interpolation::vertex, "point", Array<Vec3f>(std::move(welded)), {}};
   for (const Primvar& primvar : primvars) {
     const size_t n = primvar.attribute.components;
-    support::CornerValues corners = support::weld_corners(cage, primvar.attribute.values, n);
+    CornerValues corners = weld_corners(cage, primvar.attribute.values, n);
     VertexAttribute values{{}, n};
     for (const uint32_t vertex : corners.vertices)
       for (size_t c = 0; c < n; ++c) values.values.push_back(primvar.attribute.values[vertex * n + c]);

@@ -1,11 +1,11 @@
-#include "delegate/support/ngon_encoding.h"
+#include "delegate/gltf/gltf_ngon_encoding.h"
 
 #include <algorithm>
 #include <array>
 #include <cstring>
 #include <map>
 
-namespace alabaster::hd::support {
+namespace alabaster::hd::gltf {
 namespace {
 
 Imath::V3d newell_normal(const std::vector<Imath::V3d>& polygon) {
@@ -89,8 +89,11 @@ class CageBuilder {
   Cage cage_;
 };
 
-}  // namespace
-
+// The number of triangles of each polygon in a triangle list, in order. Exporters promise that consecutive polygons do
+// not share their first index, but some break the promise. Most such polygons are not chained, which separates them.
+// Two quads that are chained look like a hexagon, so a run of four or more triangles counts as one polygon only if it
+// is convex, and is cut into quads otherwise. (Runs of three are never cut: pentagons of real cages are often neither
+// flat nor convex.)
 std::vector<uint32_t> find_polygons(const std::vector<uint32_t>& triangles, const std::vector<Vec3f>& points) {
   std::vector<uint32_t> polygons;
   const size_t count = triangles.size() / 3;
@@ -122,6 +125,8 @@ std::vector<uint32_t> find_polygons(const std::vector<uint32_t>& triangles, cons
   return polygons;
 }
 
+}  // namespace
+
 Cage build_cage(const std::vector<uint32_t>& triangles, const std::vector<Vec3f>& points) {
   CageBuilder builder(points);
   size_t triangle = 0;
@@ -148,4 +153,4 @@ CornerValues weld_corners(const Cage& cage, const std::vector<float>& values, si
   return welded;
 }
 
-}  // namespace alabaster::hd::support
+}  // namespace alabaster::hd::gltf

@@ -7,7 +7,7 @@
 
 #include "delegate/api/types.h"
 
-namespace alabaster::hd::support {
+namespace alabaster::hd::gltf {
 
 /// A control cage: vertices welded by position. Vertices are those of the triangles that it was made from.
 struct Cage {
@@ -16,13 +16,6 @@ struct Cage {
   std::vector<uint32_t> corner_vertices;  // per face vertex
   size_t dropped_faces = 0;               // polygons with fewer than three different points
 };
-
-/// The number of triangles of each polygon in a triangle list, in order. Exporters promise that consecutive polygons do
-/// not share their first index, but some break the promise. Most such polygons are not chained, which separates them.
-/// Two quads that are chained look like a hexagon, so a run of four or more triangles counts as one polygon only if it
-/// is convex, and is cut into quads otherwise. (Runs of three are never cut: pentagons of real cages are often neither
-/// flat nor convex.)
-std::vector<uint32_t> find_polygons(const std::vector<uint32_t>& triangles, const std::vector<Vec3f>& points);
 
 /// Decodes the polygons of `triangles` and welds vertices that were split for their normals or texture coordinates.
 Cage build_cage(const std::vector<uint32_t>& triangles, const std::vector<Vec3f>& points);
@@ -36,4 +29,4 @@ struct CornerValues {
 /// 1 to 4 components for each vertex.
 CornerValues weld_corners(const Cage& cage, const std::vector<float>& values, size_t components);
 
-}  // namespace alabaster::hd::support
+}  // namespace alabaster::hd::gltf
