@@ -24,12 +24,14 @@ std::string bytes_of(const std::filesystem::path& file) {
   return {std::istreambuf_iterator<char>(in), {}};
 }
 
-/// Files by their real paths, and products by their names alone: these come to lie beside the archive.
+/// Files by their real paths, images in memory by their bytes, and products by their names alone: these come to lie beside the archive.
 void normalize(std::map<Token, Value>* values) {
   for (auto& [name, value] : *values)
     if (const auto* asset = value.get<AssetPath>()) {
       AssetPath real = *asset;
-      real.resolved = asset->bytes ? "" : std::filesystem::canonical(asset->resolved).string();
+      real.resolved = asset->bytes ? std::string(asset->bytes->begin(), asset->bytes->end())
+                                   : std::filesystem::canonical(asset->resolved).string();
+      real.bytes = nullptr;
       real.within.clear();
       value = real;
     }
