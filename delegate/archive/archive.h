@@ -21,7 +21,7 @@ struct Prims {
 };
 ALABASTER_API Prims PrimsOf(const host::RetainedSceneDelegate& scene);
 
-/// What a scene has beside its prims.
+/// Parts of a scene beside its prims.
 struct SceneInfo {
   Path settings;           // the render settings that a render takes; empty: the first ones
   AssetPath color_config;  // of OpenColorIO; empty: none

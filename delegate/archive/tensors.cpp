@@ -163,7 +163,7 @@ const TensorReader::Tensor& TensorReader::find(const std::string& name, int32_t 
   const TypeInfo& info = GetTypeInfo(type);
   const size_t bytes = tensor.end - tensor.begin;
   if (tensor.type != dtype(info.scalar) || (info.bytes > 0 && bytes % info.bytes != 0))
-    throw Fault("tensor '" + name + "' is no array of " + info.name);
+    throw Fault("tensor '" + name + "' is not an array of " + info.name);
   const size_t alignment = info.bytes > 0 ? size_t(info.bytes) / info.components : 1;
   if (reinterpret_cast<uintptr_t>(file_->data() + tensor.begin) % alignment != 0)
     throw Fault("tensor '" + name + "' is not aligned");

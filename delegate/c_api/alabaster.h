@@ -136,7 +136,7 @@ typedef struct AlabasterApi {
      a pass of `frame` draws. `frame` may be null; its bindings count for nothing, and meshes that it leaves out are
      hidden. `settings` come over those of the frame's render settings, as a delegate's do; "ocio" among them names the
      OpenColorIO config, which else is that of the file that was loaded last. Images of files are named by path and
-     digest, those in memory are stored. OUTPUT_FAILED: the file is as it was; last_error names the prim or the cause. */
+     digest, those in memory are stored. OUTPUT_FAILED: the file is as it was; last_error names the cause. */
   AlabasterStatus (*scene_write)(AlabasterScene*, const char* file, const AlabasterFrame* frame,
                                  const AlabasterParameter* settings, size_t count);
 } AlabasterApi;

@@ -177,7 +177,7 @@ std::string node_name(const Path& material, const Path& node) {
   return node.str().starts_with(below) ? node.str().substr(below.size()) : node.str();
 }
 
-/// Of "NODE.OUTPUT", or "NODE" for the output `otherwise`.
+/// The connection to "NODE.OUTPUT", or to "NODE", whose output is then `otherwise`.
 MaterialConnection connection_of(const Path& material, const std::string& text, const char* otherwise) {
   const size_t dot = text.rfind('.');
   if (dot == std::string::npos || text.find('/', dot) != std::string::npos)

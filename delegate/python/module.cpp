@@ -33,7 +33,8 @@ py::class_<Scene> add_files(py::module_& module) {
       .def(
           "load", [](Scene& s, const py::object& file, const py::kwargs& options) { return s.load(file, options); },
           py::arg("file"),
-          "Adds a scene file (.gltf, .glb, .json, .alab) and completes it with a camera and lights where it has none. Options "
+          "Adds a scene file (.gltf, .glb, .json, .alab) and completes it with a camera and lights where it has none. "
+          "Options "
           "are the program's: overrides=['materials/skin.roughness=0.3'], camera, dome, scene, animation, variant, "
           "time, keep_going, allow_outside. Returns settings (the path of the render settings), color_config and "
           "notes.")
@@ -43,7 +44,8 @@ py::class_<Scene> add_files(py::module_& module) {
             s.write(file, overrides, frame);
           },
           py::arg("file"), py::kw_only(), py::arg("overrides") = py::none(),
-          "Writes the scene to an archive (NAME.alab), which load and the program read: every prim, with render settings "
+          "Writes the scene to an archive (NAME.alab), which load and the program read: every prim, with render "
+          "settings "
           "that draw what Renderer.render draws with the same options: width, height, camera, settings, window, "
           "pixel_aspect, render_tags, roots, excluded. overrides={'samples': 16} come over the render settings. Images "
           "of files are named by path and digest. OutputError says why it is not written.")

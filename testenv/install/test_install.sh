@@ -63,8 +63,8 @@ oiiotool "$scratch/program.exr" --ch R,G,B "$scratch/host_c.pfm" --fail 0 --warn
 
 # A host in C++17 on the same interface, and one in Python.
 make_host cpp17 CXX host.cpp ""
-"$scratch/cpp17/build/host" "$scratch/written.json"
-"$scratch/prefix/bin/alabaster" check "$scratch/written.json" --quiet
+"$scratch/cpp17/build/host" "$scratch/written.alab"
+"$scratch/prefix/bin/alabaster" check "$scratch/written.alab" --quiet
 module=$(find "$scratch/prefix" -name '_alabaster*.so')
 if [ -n "$module" ]; then
   python=$(sed -n 's/^_Python_EXECUTABLE:INTERNAL=//p' "$1/CMakeCache.txt")

@@ -24,7 +24,8 @@ std::string bytes_of(const std::filesystem::path& file) {
   return {std::istreambuf_iterator<char>(in), {}};
 }
 
-/// Files by their real paths, images in memory by their bytes, and products by their names alone: these come to lie beside the archive.
+/// Files by their real paths, images in memory by their bytes, and products by their names alone: these come to lie
+/// beside the archive.
 void normalize(std::map<Token, Value>* values) {
   for (auto& [name, value] : *values)
     if (const auto* asset = value.get<AssetPath>()) {
