@@ -22,20 +22,36 @@ float representable(float x) {
 std::span<const Parameter<CameraParameters>> camera_parameters() {
   using P = CameraParameters;
   constexpr double kSmallest = 1e-30;  // of what a projection divides by
+  // A row is a line of values, and its words. clang-format would give each of them a line.
+  // clang-format off
   static constexpr Parameter<P> kTable[] = {
-      {"focalLength", &P::focal_length, kSmallest, kUnbounded},
-      {"horizontalAperture", &P::horizontal_aperture, kSmallest, kUnbounded},
-      {"verticalAperture", &P::vertical_aperture, kSmallest, kUnbounded},
-      {"horizontalApertureOffset", &P::horizontal_aperture_offset},
-      {"verticalApertureOffset", &P::vertical_aperture_offset},
-      {"fStop", &P::f_stop, 0, kUnbounded},
-      {"focusDistance", &P::focus_distance, 0, kUnbounded},
-      {"apertureBlades", &P::aperture_blades, 0, 64},
-      {"apertureRotation", &P::aperture_rotation},
-      {"exposure", &P::exposure, -64, 64},
-      {"shutterOpen", &P::shutter_open},
-      {"shutterClose", &P::shutter_close},
+      {"focalLength", &P::focal_length, kSmallest, kUnbounded, {},
+       "scene unit", "Focal length of the lens.", kMillimetres},
+      {"horizontalAperture", &P::horizontal_aperture, kSmallest, kUnbounded, {},
+       "scene unit", "Width of the film.", kMillimetres},
+      {"verticalAperture", &P::vertical_aperture, kSmallest, kUnbounded, {},
+       "scene unit", "Height of the film.", kMillimetres},
+      {"horizontalApertureOffset", &P::horizontal_aperture_offset, -kUnbounded, kUnbounded, {},
+       "scene unit", "Shift of the film to the right.", kMillimetres},
+      {"verticalApertureOffset", &P::vertical_aperture_offset, -kUnbounded, kUnbounded, {},
+       "scene unit", "Shift of the film upwards.", kMillimetres},
+      {"fStop", &P::f_stop, 0, kUnbounded, {},
+       "f-number", "Lens aperture as focal length over diameter; 0 is a pinhole with everything in focus."},
+      {"focusDistance", &P::focus_distance, 0, kUnbounded, {},
+       "scene unit", "Distance to the plane in focus."},
+      {"apertureBlades", &P::aperture_blades, 0, 64, {},
+       "none", "Blades of the aperture, which is a regular polygon as large as the round one; below 3 it is round."},
+      {"apertureRotation", &P::aperture_rotation, -kUnbounded, kUnbounded, {},
+       "degrees", "Rotation of the aperture's polygon; at 0 a corner points to the right."},
+      {"exposure", &P::exposure, -64, 64, {},
+       "stops", "Multiplies all radiance in the picture by 2 to this power."},
+      {"shutterOpen", &P::shutter_open, -kUnbounded, kUnbounded, {},
+       "frames", "Time at which the shutter opens, relative to the frame that is drawn."},
+      {"shutterClose", &P::shutter_close, -kUnbounded, kUnbounded, {},
+       "frames", "Time at which the shutter closes, relative to the frame that is drawn. Motion in between is "
+       "blurred."},
   };
+  // clang-format on
   return kTable;
 }
 

@@ -6,29 +6,67 @@ namespace alabaster {
 
 std::span<const Parameter<LightDescription>> light_parameters() {
   using P = LightDescription;
+  constexpr auto bit = [](LightType type) { return 1u << static_cast<uint32_t>(type); };
+  constexpr uint32_t kRect = bit(LightType::rect), kSphere = bit(LightType::sphere), kDisk = bit(LightType::disk);
+  constexpr uint32_t kCylinder = bit(LightType::cylinder), kDistant = bit(LightType::distant);
+  constexpr uint32_t kShaped = kSphere | kRect | kDisk | kCylinder;
+  // A row is a line of values, and its words. clang-format would give each of them a line.
+  // clang-format off
   static constexpr Parameter<P> kTable[] = {
-      {"intensity", &P::intensity, 0, kUnbounded},
-      {"exposure", &P::exposure, -64, 64},
-      {"color", &P::color, 0, kUnbounded},
-      {"enableColorTemperature", &P::enable_color_temperature},
-      {"colorTemperature", &P::color_temperature, 1000, 10000},
-      {"normalize", &P::normalize},
-      {"width", &P::width, 0, kUnbounded},
-      {"height", &P::height, 0, kUnbounded},
-      {"radius", &P::radius, 0, kUnbounded},
-      {"length", &P::length, 0, kUnbounded},
-      {"treatAsPoint", &P::treat_as_point},
-      {"angle", &P::angle, 0, 360},
-      {"coneInner", &P::cone_inner, 0, 180},
-      {"coneOuter", &P::cone_outer, 0, 180},
-      {"shaping:cone:angle", &P::cone_angle, 0, 180},
-      {"shaping:cone:softness", &P::cone_softness, 0, 1},
-      {"shaping:focus", &P::focus, 0, kUnbounded},
-      {"shaping:focusTint", &P::focus_tint, 0, kUnbounded},
-      {"shaping:ies:angleScale", &P::ies_angle_scale},
-      {"shaping:ies:normalize", &P::ies_normalize},
-      {"visibleToCamera", &P::visible_to_camera},
+      {"intensity", &P::intensity, 0, kUnbounded, {},
+       "radiance", "Radiance of the light before exposure and normalize; the radiant intensity of a point light; the "
+       "irradiance of a distant light of angle 0."},
+      {"exposure", &P::exposure, -64, 64, {},
+       "stops", "Multiplies intensity by 2 to this power."},
+      {"color", &P::color, 0, kUnbounded, {},
+       "none", "Colour in the rendering space; multiplies intensity."},
+      {"enableColorTemperature", &P::enable_color_temperature, -kUnbounded, kUnbounded, {},
+       "none", "Multiplies color by that of a blackbody of colorTemperature and luminance 1."},
+      {"colorTemperature", &P::color_temperature, 1000, 10000, {},
+       "kelvin", "Colour temperature; only with enableColorTemperature. 6500 is nearly white."},
+      {"normalize", &P::normalize, -kUnbounded, kUnbounded, {},
+       "none", "Keeps the power constant when the size changes: divides by the area, or by the projected solid angle "
+       "(distant). A point light has the limit of a small sphere: a quarter of the intensity.", kShaped | kDistant},
+      {"width", &P::width, 0, kUnbounded, {},
+       "scene unit", "Width along the light's x axis.", kRect},
+      {"height", &P::height, 0, kUnbounded, {},
+       "scene unit", "Height along the light's y axis.", kRect},
+      {"radius", &P::radius, 0, kUnbounded, {},
+       "scene unit", "Radius of the sphere, disk or cylinder; a sphere of radius 0 is a "
+       "point.", kSphere | kDisk | kCylinder},
+      {"length", &P::length, 0, kUnbounded, {},
+       "scene unit", "Length along the light's x axis.", kCylinder},
+      {"treatAsPoint", &P::treat_as_point, -kUnbounded, kUnbounded, {},
+       "none", "Makes a point light, whose intensity is radiant intensity, or four times that with "
+       "normalize.", kSphere},
+      {"angle", &P::angle, 0, 360, {},
+       "degrees", "Angular diameter; 0 gives parallel light.", kDistant},
+      {"coneInner", &P::cone_inner, 0, 180, {},
+       "degrees", "Half angle around -z within which a spot has full intensity, as KHR_lights_punctual has "
+       "it.", kShaped},
+      {"coneOuter", &P::cone_outer, 0, 180, {},
+       "degrees", "Half angle around -z outside which a spot is dark.", kShaped},
+      {"shaping:cone:angle", &P::cone_angle, 0, 180, {},
+       "degrees", "Half angle around -z outside which the light is dark; below 180 it replaces coneInner and "
+       "coneOuter.", kShaped},
+      {"shaping:cone:softness", &P::cone_softness, 0, 1, {},
+       "none", "Share of shaping:cone:angle, from its edge inwards, over which the light falls smoothly to "
+       "dark.", kShaped},
+      {"shaping:focus", &P::focus, 0, kUnbounded, {},
+       "none", "Gathers the light about the z axis: the power to which the cosine of the angle to it is "
+       "raised.", kShaped},
+      {"shaping:focusTint", &P::focus_tint, 0, kUnbounded, {},
+       "none", "Colour that multiplies the light where the focus has taken it away.", kShaped},
+      {"shaping:ies:angleScale", &P::ies_angle_scale, -kUnbounded, kUnbounded, {},
+       "none", "Stretches the vertical angles of the profile by this factor, about -z, or if it is negative about z; "
+       "0 leaves them.", kShaped},
+      {"shaping:ies:normalize", &P::ies_normalize, -kUnbounded, kUnbounded, {},
+       "none", "Divides the profile by its mean over all directions, so that it shapes the light and keeps its "
+       "power.", kShaped},
+      {"visibleToCamera", &P::visible_to_camera, -kUnbounded, kUnbounded, {},
+       "none", "True if camera rays see the light itself."},
   };
+  // clang-format on
   return kTable;
 }
 

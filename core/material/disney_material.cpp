@@ -9,42 +9,96 @@ namespace {
 
 using P = DisneyParameters;
 
+// A row is a line of values, and its words. clang-format would give each of them a line.
+// clang-format off
 constexpr auto kParameters = std::to_array<MaterialParameter>({
-    {{"baseColor", &P::base_color, 0, 1}, Texels::colors},
-    {{"metallic", &P::metallic, 0, 1}},
-    {{"roughness", &P::roughness, 0, 1}},
-    {{"anisotropic", &P::anisotropic, 0, 1.11}},
-    {{"anisotropicRotation", &P::anisotropic_rotation}},
-    {{"specularTint", &P::specular_tint, 0, 1}},
-    {{"ior", &P::ior, 1, 4}},
-    {{"specular", &P::specular, 0, 1}},
-    {{"specularColor", &P::specular_color, 0, kUnbounded}, Texels::colors},
-    {{"sheen", &P::sheen, 0, 1}},
-    {{"sheenTint", &P::sheen_tint, 0, 1}},
-    {{"sheenColor", &P::sheen_color, 0, 1}, Texels::colors},
-    {{"sheenRoughness", &P::sheen_roughness, 0, 1}},
-    {{"clearcoat", &P::clearcoat, 0, 1}},
-    {{"clearcoatGloss", &P::clearcoat_gloss, 0, 1}},
-    {{"coat", &P::coat, 0, 1}},
-    {{"coatRoughness", &P::coat_roughness, 0, 1}},
-    {{"scatterDistance", &P::scatter_distance, 0, kUnbounded}},
-    {{"scatterAnisotropy", &P::scatter_anisotropy, -0.9, 0.9}},
-    {{"emission", &P::emission, 0, kUnbounded}, Texels::colors},
-    {{"opacity", &P::opacity, 0, 1}},
-    {{"opacityThreshold", &P::opacity_threshold, 0, 1}},
-    {{"specTrans", &P::spec_trans, 0, 1}},
-    {{"thin", &P::thin}},
-    {{"flatness", &P::flatness, 0, 1}},
-    {{"diffTrans", &P::diff_trans, 0, 2}},
-    {{"diffTransColor", &P::diff_trans_color, 0, 1}, Texels::colors},
-    {{"attenuationColor", &P::attenuation_color, 0, 1}, Texels::colors},
-    {{"attenuationDistance", &P::attenuation_distance, 0, kUnbounded}},
-    {{"priority", &P::priority, 0, 255}},
-    {{"dispersion", &P::dispersion, 0, 20}},
-    {{"iridescence", &P::iridescence, 0, 1}},
-    {{"iridescenceIor", &P::iridescence_ior, 1, 4}},
-    {{"iridescenceThickness", &P::iridescence_thickness, 0, kUnbounded}},
+    {{"baseColor", &P::base_color, 0, 1, {},
+      "none", "Surface colour: the diffuse albedo, the colour of metals, and the multiple-scattering albedo of "
+      "subsurface scattering."}, Texels::colors},
+    {{"metallic", &P::metallic, 0, 1, {},
+      "none", "0 is a dielectric, 1 a metal of colour baseColor."}},
+    {{"roughness", &P::roughness, 0, 1, {},
+      "none", "Perceived roughness of the specular lobe, and of the diffuse retro-reflection."}},
+    {{"anisotropic", &P::anisotropic, 0, 1.11, {},
+      "none", "Stretch of the specular highlight along the tangent: its two alphas have the ratio 1 - 0.9 "
+      "anisotropic, 0.1 at 1, where Disney's range ends, and 0.001 at 1.11."}},
+    {{"anisotropicRotation", &P::anisotropic_rotation, -kUnbounded, kUnbounded, {},
+      "turns", "Turns the direction of the stretch about the normal, from where u grows towards where v grows: 0.25 "
+      "is across, and 1.25 is the same."}},
+    {{"specularTint", &P::specular_tint, 0, 1, {},
+      "none", "Tints the dielectric specular reflection towards the hue of baseColor."}},
+    {{"ior", &P::ior, 1, 4, {},
+      "none", "Index of refraction of the dielectric specular lobe."}},
+    {{"specular", &P::specular, 0, 1, {},
+      "none", "Scales the dielectric reflectance at normal incidence; 1 leaves it to ior alone."}},
+    {{"specularColor", &P::specular_color, 0, kUnbounded, {},
+      "none", "Tints the dielectric reflectance at normal incidence."}, Texels::colors},
+    {{"sheen", &P::sheen, 0, 1, {},
+      "none", "Strength of the grazing-angle lobe of cloth."}},
+    {{"sheenTint", &P::sheen_tint, 0, 1, {},
+      "none", "Tints the sheen towards the hue of baseColor."}},
+    {{"sheenColor", &P::sheen_color, 0, 1, {},
+      "none", "Colour of the sheen, beside the tint."}, Texels::colors},
+    {{"sheenRoughness", &P::sheen_roughness, 0, 1, {},
+      "none", "Above 0 the sheen is that of fibres with this roughness, a layer that takes what it reflects from the "
+      "surface below. 0: Disney's sheen, which is a tenth as strong."}},
+    {{"clearcoat", &P::clearcoat, 0, 1, {},
+      "none", "Strength of a second, thin and colourless specular layer."}},
+    {{"clearcoatGloss", &P::clearcoat_gloss, 0, 1, {},
+      "none", "Gloss of the clearcoat, from 0 (satin) to 1 (glossy)."}},
+    {{"coat", &P::coat, 0, 1, {},
+      "none", "Weight of a clear layer of ior 1.5 over the whole surface, which takes what it reflects from what "
+      "lies below. Above 0 it replaces clearcoat, which is a quarter as strong."}},
+    {{"coatRoughness", &P::coat_roughness, 0, 1, {},
+      "none", "Perceived roughness of the coat."}},
+    {{"scatterDistance", &P::scatter_distance, 0, kUnbounded, {},
+      "scene unit", "Mean distance that light travels below the surface, per channel; 0 in all channels gives an "
+      "opaque diffuse surface."}},
+    {{"scatterAnisotropy", &P::scatter_anisotropy, -0.9, 0.9, {},
+      "none", "Mean cosine of scattering below the surface (Henyey-Greenstein g): backward below 0, forward above 0. "
+      "Colour and scatterDistance keep their meaning."}},
+    {{"emission", &P::emission, 0, kUnbounded, {},
+      "radiance", "Radiance that the surface emits on both sides."}, Texels::colors},
+    {{"opacity", &P::opacity, 0, 1, {},
+      "none", "Share of the surface that is there; rays pass the rest as if there were nothing. Behind the wall of a "
+      "closed body these rays are in air, and meet the far wall from inside: it reflects as with scatterDistance 0, "
+      "and its clear share is that of a thin sheet. Two walls of opacity 0.5 so have alpha 0.75. Light below the "
+      "surface and within a clear body ignores opacity."}},
+    {{"opacityThreshold", &P::opacity_threshold, 0, 1, {},
+      "none", "Above 0 the surface is cut out: it is there where opacity reaches the threshold, and nowhere else."}},
+    {{"specTrans", &P::spec_trans, 0, 1, {},
+      "none", "Share of the dielectric base that is clear: light is reflected and refracted by ior and roughness, "
+      "and takes the square root of baseColor at each of the two surfaces that it passes."}},
+    {{"thin", &P::thin, -kUnbounded, kUnbounded, {},
+      "none", "The surface is a sheet without an interior: light passes without refraction, takes baseColor once, "
+      "and is spread by roughness (0.65 ior - 0.35)."}},
+    {{"flatness", &P::flatness, 0, 1, {},
+      "none", "Blends the diffuse reflection of a thin surface towards the flatter one of a medium below it."}},
+    {{"diffTrans", &P::diff_trans, 0, 2, {},
+      "none", "Diffuse light that leaves on the other side: 1 for half of it, 2 for all."}},
+    {{"diffTransColor", &P::diff_trans_color, 0, 1, {},
+      "none", "Colour of the diffuse light that leaves on the other side."}, Texels::colors},
+    {{"attenuationColor", &P::attenuation_color, 0, 1, {},
+      "none", "Colour of white light after attenuationDistance inside a clear body. Where scatterDistance is given, "
+      "that rules the interior instead."}, Texels::colors},
+    {{"attenuationDistance", &P::attenuation_distance, 0, kUnbounded, {},
+      "scene unit", "Distance after which light inside a clear body has taken attenuationColor; 0: it is not "
+      "absorbed."}},
+    {{"priority", &P::priority, 0, 255, {},
+      "none", "Where clear bodies overlap, the one of the highest priority is there and the surfaces of the others "
+      "inside it are not; among equals the smaller one. A body in which light scatters (scatterDistance) comes "
+      "before clear ones of any priority, but for those of no lower priority that lie inside it as a whole."}},
+    {{"dispersion", &P::dispersion, 0, 20, {},
+      "none", "Spread of ior over the channels, 20 over the Abbe number (KHR_materials_dispersion): ior is green's. "
+      "Only of a clear body. Each path that meets one keeps one channel, which costs noise."}},
+    {{"iridescence", &P::iridescence, 0, 1, {},
+      "none", "Share of the surface under a thin film whose interference colours the specular reflection."}},
+    {{"iridescenceIor", &P::iridescence_ior, 1, 4, {},
+      "none", "Index of refraction of the thin film."}},
+    {{"iridescenceThickness", &P::iridescence_thickness, 0, kUnbounded, {},
+      "nanometre", "Thickness of the thin film."}},
 });
+// clang-format on
 
 // The value in the row's range; the default where it is not finite.
 float clamped(float value, const MaterialParameter& row, float fallback) {

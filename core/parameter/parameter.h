@@ -1,6 +1,6 @@
-// Tables of parameters. A row names a member of a struct and says which values it may have. Reading, printing, glTF's
-// names and the tests against schemas/*.json all go through the rows, so a parameter's name and range stand once. The
-// struct's initialisers are the defaults.
+// Tables of parameters. A row names a member of a struct, says which values it may have, and has the words of its
+// documentation. Reading, printing, glTF's names and schemas/*.json are made from the rows, so that a parameter's name,
+// range and meaning stand once. The struct's initialisers are the defaults.
 #pragma once
 
 #include <array>
@@ -20,9 +20,16 @@ struct Parameter {
   double minimum = -std::numeric_limits<double>::infinity();  // of a number, and of each channel of a colour
   double maximum = std::numeric_limits<double>::infinity();
   std::array<const char*, 5> words{};  // of an enumeration, in its order; null: no more
+  const char* unit = "";
+  const char* text = "";  // a sentence or two
+  /// Of a light: a bit for each LightType that has the parameter, or 0 for all. Of a camera: kMillimetres, or 0.
+  uint32_t of = 0;
 
   constexpr bool is_color() const { return std::holds_alternative<Rgb T::*>(member); }
 };
+
+/// The contract has the length in scene units, a render description in millimetres.
+inline constexpr uint32_t kMillimetres = 1;
 
 inline constexpr double kUnbounded = std::numeric_limits<double>::infinity();
 

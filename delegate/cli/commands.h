@@ -90,7 +90,10 @@ int run_tradeoff(const TradeoffArguments& arguments);
 /// with null. Returns only if that fails, with the exit code.
 int run_view(char** arguments);
 
-int run_schema(const std::string& name);
+struct SchemaArguments {
+  std::string name, folder;
+};
+int run_schema(const SchemaArguments& arguments);
 
 struct OcioArguments {
   std::string ocio;

@@ -9,6 +9,8 @@
 #include "delegate/cli/predict.h"
 #include "delegate/cli/scene_session.h"
 #include "delegate/cli/stopwatch.h"
+#include "delegate/host/schemas.h"
+#include "delegate/support/output_file.h"
 #include "delegate/support/process_usage.h"
 
 namespace alabaster::cli {
@@ -136,6 +138,21 @@ void resize(SceneSession* session, const hd::Vec2i& size) {
   session->scene.SetRenderSettings(session->file.settings, std::move(settings));
 }
 
+int write_schemas(const std::string& folder, Console* console) {
+  std::map<std::string, std::string> texts;
+  for (const std::string& name : hd::host::TableSchemas()) texts[name] = hd::host::SchemaOfTable(name);
+  texts["render_description"] = hd::host::WithTableReferences(hd::description::SchemaText("render_description"));
+  for (const auto& [name, text] : texts) {
+    const std::string file = folder + "/" + name + ".json";
+    const std::string fault =
+        hd::support::WriteOutputFile(file, {reinterpret_cast<const uint8_t*>(text.data()), text.size()});
+    if (fault.empty()) continue;
+    console->error(file, fault);
+    return kOutput;
+  }
+  return kDone;
+}
+
 }  // namespace
 
 int run_info(const InfoArguments& arguments) {
@@ -171,15 +188,16 @@ int run_info(const InfoArguments& arguments) {
   return target ? print_prediction(&session, &console, spent, *target) : kDone;
 }
 
-int run_schema(const std::string& name) {
-  if (const char* text = hd::description::SchemaText(name)) {
+int run_schema(const SchemaArguments& arguments) {
+  Console console(false);
+  if (!arguments.folder.empty()) return write_schemas(arguments.folder, &console);
+  if (const char* text = hd::description::SchemaText(arguments.name)) {
     std::fputs(text, stdout);
     return kDone;
   }
-  return Console(false).usage_error(
-      "schema",
-      "There is no schema '" + name +
-          "': choose from disney_material, lights, camera, render_settings, render_description and quality_presets.");
+  return console.usage_error("schema", "There is no schema '" + arguments.name +
+                                           "': choose from disney_material, textures, lights, camera, "
+                                           "render_settings, render_description and quality_presets.");
 }
 
 int run_ocio(const OcioArguments& arguments) {

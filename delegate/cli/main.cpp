@@ -299,7 +299,7 @@ int run(int argc, char** argv) {
   TradeoffArguments tradeoff;
   MergeArguments merge;
   FarmArguments farm;
-  std::string schema;
+  SchemaArguments schema;
   const CLI::App* render_command = add_render(app, &render);
   const CLI::App* merge_command = add_merge(app, &merge);
   const CLI::App* farm_command = add_farm(app, &farm);
@@ -310,10 +310,13 @@ int run(int argc, char** argv) {
   add_view(app);
   CLI::App* schema_command = app.add_subcommand("schema", "Prints a JSON schema, which lists every parameter.");
   schema_command
-      ->add_option("name", schema,
-                   "disney_material, lights, camera, render_settings, render_description or quality_presets")
-      ->required()
+      ->add_option("name", schema.name,
+                   "disney_material, textures, lights, camera, render_settings, render_description or quality_presets")
       ->type_name("NAME");
+  schema_command
+      ->add_option("--write", schema.folder,
+                   "Write the schemas that are made from the tables of parameters into a folder, for developers")
+      ->type_name("FOLDER");
   CLI::App* ocio_command = app.add_subcommand("ocio", "Lists colour spaces, displays, views and looks.");
   ocio_command->add_option("--ocio", ocio.ocio, "OpenColorIO config")->type_name("FILE");
   ocio_command->add_flag("--export", ocio.write_config, "Print the config itself, to keep or edit");

@@ -61,24 +61,24 @@ std::string put_samples(const std::string& name, const Value& value, const Token
 
 // Parameters ----------------------------------------------------------------------------------------
 
-/// A parameter that is in no table of core's: a text, or numbers.
-struct OtherParameter {
-  const char* name;
-  bool (*fits)(const Value&);
-  const char* must;
-};
 bool is_text(const Value& value) {
   return !value.is_array() && (value.type() == ALABASTER_TOKEN || value.type() == ALABASTER_STRING ||
                                value.type() == ALABASTER_PATH || value.type() == ALABASTER_ASSET);
 }
-constexpr OtherParameter kOfLights[] = {{"texture:file", is_text, "a file"},
-                                        {"shaping:ies:file", is_text, "a file"},
-                                        {"lightLink", is_text, "a category"},
-                                        {"shadowLink", is_text, "a category"}};
+constexpr OtherParameter kOfLights[] = {
+    {"texture:file", is_text, "a file",
+     R"({"type": "string", "minLength": 0, "default": "", "unit": "none", "appliesTo": ["domeLight", "rectLight"], "description": "Image that multiplies the light. Dome: latitude-longitude around the scene (y up, USD's orientation). Rect: upright for who faces the light with its y axis up."})"},
+    {"shaping:ies:file", is_text, "a file",
+     R"({"type": "string", "minLength": 0, "default": "", "unit": "none", "appliesTo": ["sphereLight", "rectLight", "diskLight", "cylinderLight"], "description": "Photometric profile of a luminaire (IES LM-63, type C): its candela multiply the light by direction. Straight down in the profile is the light's -z, horizontal angle 0 its x axis, 90 its y axis."})"},
+    {"lightLink", is_text, "a category"},
+    {"shadowLink", is_text, "a category"}};
 constexpr OtherParameter kOfCameras[] = {
-    {"projection", is_text, "perspective or orthographic"},
-    {"clippingRange", [](const Value& value) { return value.get<Vec2f>() != nullptr; }, "two floats"},
-    {"clipPlanes", [](const Value& value) { return value.get<Array<Vec4f>>() != nullptr; }, "an array of float4"}};
+    {"projection", is_text, "perspective or orthographic",
+     R"({"type": "string", "enum": ["perspective", "orthographic"], "default": "perspective", "unit": "none", "description": "Kind of projection."})"},
+    {"clippingRange", [](const Value& value) { return value.get<Vec2f>() != nullptr; }, "two floats",
+     R"({"type": "array", "items": {"type": "number", "minimum": 0}, "minItems": 2, "maxItems": 2, "default": [0, 0], "unit": "scene unit", "description": "Near and far distance between which surfaces are visible; 0, 0 is unlimited. Light and shadows are those of the whole scene."})"},
+    {"clipPlanes", [](const Value& value) { return value.get<Array<Vec4f>>() != nullptr; }, "an array of float4",
+     R"({"type": "array", "items": {"type": "array", "items": {"type": "number"}, "minItems": 4, "maxItems": 4}, "default": [], "unit": "none", "description": "Further planes a, b, c, d that cut what the camera sees: surfaces are invisible where a x + b y + c z + d < 0. Coordinates are the camera's, which looks along -z with y up, in scene units."})"}};
 
 std::string range_text(double low, double high) {
   if (low == -kUnbounded && high == kUnbounded) return "a finite number";
@@ -471,6 +471,12 @@ std::string finish(const MaterialNetwork& network) {
   return {};
 }
 
+std::span<const OtherParameter> other_light_parameters() {
+  return kOfLights;
+}
+std::span<const OtherParameter> other_camera_parameters() {
+  return kOfCameras;
+}
 std::vector<std::string> LightParameterNames() {
   return names_of(light_parameters(), kOfLights);
 }

@@ -29,6 +29,16 @@ void get_open(const CameraDescription& camera, Fields* fields);
 void get_open(const RenderSettingsDescription& settings, Fields* fields);
 void get_open(const MaterialNetwork& network, const Path& id, Fields* fields);
 
+/// A parameter that is in no table of core's: a text, or numbers.
+struct OtherParameter {
+  const char* name;
+  bool (*fits)(const Value&);
+  const char* must;              // what a value must be, for messages
+  const char* schema = nullptr;  // its entry in schemas/*.json; null: it is in none
+};
+std::span<const OtherParameter> other_light_parameters();
+std::span<const OtherParameter> other_camera_parameters();
+
 // Checks of a prim whose fields are all set. Each returns a fault, or "".
 std::string finish(MeshDescription* mesh);
 std::string finish(InstancerDescription* instancer);

@@ -1,0 +1,226 @@
+#include "delegate/host/schemas.h"
+
+#include <charconv>
+#include <cmath>
+#include <nlohmann/json.hpp>
+#include <sstream>
+
+#include "core/camera/camera.h"
+#include "core/light/light_description.h"
+#include "core/material/disney_material.h"
+#include "core/session/render_settings.h"
+#include "delegate/host/open_fields.h"
+
+namespace alabaster::hd::host {
+namespace {
+
+using nlohmann::ordered_json;
+
+struct Schema {
+  const char *name, *title, *text;
+};
+constexpr Schema kSchemas[] = {
+    {"disney_material", "Disney BSDF parameters",
+     "Parameters of the surface node AlabasterDisney (Burley 2012, Burley 2015). Values outside a range are clamped by "
+     "the renderer and refused in a render description."},
+    {"lights", "Light parameters",
+     "Parameters of light prims in UsdLux terms: radiance = color * intensity * 2^exposure. appliesTo names the light "
+     "types that have a parameter; without it, all have it."},
+    {"camera", "Camera parameters",
+     "Parameters of the camera prim. The contract takes lens and film sizes in scene units, of which only the ratios "
+     "matter to a pinhole. A render description takes them in unitInDescription (millimetres in a scene of metres)."},
+    {"render_settings", "Render settings", "Names and meanings of the render delegate's settings."}};
+
+constexpr double kSmallest = 1e-20;  // a minimum below it stands for "above 0"
+
+// The shortest decimal that reads back as the same float; whole numbers without a point.
+ordered_json number_of(double value) {
+  if (value == std::floor(value) && std::abs(value) < 0x1p53) return int64_t(value);
+  char text[64];
+  const auto end = std::to_chars(text, text + sizeof text, static_cast<float>(value));
+  double read = 0;
+  std::from_chars(text, end.ptr, read);
+  return read;
+}
+
+void add_range(double low, double high, ordered_json* entry) {
+  if (low > 0 && low < kSmallest)
+    (*entry)["exclusiveMinimum"] = 0;
+  else if (low != -kUnbounded)
+    (*entry)["minimum"] = number_of(low);
+  if (high != kUnbounded) (*entry)["maximum"] = number_of(high);
+}
+
+/// Type and range of a value, and its default.
+struct Form {
+  ordered_json type, fallback;
+};
+template <class Row, class T>
+Form form_of(const Row& row, const T& defaults) {
+  Form form;
+  std::visit(
+      [&](auto member) {
+        using Member = std::decay_t<decltype(defaults.*member)>;
+        const Member& value = defaults.*member;
+        if constexpr (std::is_same_v<Member, bool>) {
+          form = {{{"type", "boolean"}}, value};
+        } else if constexpr (std::is_enum_v<Member>) {
+          form.type["type"] = "string";
+          for (const char* word : row.words)
+            if (word) form.type["enum"].push_back(word);
+          form.fallback = row.words[static_cast<size_t>(value)];
+        } else if constexpr (std::is_same_v<Member, Rgb>) {
+          ordered_json item = {{"type", "number"}};
+          add_range(row.minimum, row.maximum, &item);
+          form.type = {{"type", "array"}, {"items", item}, {"minItems", 3}, {"maxItems", 3}};
+          form.fallback = {number_of(double(value.r)), number_of(double(value.g)), number_of(double(value.b))};
+        } else {
+          form.type["type"] = std::is_same_v<Member, float> ? "number" : "integer";
+          add_range(row.minimum, row.maximum, &form.type);
+          form.fallback = number_of(double(value));
+        }
+      },
+      row.member);
+  return form;
+}
+
+template <class Row>
+void add_words(const Row& row, const Form& form, ordered_json* entry) {
+  (*entry)["default"] = form.fallback;
+  (*entry)["unit"] = row.unit;
+}
+
+template <class Row, class T>
+ordered_json entry_of(const Row& row, const T& defaults) {
+  const Form form = form_of(row, defaults);
+  ordered_json entry = form.type;
+  add_words(row, form, &entry);
+  entry["description"] = row.text;
+  return entry;
+}
+ordered_json entry_of(const MaterialParameter& row, const DisneyParameters& defaults) {
+  const Form form = form_of(row, defaults);
+  ordered_json entry;
+  if (row.is_textured()) {
+    const char* texture = row.texels == Texels::colors ? "colorTexture" : "numberTexture";
+    if (row.is_color() && row.texels == Texels::numbers) texture = "distanceTexture";
+    entry["anyOf"] = {form.type, {{"$ref", std::string("textures.json#/definitions/") + texture}}};
+  } else {
+    entry = form.type;
+  }
+  add_words(row, form, &entry);
+  entry["description"] = row.text;
+  return entry;
+}
+ordered_json entry_of(const Parameter<LightDescription>& row, const LightDescription& defaults) {
+  const Form form = form_of(row, defaults);
+  ordered_json entry = form.type;
+  add_words(row, form, &entry);
+  for (size_t type = 0; type < std::size(kLightTypes); ++type)
+    if (row.of >> type & 1) entry["appliesTo"].push_back(kLightTypes[type]);
+  entry["description"] = row.text;
+  return entry;
+}
+ordered_json entry_of(const Parameter<CameraParameters>& row, const CameraParameters& defaults) {
+  const Form form = form_of(row, defaults);
+  ordered_json entry = form.type;
+  add_words(row, form, &entry);
+  if (row.of == kMillimetres) entry["unitInDescription"] = "mm";
+  entry["description"] = row.text;
+  return entry;
+}
+
+template <class Rows, class T>
+void add_rows(const Rows& rows, const T& defaults, ordered_json* properties) {
+  for (const auto& row : rows) (*properties)[row.name] = entry_of(row, defaults);
+}
+void add_others(std::span<const OtherParameter> rows, ordered_json* properties) {
+  for (const OtherParameter& row : rows)
+    if (row.schema) (*properties)[row.name] = ordered_json::parse(row.schema);
+}
+
+ordered_json properties_of(const std::string& name) {
+  ordered_json properties = ordered_json::object();
+  if (name == "disney_material") add_rows(material_parameters(), DisneyParameters(), &properties);
+  if (name == "render_settings") add_rows(setting_parameters(), RenderSettings(), &properties);
+  if (name == "lights") {
+    add_rows(light_parameters(), LightDescription(), &properties);
+    add_others(other_light_parameters(), &properties);
+  }
+  if (name == "camera") {
+    add_rows(camera_parameters(), CameraParameters(), &properties);
+    add_others(other_camera_parameters(), &properties);
+  }
+  return properties;
+}
+
+/// A line of an object: "name": value, on one line.
+std::string line_of(const std::string& indent, const std::string& name, const ordered_json& value, bool last) {
+  return indent + ordered_json(name).dump() + ": " + value.dump() + (last ? "\n" : ",\n");
+}
+
+/// The table and the name in `"NAME": {"$ref": "TABLE.json#/properties/NAME"}`; empty: it is another line.
+struct Reference {
+  std::string table, indent;
+};
+Reference reference_in(const std::string& line) {
+  const std::string target = ".json#/properties/", mark = "{\"$ref\": \"";
+  const size_t begin = line.find(mark), end = line.find(target);
+  const size_t name = line.find('"');
+  if (begin == std::string::npos || end == std::string::npos || end < begin) return {};
+  const std::string table = line.substr(begin + mark.size(), end - begin - mark.size());
+  const bool is_same = line.find(target + line.substr(name + 1, line.find('"', name + 1) - name - 1) + "\"") == end;
+  return is_same ? Reference{table, line.substr(0, name)} : Reference{};
+}
+
+}  // namespace
+
+std::vector<std::string> TableSchemas() {
+  std::vector<std::string> names;
+  for (const Schema& schema : kSchemas) names.emplace_back(schema.name);
+  return names;
+}
+
+std::string SchemaOfTable(const std::string& name) {
+  for (const Schema& schema : kSchemas) {
+    if (name != schema.name) continue;
+    std::string text = "{\n";
+    text += line_of("  ", "$schema", "http://json-schema.org/draft-07/schema#", false);
+    text += line_of("  ", "$id", name + ".json", false) + line_of("  ", "title", schema.title, false);
+    text += line_of("  ", "description", schema.text, false) + line_of("  ", "type", "object", false);
+    text += line_of("  ", "additionalProperties", false, false) + "  \"properties\": {\n";
+    const ordered_json properties = properties_of(name);
+    for (auto property = properties.begin(); property != properties.end(); ++property) {
+      text += "    \"" + property.key() + "\": {\n";
+      for (auto part = property->begin(); part != property->end(); ++part)
+        text += line_of("      ", part.key(), *part, std::next(part) == property->end());
+      text += std::next(property) == properties.end() ? "    }\n" : "    },\n";
+    }
+    return text + "  }\n}\n";
+  }
+  return {};
+}
+
+std::string WithTableReferences(const std::string& text) {
+  std::vector<std::string> lines;
+  std::istringstream stream(text);
+  for (std::string line; std::getline(stream, line);) lines.push_back(line);
+  std::string out;
+  for (size_t i = 0; i < lines.size();) {
+    const Reference reference = reference_in(lines[i]);
+    const ordered_json properties = properties_of(reference.table);
+    if (properties.empty()) {
+      out += lines[i++] + "\n";
+      continue;
+    }
+    while (i < lines.size() && reference_in(lines[i]).table == reference.table) ++i;
+    for (auto property = properties.begin(); property != properties.end(); ++property) {
+      const std::string target = reference.table + ".json#/properties/" + property.key();
+      const bool is_last = std::next(property) == properties.end() && !lines[i - 1].ends_with(',');
+      out += reference.indent + "\"" + property.key() + "\": {\"$ref\": \"" + target + "\"}" + (is_last ? "\n" : ",\n");
+    }
+  }
+  return out;
+}
+
+}  // namespace alabaster::hd::host
