@@ -22,7 +22,7 @@ struct Parameter {
   std::array<const char*, 5> words{};  // of an enumeration, in its order; null: no more
   const char* unit = "";
   const char* text = "";  // a sentence or two
-  /// Of a light: a bit for each LightType that has the parameter, or 0 for all. Of a camera: kMillimetres, or 0.
+  /// Lights: a bit for each LightType that has the parameter, or 0 for all. Cameras: kMillimetres, or 0.
   uint32_t of = 0;
 
   constexpr bool is_color() const { return std::holds_alternative<Rgb T::*>(member); }

@@ -4,6 +4,7 @@
 
 #include <CLI/CLI.hpp>
 #include <cstdio>
+#include <functional>
 #include <iostream>
 #include <set>
 #include <sstream>
@@ -283,14 +284,33 @@ CLI::App* add_info(CLI::App& app, InfoArguments* a) {
   return c;
 }
 
-int run(int argc, char** argv) {
-  if (const std::string fault = empty_argument(argc, argv); !fault.empty())
-    return Console(false).usage_error("command line", fault + ": give a value, or leave it out.");
-  if (argc > 1 && std::string(argv[1]) == "view") return run_view(argv + 1);
-  CLI::App app("Alabaster, a path tracer for translucent materials.", "alabaster");
-  app.set_version_flag("--version", std::string(AlabasterVersions()));
-  app.require_subcommand(1);
-  app.footer(kExitCodes);
+CLI::App* add_schema(CLI::App& app, SchemaArguments* a) {
+  CLI::App* c = app.add_subcommand("schema", "Prints a JSON schema, which lists every parameter.");
+  c->add_option("name", a->name,
+                "disney_material, textures, lights, camera, render_settings, render_description or quality_presets")
+      ->type_name("NAME");
+  c->add_option("--write", a->folder,
+                "Write the schemas that are made from the tables of parameters into a folder, for developers")
+      ->type_name("FOLDER");
+  return c;
+}
+
+CLI::App* add_ocio(CLI::App& app, OcioArguments* a) {
+  CLI::App* c = app.add_subcommand("ocio", "Lists colour spaces, displays, views and looks.");
+  c->add_option("--ocio", a->ocio, "OpenColorIO config")->type_name("FILE");
+  c->add_flag("--export", a->write_config, "Print the config itself, to keep or edit");
+  return c;
+}
+
+/// Prints what a parser says; it may repeat the name of any file.
+int exit_code_of(const CLI::App& app, const CLI::ParseError& error) {
+  std::ostringstream errors;
+  const int code = app.exit(error, std::cout, errors);
+  std::cerr << without_control_characters(errors.str(), "\n");
+  return code == 0 ? kDone : kUsage;
+}
+
+struct Arguments {
   RenderArguments render;
   InfoArguments info;
   CheckArguments check;
@@ -300,47 +320,43 @@ int run(int argc, char** argv) {
   MergeArguments merge;
   FarmArguments farm;
   SchemaArguments schema;
-  const CLI::App* render_command = add_render(app, &render);
-  const CLI::App* merge_command = add_merge(app, &merge);
-  const CLI::App* farm_command = add_farm(app, &farm);
-  const CLI::App* tradeoff_command = add_tradeoff(app, &tradeoff);
-  const CLI::App* info_command = add_info(app, &info);
-  const CLI::App* check_command = add_check(app, &check);
-  const CLI::App* convert_command = add_convert(app, &convert);
+};
+
+int run(int argc, char** argv) {
+  if (const std::string fault = empty_argument(argc, argv); !fault.empty())
+    return Console(false).usage_error("command line", fault + ": give a value, or leave it out.");
+  if (argc > 1 && std::string(argv[1]) == "view") return run_view(argv + 1);
+  CLI::App app("Alabaster, a path tracer for translucent materials.", "alabaster");
+  app.set_version_flag("--version", std::string(AlabasterVersions()));
+  app.require_subcommand(1);
+  app.footer(kExitCodes);
+  std::vector<std::pair<const CLI::App*, std::function<int()>>> commands;
+  const auto add = [&](auto&& add_command, auto* arguments, auto&& run_command) {
+    const CLI::App* command = add_command(app, arguments);
+    commands.emplace_back(command, [arguments, run_command] { return run_command(*arguments); });
+    return command;
+  };
+  Arguments a;
+  add(add_render, &a.render, run_render);
+  add(add_merge, &a.merge, run_merge);
+  const CLI::App* farm_command = add(add_farm, &a.farm, run_farm);
+  add(add_tradeoff, &a.tradeoff, run_tradeoff);
+  add(add_info, &a.info, run_info);
+  add(add_check, &a.check, run_check);
+  add(add_convert, &a.convert, run_convert);
   add_view(app);
-  CLI::App* schema_command = app.add_subcommand("schema", "Prints a JSON schema, which lists every parameter.");
-  schema_command
-      ->add_option("name", schema.name,
-                   "disney_material, textures, lights, camera, render_settings, render_description or quality_presets")
-      ->type_name("NAME");
-  schema_command
-      ->add_option("--write", schema.folder,
-                   "Write the schemas that are made from the tables of parameters into a folder, for developers")
-      ->type_name("FOLDER");
-  CLI::App* ocio_command = app.add_subcommand("ocio", "Lists colour spaces, displays, views and looks.");
-  ocio_command->add_option("--ocio", ocio.ocio, "OpenColorIO config")->type_name("FILE");
-  ocio_command->add_flag("--export", ocio.write_config, "Print the config itself, to keep or edit");
+  add(add_schema, &a.schema, run_schema);
+  add(add_ocio, &a.ocio, run_ocio);
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& e) {
-    std::ostringstream errors;  // they repeat what was given, which may be the name of any file
-    const int code = app.exit(e, std::cout, errors);
-    std::cerr << without_control_characters(errors.str(), "\n");
-    return code == 0 ? kDone : kUsage;
+    return exit_code_of(app, e);
   }
-  for (int i = 2; i < argc; ++i) render.words += " " + shell_word(argv[i]);
-  if (render_command->parsed()) return run_render(render);
-  if (merge_command->parsed()) return run_merge(merge);
-  if (farm_command->parsed()) {
-    split_options(farm_command, &farm);
-    return run_farm(farm);
-  }
-  if (tradeoff_command->parsed()) return run_tradeoff(tradeoff);
-  if (info_command->parsed()) return run_info(info);
-  if (check_command->parsed()) return run_check(check);
-  if (convert_command->parsed()) return run_convert(convert);
-  if (schema_command->parsed()) return run_schema(schema);
-  return run_ocio(ocio);
+  for (int i = 2; i < argc; ++i) a.render.words += " " + shell_word(argv[i]);
+  if (farm_command->parsed()) split_options(farm_command, &a.farm);
+  for (const auto& [command, run_command] : commands)
+    if (command->parsed()) return run_command();
+  return kUsage;
 }
 
 // Output counts as printed only once it has arrived: a disk may be full.
