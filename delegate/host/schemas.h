@@ -14,9 +14,8 @@ ALABASTER_API std::vector<std::string> TableSchemas();
 /// The text of such a schema, as schemas/NAME.json has it.
 ALABASTER_API std::string SchemaOfTable(const std::string& name);
 
-/// `text`, a schema that is written by hand, with the parameters of each table that it refers to: a run of lines
-/// "NAME":
-/// {"$ref": "TABLE.json#/properties/NAME"} becomes those of all parameters of the table.
+/// `text`, a schema that is written by hand, with all parameters of each table that it refers to: a run of lines that
+/// are `"NAME": {"$ref": "TABLE.json#/properties/NAME"}` becomes those of the whole table.
 ALABASTER_API std::string WithTableReferences(const std::string& text);
 
 }  // namespace alabaster::hd::host
