@@ -1,8 +1,8 @@
 #include "delegate/description/schema_check.h"
 
 #include <algorithm>
+#include <limits>
 #include <map>
-#include <set>
 
 #include "delegate/description/name_match.h"
 #include "delegate/description/render_description.h"
@@ -99,6 +99,12 @@ std::string object_expectation(const json& schema) {
   return "an object" + either;
 }
 
+/// The beginning that a pattern, "^BEGINNING.", asks for.
+std::string beginning_of(const json& schema) {
+  const std::string pattern = schema.value("pattern", "");
+  return pattern.size() < 2 ? std::string() : pattern.substr(1, pattern.size() - 2);
+}
+
 // Puts into words which values the schema accepts.
 std::string expectation(const json& schema) {
   if (schema.contains("enum")) {
@@ -107,6 +113,7 @@ std::string expectation(const json& schema) {
     return text;
   }
   const std::string type = schema.value("type", "");
+  if (schema.contains("pattern")) return "a text that begins with '" + beginning_of(schema) + "'";
   if (type == "number") return "a number" + range_text(schema);
   if (type == "integer") return "a whole number" + range_text(schema);
   if (type == "boolean") return "true or false";
@@ -130,13 +137,94 @@ std::string shortened(const json& value) {
 
 constexpr size_t kMostMessages = 100;
 
+bool has_type(const json& value, const std::string& type) {
+  if (type == "number") return value.is_number();
+  if (type == "integer") return value.is_number_integer();
+  if (type == "boolean") return value.is_boolean();
+  if (type == "string") return value.is_string();
+  if (type == "array") return value.is_array();
+  return type != "object" || value.is_object();
+}
+
+/// Type, range, length and words of a value, but not its members. These are the keywords of JSON schemas that schemas/
+/// uses; a test fails for another one.
+bool fits_itself(const json& value, const json& schema) {
+  if (!has_type(value, schema.value("type", ""))) return false;
+  if (const auto words = schema.find("enum"); words != schema.end())
+    if (std::find(words->begin(), words->end(), value) == words->end()) return false;
+  if (value.is_number()) {
+    const auto number = value.get<double>();
+    constexpr double kInfinite = std::numeric_limits<double>::infinity();
+    return number >= schema.value("minimum", -kInfinite) && number <= schema.value("maximum", kInfinite) &&
+           number > schema.value("exclusiveMinimum", -kInfinite);
+  }
+  if (value.is_string()) {
+    const std::string beginning = beginning_of(schema);
+    const auto& text = value.get_ref<const std::string&>();
+    return text.size() >= schema.value("minLength", size_t(0)) &&
+           (beginning.empty() || (text.starts_with(beginning) && text.size() > beginning.size()));
+  }
+  return !value.is_array() ||
+         (value.size() >= schema.value("minItems", size_t(0)) && value.size() <= schema.value("maxItems", ~size_t(0)));
+}
+
+// The schema of a member by this schema alone, without its alternatives; null if it describes none.
+const json* own_member(const json& schema, const std::string& key, bool in_array) {
+  const auto members = schema.find(in_array ? "items" : "properties");
+  if (members == schema.end()) return nullptr;
+  if (in_array) return &*members;
+  const auto found = members->find(key);
+  return found == members->end() ? nullptr : &*found;
+}
+
+std::vector<std::string> missing_keys(const json& value, const json& schema) {
+  std::vector<std::string> missing;
+  if (const auto required = schema.find("required"); required != schema.end())
+    for (const json& key : *required)
+      if (!value.contains(key.get_ref<const std::string&>())) missing.push_back(key);
+  return missing;
+}
+
+bool is_valid(const json& value, const json& schema);
+
+bool any_is_valid(const json& value, const json& choices) {
+  return std::any_of(choices.begin(), choices.end(), [&](const json& choice) { return is_valid(value, choice); });
+}
+
+/// The alternative of the value's type, if there is just one and it describes members.
+const json* only_of_type(const json& value, const json& choices) {
+  const json* found = nullptr;
+  for (const json& choice : choices)
+    if (value.is_object() && choice.contains("properties")) {
+      if (found) return nullptr;
+      found = &choice;
+    }
+  return found;
+}
+
+bool is_valid(const json& value, const json& schema) {
+  if (!fits_itself(value, schema)) return false;
+  if (const auto all = schema.find("allOf"); all != schema.end())
+    for (const json& part : *all)
+      if (!is_valid(value, part)) return false;
+  if (const auto any = schema.find("anyOf"); any != schema.end() && !any_is_valid(value, *any)) return false;
+  if (!missing_keys(value, schema).empty()) return false;
+  if (!value.is_structured()) return true;
+  const bool is_closed = value.is_object() && !schema.value("additionalProperties", true);
+  for (const auto& [key, child] : value.items()) {
+    const json* of_child = own_member(schema, key, value.is_array());
+    if (of_child ? !is_valid(child, *of_child) : is_closed) return false;
+  }
+  return true;
+}
+
 class Checker {
  public:
   Checker(const JsonDocument& document, const DiagnosticSink& sink) : document_(document), sink_(sink) {}
 
   bool run() {
     find_unknown_keys(document_.value, schema_, "");
-    if (clean_) report_violations();
+    if (clean_) check(document_.value, schema_, "");
     if (faults_ > kMostMessages && sink_)
       sink_({Severity::error, "description.more", document_.origin,
              "There are " + std::to_string(faults_ - kMostMessages) + " more faults like these."});
@@ -169,63 +257,37 @@ class Checker {
     return pointer == "/settings" ? support::RetiredSetting(key, value) : std::string();
   }
 
-  // The validator names a violation and everything that contains it, and every alternative that failed. This keeps the
-  // innermost place, but none deeper than the alternatives' own.
-  void report_violations() {
-    std::vector<Violation> found = find_violations(document_.value);
-    std::set<Steps> choices, insides;  // insides: places that contain another violation
-    for (const Violation& v : found) {
-      if (is_choice(v)) choices.insert(v.steps);
-      for (Steps outer = v.steps; !outer.empty();) {
-        outer.pop_back();
-        if (!insides.insert(outer).second) break;  // then those that contain it are known
-      }
+  /// Reports the innermost faults of a value, or the first one of each list that has too many or too few entries.
+  void check(const json& value, const json& schema, const std::string& pointer) {
+    if (is_valid(value, schema)) return;
+    if (!fits_itself(value, schema)) return report_value(value, schema, pointer);
+    if (const auto all = schema.find("allOf"); all != schema.end())
+      for (const json& part : *all) check(value, part, pointer);
+    if (const auto any = schema.find("anyOf"); any != schema.end() && !any_is_valid(value, *any)) {
+      const json* alone = only_of_type(value, *any);
+      if (alone) return check(value, *alone, pointer);
+      return report_value(value, schema, pointer);
     }
-    std::erase_if(found, [&](const Violation& v) {
-      if (is_inside(v.steps, choices)) return true;
-      return !is_choice(v) && (choices.contains(v.steps) || insides.contains(v.steps));
-    });
-    std::set<Steps> told;
-    for (const Violation& v : found)
-      if (told.insert(v.steps).second) report_violation(v);
+    for (const std::string& key : missing_keys(value, schema)) report_missing(key, schema, pointer);
+    for (const auto& [key, child] : value.items())
+      if (const json* of_child = own_member(schema, key, value.is_array()))
+        check(child, *of_child, pointer_append(pointer, key));
   }
 
-  using Steps = std::vector<std::string>;
-  static bool is_choice(const Violation& v) { return v.text.find("anyOf") != std::string::npos; }
-  static bool is_inside(Steps steps, const std::set<Steps>& places) {
-    while (!steps.empty()) {
-      steps.pop_back();
-      if (places.contains(steps)) return true;
-    }
-    return false;
+  void report_missing(const std::string& key, const json& schema, const std::string& pointer) {
+    const json* wanted = member_schema(schema, key, false);
+    fail("description.key.missing", pointer,
+         "'" + key + "' is missing." + (wanted ? " " + wanted->value("description", "") : ""));
   }
-
-  void report_violation(const Violation& violation) {
-    std::string pointer;
-    const json* value = &document_.value;
-    const json* schema = &schema_;
-    for (const std::string& step : violation.steps) {
-      pointer = pointer_append(pointer, step);
-      if (schema) schema = member_schema(*schema, step, value->is_array());
-      value = value->is_array() ? &(*value)[std::stoul(step)] : &(*value)[step];
-    }
-    const std::string missing = "Missing required property '";
-    if (const size_t at = violation.text.find(missing); at != std::string::npos) {
-      const size_t start = at + missing.size();
-      const std::string key = violation.text.substr(start, violation.text.find('\'', start) - start);
-      const json* wanted = schema ? member_schema(*schema, key, false) : nullptr;
-      fail("description.key.missing", pointer,
-           "'" + key + "' is missing." + (wanted ? " " + wanted->value("description", "") : ""));
-      return;
-    }
-    if (violation.steps.size() == 2 && value->is_string())
+  void report_value(const json& value, const json& schema, const std::string& pointer) {
+    const size_t slash = pointer.rfind('/');
+    if (value.is_string() && slash != std::string::npos)
       if (const std::string retired =
-              retired_text("/" + violation.steps[0], violation.steps[1], value->get<std::string>());
+              retired_text(pointer.substr(0, slash), pointer.substr(slash + 1), value.get<std::string>());
           !retired.empty())
         return fail("description.value", pointer, retired);
     fail("description.value", pointer,
-         shortened(*value) + " is not valid" +
-             (schema ? ": expected " + expectation(*schema) + ". " + schema->value("description", "") : "."));
+         shortened(value) + " is not valid: expected " + expectation(schema) + ". " + schema.value("description", ""));
   }
 
   const JsonDocument& document_;

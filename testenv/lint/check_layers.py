@@ -49,7 +49,6 @@ OWNERS = {  # pattern of an include -> files that may have it
     r"OpenColorIO/": ["core/color/"],
     r"OpenImageIO/": ["core/images/open_image_io/"],
     r"tiny_gltf": ["delegate/gltf/"],
-    r"valijson/": ["delegate/description/"],
     r"CLI/": ["delegate/cli/", "delegate/view/main"],
     r"imgui|GLFW/": ["delegate/view/"],
     r"xxhash": ["core/digest/"],
