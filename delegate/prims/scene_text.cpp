@@ -26,8 +26,28 @@ std::string texture_text(const std::shared_ptr<const Texture>& texture) {
 }
 
 std::string lookup_text(const TextureLookup& lookup, Channel channel) {
-  const std::string source = lookup.image ? texture_text(lookup.image) + " " + lookup.uv_set.text() : "displayColor";
+  std::string source = lookup.image ? texture_text(lookup.image) + " " + lookup.uv_set.text() : "displayColor";
+  if (!(lookup.transform == UvTransform()))
+    for (const Vec2f& corner : {Vec2f(0, 0), Vec2f(1, 0), Vec2f(0, 1)})  // where the placement takes them
+      source += " " + Value(lookup.transform(corner)).to_string();
   return source + " " + std::string(kTextureOutputs[static_cast<size_t>(channel)]);
+}
+
+// A map of normals or heights, or a displacement: what it looks up, and its scale.
+std::string map_line(const char* name, const TextureLookup& lookup, Channel channel, const Value& scale) {
+  return std::string("  ") + name + " " + lookup_text(lookup, channel) + " scale " + scale.to_string() + "\n";
+}
+std::string normal_map_line(const char* name, const std::optional<NormalMap>& map) {
+  if (!map) return {};
+  const Value scale = map->is_bump ? Value(map->scale.r) : Value(Vec3f(map->scale.r, map->scale.g, map->scale.b));
+  return map_line(name, *map, map->is_bump ? map->channel : Channel::rgb, scale);
+}
+std::string displacement_line(const std::optional<Displacement>& moved) {
+  constexpr const char* kSpaces[] = {"displacement by normal", "displacement by tangent", "displacement by object"};
+  const bool is_height = moved && moved->space == DisplacementSpace::normal;
+  return moved ? map_line(kSpaces[static_cast<size_t>(moved->space)], moved->texture,
+                          is_height ? moved->channel : Channel::rgb, moved->scale)
+               : std::string();
 }
 
 std::string material_text(const DisneyMaterial& material) {
@@ -35,17 +55,26 @@ std::string material_text(const DisneyMaterial& material) {
   for (const MaterialTexture& texture : material.textures)
     for (const MaterialTexture::Use& use : texture.uses)
       text += std::string("  ") + use.parameter->name + " texture " + lookup_text(texture.lookup, use.channel) + "\n";
-  return text;
+  const bool is_bump = material.normal_map && material.normal_map->is_bump;
+  return text + normal_map_line(is_bump ? "bump" : "normal", material.normal_map) +
+         normal_map_line("coatNormal", material.coat_normal_map) + displacement_line(material.displacement);
 }
 
 std::string matrix_line(const Matrix4d& m) {
   return "  transform " + Value(m).to_string() + "\n";
 }
 
+std::string pose_lines(const std::vector<Matrix4d>& poses) {
+  std::string text;
+  for (const Matrix4d& pose : poses) text += "  pose " + Value(pose).to_string() + "\n";
+  return text;
+}
+
 std::string instance_text(const InstanceDescription& instance, const Translation& translation, const Path* materials) {
   const Mesh& mesh = instance.prototype->mesh;
   std::string text = "instance " + instance.name + " prim " + std::to_string(instance.prim_id) + " instance " +
                      std::to_string(instance.instance_id) + "\n" + matrix_line(instance.object_to_world);
+  text += pose_lines(instance.poses);
   text += "  mesh points " + std::to_string(mesh.points.size()) + " triangles " +
           std::to_string(mesh.triangles.size()) + " normals " + yes_no(!mesh.normals.empty()) + " uvs " +
           yes_no(!mesh.uv_sets.empty()) + " closed " + yes_no(mesh.closed) + "\n";
@@ -65,9 +94,10 @@ std::string instance_text(const InstanceDescription& instance, const Translation
 }
 
 std::string camera_text(const Path& path, const CameraParameters& camera) {
-  return "camera " + path.str() + "\n" + matrix_line(camera.camera_to_world) + "  projection " +
-         (camera.orthographic ? "orthographic" : "perspective") + "\n" + parameter_lines(camera_parameters(), camera) +
-         "  clippingRange " + Value(Vec2f(camera.clip_near, camera.clip_far)).to_string() + "\n" +
+  return "camera " + path.str() + "\n" + matrix_line(camera.camera_to_world) + pose_lines(camera.poses) +
+         "  projection " + (camera.orthographic ? "orthographic" : "perspective") + "\n" +
+         parameter_lines(camera_parameters(), camera) + "  clippingRange " +
+         Value(Vec2f(camera.clip_near, camera.clip_far)).to_string() + "\n" +
          (camera.clip_planes.empty() ? "" : "  clipPlanes " + std::to_string(camera.clip_planes.size()) + "\n");
 }
 
