@@ -63,7 +63,8 @@ Form form_of(const Row& row, const T& defaults) {
         using Member = std::decay_t<decltype(defaults.*member)>;
         const Member& value = defaults.*member;
         if constexpr (std::is_same_v<Member, bool>) {
-          form = {{{"type", "boolean"}}, value};
+          form.type["type"] = "boolean";
+          form.fallback = value;
         } else if constexpr (std::is_enum_v<Member>) {
           form.type["type"] = "string";
           for (const char* word : row.words)
@@ -112,7 +113,7 @@ ordered_json entry_of(const MaterialParameter& row, const DisneyParameters& defa
   entry["description"] = row.text;
   return entry;
 }
-ordered_json entry_of(const Parameter<LightDescription>& row, const LightDescription& defaults) {
+ordered_json entry_of(const Parameter<alabaster::LightDescription>& row, const alabaster::LightDescription& defaults) {
   const Form form = form_of(row, defaults);
   ordered_json entry = form.type;
   add_words(row, form, &entry);
@@ -144,7 +145,7 @@ ordered_json properties_of(const std::string& name) {
   if (name == "disney_material") add_rows(material_parameters(), DisneyParameters(), &properties);
   if (name == "render_settings") add_rows(setting_parameters(), RenderSettings(), &properties);
   if (name == "lights") {
-    add_rows(light_parameters(), LightDescription(), &properties);
+    add_rows(light_parameters(), alabaster::LightDescription(), &properties);
     add_others(other_light_parameters(), &properties);
   }
   if (name == "camera") {

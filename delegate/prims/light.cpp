@@ -9,8 +9,7 @@ namespace alabaster::hd::prims {
 
 /// The files that a light names. They are read once, however often the light moves.
 struct LightFiles {
-  TextureSource image;
-  std::string profile, profile_within;  // within: as of an AssetPath
+  TextureSource image, profile;
 
   struct Contents {
     std::shared_ptr<const Texture> texture;
@@ -19,41 +18,43 @@ struct LightFiles {
   };
   BuiltOnce<Contents> contents = {};
 
-  bool names_image() const { return !image.path.empty() || image.bytes; }
+  static bool is_named(const TextureSource& source) { return !source.path.empty() || source.bytes; }
   Contents read(SceneParam& param, const CancelToken& cancel) const {
     Contents out;
-    if (names_image()) out.texture = param.texture(image, &out.fault, param.sink(), cancel);
-    if (!profile.empty()) out.ies = param.profile(profile, profile_within, &out.fault);
+    if (is_named(image)) out.texture = param.texture(image, &out.fault, param.sink(), cancel);
+    if (is_named(profile)) out.ies = param.profile(profile, &out.fault);
     return out;
   }
 };
 
 namespace {
 
+TextureSource source_of(const Value& file) {
+  TextureSource source;
+  source.path = file.text_or("");
+  if (const auto* asset = file.get<AssetPath>()) source.bytes = asset->bytes, source.within = asset->within;
+  return source;
+}
+
 // Null if the light names no file.
 std::shared_ptr<LightFiles> pull_files(SceneDelegate& scene, const Path& id, LightType type) {
   auto files = std::make_shared<LightFiles>();
   if (type != LightType::dome && type != LightType::distant) {
-    const Value file = scene.GetLightParamValue(id, "shaping:ies:file");
-    files->profile = file.text_or("");
-    if (const auto* asset = file.get<AssetPath>()) files->profile_within = asset->within;
+    files->profile = source_of(scene.GetLightParamValue(id, "shaping:ies:file"));
   }
   if (type == LightType::dome || type == LightType::rect) {
-    const Value file = scene.GetLightParamValue(id, "texture:file");
-    files->image.path = file.text_or("");
-    if (const auto* asset = file.get<AssetPath>())
-      files->image.bytes = asset->bytes, files->image.within = asset->within;
+    files->image = source_of(scene.GetLightParamValue(id, "texture:file"));
   }
-  return files->names_image() || !files->profile.empty() ? files : nullptr;
+  return LightFiles::is_named(files->image) || LightFiles::is_named(files->profile) ? files : nullptr;
 }
 
 }  // namespace
 
 void LightPrim::reread(const std::string& file, SceneParam& param) {
-  if (!files_ || !(names_image(files_->image.path, file) || names_image(files_->profile, file))) return;
+  if (!files_ || !(names_image(files_->image.path, file) || names_image(files_->profile.path, file))) return;
   auto again = std::make_shared<LightFiles>();
   again->image = files_->image;
-  again->profile = files_->profile, again->profile_within = files_->profile_within;
+  again->profile = files_->profile;
   files_ = std::move(again);
   post(param);
 }

@@ -88,29 +88,31 @@ std::shared_ptr<const Texture> SceneParam::load(const TextureSource& source, std
   return nullptr;
 }
 
-std::shared_ptr<const IesProfile> SceneParam::profile(const std::string& file, const std::string& within,
-                                                      std::optional<SceneFault>* fault) {
-  TextureSource source;
-  source.path = file, source.within = within;
+std::shared_ptr<const IesProfile> SceneParam::profile(const TextureSource& source, std::optional<SceneFault>* fault) {
+  const std::string unread = "the IES profile '" + source.path + "' could not be read";
+  if (source.bytes) {
+    const std::string_view text(reinterpret_cast<const char*>(source.bytes->data()), source.bytes->size());
+    auto parsed = IesProfile::parse(text, source.path, sink_);
+    if (!parsed) *fault = SceneFault{true, unread};
+    return parsed;
+  }
   const std::lock_guard turn(profiles_mutex_);
   FileState state = state_of(source);
-  HeldProfile& held = profiles_[{file, within}];
+  HeldProfile& held = profiles_[{source.path, source.within}];
   if (auto profile = held.profile.lock(); profile && held.state == state) return profile;
   auto failure = failed_profiles_.find(source);
   if (!failure) {
     std::vector<alabaster::Diagnostic> reports;
-    const auto loaded = IesProfile::load(
-        file,
-        [&](const alabaster::Diagnostic& d) {
-          reports.push_back(d);
-          if (sink_) sink_(d);
-        },
-        within);
+    const alabaster::DiagnosticSink kept = [&](const alabaster::Diagnostic& d) {
+      reports.push_back(d);
+      if (sink_) sink_(d);
+    };
+    const auto loaded = IesProfile::load(source.path, kept, source.within);
     if (loaded) {
       held = {std::move(state), loaded};
       return loaded;
     }
-    failure = {SceneFault{true, "the IES profile '" + file + "' could not be read"}, std::move(reports)};
+    failure = {SceneFault{true, unread}, std::move(reports)};
     failed_profiles_.keep(source, std::move(state), *failure);
   } else if (sink_) {
     for (const alabaster::Diagnostic& d : failure->reports) sink_(d);

@@ -54,9 +54,8 @@ class SceneParam final : public RenderParam {
   /// Within run() only. Throws BuildCancelled while it decodes.
   std::shared_ptr<const Texture> texture(const TextureSource& source, std::optional<SceneFault>* fault,
                                          const alabaster::DiagnosticSink& sink, const CancelToken& cancel);
-  /// The same for an IES profile, which lights share. `within`: as of an AssetPath.
-  std::shared_ptr<const IesProfile> profile(const std::string& file, const std::string& within,
-                                            std::optional<SceneFault>* fault);
+  /// The same for an IES profile, which lights share. Path, bytes and `within` of the source count.
+  std::shared_ptr<const IesProfile> profile(const TextureSource& source, std::optional<SceneFault>* fault);
   /// Texels that were in the file of `textureMemory` are gone (reported): they are black.
   bool has_lost_texels() const { return texels_->failed(); }
   /// Reads an image again for a prim, and posts the new record if the prim uses that file; kept until the prim is gone.

@@ -48,10 +48,10 @@ class WritePassTest : public ::testing::Test {
   Pixels picture() { return picture(stage_, state_, settings_); }
 
   /// The picture of a file, with its own camera, window, purposes and settings.
-  static Pixels picture_of(const std::string& archive) {
+  static Pixels picture_of(const std::string& archive, bool allow_outside = true) {
     Stage stage;
     LoadOptions options;
-    options.allow_outside = true;
+    options.allow_outside = allow_outside;
     const SceneFile loaded = LoadScene(
         archive, &stage.scene, [](const Diagnostic& d) { ADD_FAILURE() << d.where << ": " << d.text; }, options);
     if (!loaded.ok) return {};
@@ -103,6 +103,16 @@ TEST_P(BundledScenes, HaveTheSamePicture) {
   state_.windowPolicy = settings.windowPolicy;
   for (const auto& [key, value] : settings.settings) settings_.emplace(key, value);
   expect_same_picture();
+  // With its images it needs no other file.
+  host::RetainedSceneDelegate read;
+  const ReadResult result = ReadArchive(file(), &read, {}, {.allow_outside = true});
+  for (const auto& [path, prim] : read.GetAllRenderSettings()) {
+    RenderSettingsDescription without = prim;
+    without.products.clear();
+    read.SetRenderSettings(path, without);
+  }
+  ASSERT_EQ(WriteArchive(file(), PrimsOf(read), result.info, {.embed_images = true}), "");
+  EXPECT_EQ(picture_of(file(), false), picture());
 }
 
 INSTANTIATE_TEST_SUITE_P(Scenes, BundledScenes,
