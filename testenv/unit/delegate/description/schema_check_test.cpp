@@ -1,22 +1,27 @@
 // Values of render descriptions that a schema refuses, and the words for it.
-#include "delegate/description/schema_check.h"
-
 #include <gtest/gtest.h>
 
+#include <nlohmann/json.hpp>
 #include <set>
+
+#include "delegate/description/render_description.h"
+#include "testenv/support/gltf_testing.h"
 
 namespace alabaster::hd::description {
 namespace {
 
+using gltf::testing::TemporaryFolder;
 using nlohmann::json;
 
-std::string fault_of(const json& value) {
-  JsonDocument document;
-  document.value = value;
-  document.origin = "scene.json";
+/// The faults of the document's form.
+std::string fault_of(const std::string& document) {
+  const TemporaryFolder folder;
+  const std::string file = folder.write("scene.json", document);
   std::string said;
-  const bool ok = check_description(document, [&](const Diagnostic& d) { said += d.where + ": " + d.text + "\n"; });
-  EXPECT_EQ(ok, said.empty());
+  host::RetainedSceneDelegate scene;
+  LoadScene(file, &scene, [&](const Diagnostic& d) {
+    if (d.code.starts_with("description.value") || d.code.starts_with("description.key")) said += d.text + "\n";
+  });
   return said;
 }
 
@@ -48,7 +53,7 @@ constexpr Row kRows[] = {
 
 TEST(SchemaCheck, RefusedValuesAreNamedWithWhatIsExpected) {
   for (const Row& row : kRows) {
-    const std::string said = fault_of(json::parse(row.document));
+    const std::string said = fault_of(row.document);
     if (*row.says)
       EXPECT_NE(said.find(row.says), std::string::npos) << row.document << ": " << said;
     else
@@ -59,7 +64,7 @@ TEST(SchemaCheck, RefusedValuesAreNamedWithWhatIsExpected) {
 void add_keywords(const json& schema, std::set<std::string>* all) {
   for (const auto& [key, value] : schema.items()) {
     all->insert(key);
-    if (key == "properties")
+    if (key == "properties" || key == "definitions")
       for (const json& property : value) add_keywords(property, all);
     if (key == "items") add_keywords(value, all);
     if (key == "anyOf" || key == "allOf")
@@ -69,7 +74,8 @@ void add_keywords(const json& schema, std::set<std::string>* all) {
 
 TEST(SchemaCheck, SchemasHaveNoOtherKeywords) {
   std::set<std::string> keywords;
-  add_keywords(description_schema(), &keywords);
+  for (const char* name : {"render_description", "disney_material", "textures", "lights", "camera", "render_settings"})
+    add_keywords(json::parse(SchemaText(name)), &keywords);
   const std::set<std::string> checked = {"additionalProperties",
                                          "allOf",
                                          "anyOf",
@@ -85,7 +91,8 @@ TEST(SchemaCheck, SchemasHaveNoOtherKeywords) {
                                          "properties",
                                          "required",
                                          "type"};
-  const std::set<std::string> words = {"appliesTo", "default", "description", "title", "unit", "unitInDescription"};
+  const std::set<std::string> words = {"$id",         "$ref",        "$schema", "appliesTo", "default",
+                                       "definitions", "description", "title",   "unit",      "unitInDescription"};
   for (const std::string& keyword : keywords)
     EXPECT_TRUE(checked.contains(keyword) || words.contains(keyword)) << keyword;
 }
