@@ -139,13 +139,17 @@ bool load_model(const std::string& file, const gltf::GltfOptions& options, OpenM
 }
 
 bool apply_models(const Reader& reader) {
-  const auto models = reader.value().find("gltf");
+  const char* const key = reader.value().contains("models") ? "models" : "gltf";
+  const auto models = reader.value().find(key);
   if (models == reader.value().end()) return true;
+  const std::string list = std::string("/") + key;
+  if (list == "/models" && reader.value().contains("gltf"))
+    return reader.fail("/gltf", "It is the former name of 'models': put all models into that list.");
   const LoadOptions& asked = reader.state().options;
   if (models->size() > 1 && !(asked.scene + asked.animation + asked.variant).empty()) {
     reader.state().note_cause(LoadCause::option);
     if (*reader.state().sink)
-      (*reader.state().sink)({Severity::error, "gltf.choice", reader.place("/gltf"),
+      (*reader.state().sink)({Severity::error, "gltf.choice", reader.place(list),
                               "There are several models: write scene, animation or variant beside each one's file."});
     return false;
   }
@@ -153,7 +157,7 @@ bool apply_models(const Reader& reader) {
   bool ok = true;
   for (size_t i = 0; i < models->size(); ++i) {
     const nlohmann::json& model = (*models)[i];
-    const std::string pointer = "/gltf/" + std::to_string(i);
+    const std::string pointer = list + "/" + std::to_string(i);
     const AssetPath file = reader.asset(pointer + "/file", model["file"]);
     if (file.resolved.empty()) return false;
     Placement placement;

@@ -66,8 +66,10 @@ void add_load_options(const hd::description::LoadOptions& options, json* documen
   for (const std::string& assignment : options.overrides) add_override(assignment, document);
   if (!options.camera.empty() && !is_own_camera(options.camera, *document))
     (*document)["camera"] = {{"use", options.camera}};
-  if (!document->contains("gltf")) return;
-  for (json& model : (*document)["gltf"]) {
+  const char* const models = document->contains("gltf") ? "gltf" : "models";
+  if (!document->contains(models)) return;
+  for (json& model : (*document)[models]) {
+    if (model.value("file", "").ends_with(".alab")) continue;  // it has one scene, at one time
     for (const auto& [key, value] :
          {std::pair{"scene", options.scene}, {"animation", options.animation}, {"variant", options.variant}})
       if (!value.empty()) model[key] = value;

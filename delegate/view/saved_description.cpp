@@ -160,7 +160,7 @@ class Description {
     if (fs::equivalent(base_, file_, error))
       return fail("That is the scene itself, which must stay as it is: choose another name.");
     if (!base_.string().ends_with(".json")) {
-      document_ = {{"gltf", {{{"file", base_.filename().string()}}}}};
+      document_ = {{"models", {{{"file", base_.filename().string()}}}}};
       return true;
     }
     const InputFile file(base_);
@@ -204,7 +204,7 @@ class Description {
   void add_backdrop() {
     if (!c_.scene->GetMeshes().contains(kBackdrop)) return;
     backdrop_ = fs::path(file_).stem().string() + "_backdrop.alab";
-    document_["gltf"].push_back({{"file", backdrop_}});
+    document_[document_.contains("gltf") ? "gltf" : "models"].push_back({{"file", backdrop_}});
   }
   bool write_backdrop() {
     const hd::host::MeshDescription& mesh = c_.scene->GetMeshes().at(kBackdrop);

@@ -1,0 +1,124 @@
+// Archives as scenes and as models of a description.
+#include <gtest/gtest.h>
+
+#include "delegate/archive/archive.h"
+#include "delegate/description/render_description.h"
+#include "testenv/support/gltf_testing.h"
+
+namespace alabaster::hd::description {
+namespace {
+
+using gltf::testing::TemporaryFolder;
+
+class LoadArchive : public ::testing::Test {
+ protected:
+  LoadArchive() {
+    host::RetainedSceneDelegate made;
+    host::MeshDescription mesh;
+    mesh.topology.scheme = "none";
+    mesh.topology.faceVertexCounts = {3};
+    mesh.topology.faceVertexIndices = {0, 1, 2};
+    mesh.primvars["points"].value = Array<Vec3f>{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
+    made.SetMesh("/body", mesh);
+    mesh.instancer = "/many";
+    made.SetMesh("/leaf", mesh);
+    host::InstancerDescription many;
+    many.primvars["hydra:instanceTranslations"] = Array<Vec3f>{{0, 0, 0}, {1, 0, 0}};
+    many.indices["/leaf"] = {0, 1};
+    made.SetInstancer("/many", many);
+    host::CameraDescription camera;
+    camera.transform[3][2] = 5;
+    made.SetCamera("/first", {});
+    made.SetCamera("/second", camera);
+    RenderSettingsDescription settings;
+    settings.width = 32, settings.height = 16, settings.camera = "/second";
+    settings.settings["samples"] = int64_t(7);
+    settings.products.resize(1);
+    settings.products[0].file = "own.exr";
+    made.SetRenderSettings("/main", settings);
+    settings.width = 64, settings.products[0].file = "wide.exr";
+    made.SetRenderSettings("/wide", settings);
+    settings.settings["samples"] = int64_t(3), settings.products.clear();
+    made.SetRenderSettings("/quick", settings);
+    EXPECT_EQ(archive::WriteArchive(folder_.path() + "/a.alab", archive::PrimsOf(made), {.settings = "/main"}), "");
+  }
+  SceneFile load(const std::string& document, const LoadOptions& options = {}) {
+    const std::string file = document.empty() ? folder_.path() + "/a.alab" : folder_.write("scene.json", document);
+    return LoadScene(
+        file, &scene_, [this](const Diagnostic& d) { said_ += d.text + "\n"; }, options);
+  }
+
+  TemporaryFolder folder_;
+  host::RetainedSceneDelegate scene_;
+  std::string said_;
+};
+
+TEST_F(LoadArchive, KeepsItsSettingsCamerasAndDarkness) {
+  LoadOptions options;
+  options.overrides = {"samples=9"};
+  const SceneFile file = load("", options);
+  ASSERT_TRUE(file.ok) << said_;
+  EXPECT_EQ(file.settings, Path("/main"));
+  const auto& all = scene_.GetAllRenderSettings();
+  EXPECT_EQ(all.at("/main").camera, Path("/second"));
+  EXPECT_EQ(all.at("/main").settings.at("samples").number_or(0), 9);
+  ASSERT_EQ(all.at("/main").products.size(), 1u);
+  EXPECT_EQ(all.at("/main").products[0].file, folder_.path() + "/own.exr");
+  // Settings that differ by their size are planned from the first, and take the override; others stay.
+  ASSERT_EQ(file.further_settings.size(), 1u);
+  EXPECT_EQ(all.at(file.further_settings[0]).width, 64);
+  EXPECT_EQ(all.at(file.further_settings[0]).settings.at("samples").number_or(0), 9);
+  EXPECT_EQ(all.at("/quick").settings.at("samples").number_or(0), 3);
+  EXPECT_TRUE(scene_.GetLights().empty());
+  ASSERT_EQ(file.notes.size(), 1u);
+  EXPECT_TRUE(file.notes[0].starts_with("no light")) << file.notes[0];
+}
+
+TEST_F(LoadArchive, IsAModelWithARootAndAPlace) {
+  const SceneFile file =
+      load(R"({"models": [{"file": "a.alab"}, {"file": "a.alab", "transform": {"translate": [0, 2, 0]}}],
+    "settings": {"samples": 5, "studio": "off"}, "products": [{"file": "other.exr"}]})");
+  ASSERT_TRUE(file.ok) << said_;
+  EXPECT_EQ(scene_.GetMeshes().at("/body").transform[3][1], 0);
+  EXPECT_EQ(scene_.GetMeshes().at("/model2/body").transform[3][1], 2);
+  EXPECT_EQ(scene_.GetMeshes().at("/model2/leaf").instancer, Path("/model2/many"));
+  EXPECT_EQ(scene_.GetInstancers().at("/model2/many").transform[3][1], 2);
+  EXPECT_EQ(scene_.GetMeshes().at("/model2/leaf").transform[3][1], 0) << "its instancer moves it";
+  const RenderSettingsDescription& settings = scene_.GetAllRenderSettings().at(file.settings);
+  EXPECT_EQ(settings.settings.at("samples").number_or(0), 5);
+  EXPECT_EQ(settings.width, 32);
+  ASSERT_EQ(settings.products.size(), 1u);
+  EXPECT_TRUE(settings.products[0].file.ends_with("other.exr"));
+}
+
+TEST_F(LoadArchive, RefusesChoicesThatOnlyGltfHas) {
+  EXPECT_FALSE(load(R"({"models": [{"file": "a.alab", "time": 1}]})").ok);
+  EXPECT_NE(said_.find("one scene, at one time"), std::string::npos) << said_;
+  LoadOptions options;
+  options.animation = "0";
+  const SceneFile file = load("", options);
+  EXPECT_FALSE(file.ok);
+  EXPECT_EQ(file.cause, LoadCause::option);
+}
+
+TEST_F(LoadArchive, ModelsHaveOneName) {
+  EXPECT_TRUE(load(R"({"gltf": [{"file": "a.alab"}]})").ok) << said_;
+  EXPECT_FALSE(load(R"({"gltf": [{"file": "a.alab"}], "models": [{"file": "a.alab"}]})").ok);
+  EXPECT_NE(said_.find("former name of 'models'"), std::string::npos) << said_;
+}
+
+TEST_F(LoadArchive, IsRefusedWhereMemoryDoesNotHoldIt) {
+  LoadOptions options;
+  options.overrides = {"memoryLimit=1"};
+  host::RetainedSceneDelegate large;
+  host::MeshDescription mesh;
+  mesh.primvars["points"].value = Array<Vec3f>(std::vector<Vec3f>(100000));
+  large.SetMesh("/large", mesh);
+  ASSERT_EQ(archive::WriteArchive(folder_.path() + "/a.alab", archive::PrimsOf(large)), "");
+  const SceneFile file = load("", options);
+  EXPECT_FALSE(file.ok);
+  EXPECT_EQ(file.cause, LoadCause::out_of_memory);
+}
+
+}  // namespace
+}  // namespace alabaster::hd::description
