@@ -23,8 +23,8 @@ ALABASTER_API Prims PrimsOf(const host::RetainedSceneDelegate& scene);
 
 /// Parts of a scene beside its prims.
 struct SceneInfo {
-  Path settings;           // the render settings that a render takes; empty: the first ones
-  AssetPath color_config;  // of OpenColorIO; empty: none
+  Path settings = {};           // the render settings that a render takes; empty: the first ones
+  AssetPath color_config = {};  // of OpenColorIO; empty: none
 };
 
 struct WriteOptions {

@@ -117,7 +117,7 @@ std::string expectation(const json& schema) {
   if (type == "number") return "a number" + range_text(schema);
   if (type == "integer") return "a whole number" + range_text(schema);
   if (type == "boolean") return "true or false";
-  if (type == "string") return "text";
+  if (type == "string" && !schema.contains("anyOf")) return "text";
   if (type == "array") return array_expectation(schema);
   if (type == "object") return object_expectation(schema);
   std::string text;

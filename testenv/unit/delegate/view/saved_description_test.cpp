@@ -226,7 +226,7 @@ TEST_F(SavedDescription, TheChoicesOfACommandLineAreKept) {
   expect_same_camera(loaded);
   expect_same_lights();
   const auto saved = nlohmann::json::parse(std::ifstream(folder_ / "saved.json"));
-  EXPECT_EQ(saved["gltf"][0]["time"], 1.5);
+  EXPECT_EQ(saved["models"][0]["time"], 1.5);
   EXPECT_EQ(saved["ocio"], "grade.ocio");
   EXPECT_EQ(file_again.color_config, changes.ocio);
   EXPECT_EQ(saved["camera"], (nlohmann::json{{"use", "other"}}));
