@@ -10,7 +10,8 @@ int run_convert(const ConvertArguments& arguments) {
   catch_interrupts();
   Console console(false);
   if (!arguments.output.ends_with(".alab"))
-    return console.usage_error("--output", "'" + arguments.output + "' is not the name of a scene archive: write NAME.alab.");
+    return console.usage_error("--output",
+                               "'" + arguments.output + "' is not the name of a scene archive: write NAME.alab.");
   if (const int code = check_scene_arguments(arguments, console); code != kDone) return code;
   SceneSession session;
   const hd::description::LoadOptions options = scene_load_options(arguments);

@@ -33,7 +33,7 @@ std::string lookup_text(const TextureLookup& lookup, Channel channel) {
   return source + " " + std::string(kTextureOutputs[static_cast<size_t>(channel)]);
 }
 
-// A map of normals or heights, or a displacement: what it looks up, and its scale.
+// A map of normals or heights, or a displacement, with its scale.
 std::string map_line(const char* name, const TextureLookup& lookup, Channel channel, const Value& scale) {
   return std::string("  ") + name + " " + lookup_text(lookup, channel) + " scale " + scale.to_string() + "\n";
 }
