@@ -395,7 +395,7 @@ FrameError estimate_frame_error(const Film& film) {
 
 size_t frame_error_bytes(const PixelRect& window, uint64_t most_samples) {
   if (window.empty()) return 0;
-  constexpr size_t kPixel = sizeof(PixelNoise) + 2 * sizeof(double);  // RelativeErrors, Lowest
+  constexpr size_t kPixel = sizeof(PixelNoise) + 2 * sizeof(double);       // RelativeErrors, Lowest
   const size_t factors = 2 * sizeof(double) * (size_t(most_samples) + 1);  // of two laws
   return kPixel * size_t(window.width()) * size_t(window.height()) + factors;
 }
