@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 #include <map>
+#include <set>
 #include <utility>
 
 #include "delegate/tradeoff/display_error.h"
@@ -76,7 +77,8 @@ class Analysis {
       for (size_t c = 0; c < list_.measured.size(); ++c)
         if (!add_rows(static_cast<int>(c), denoised, result, problem)) return false;
       if (!denoised) result->timing_error = timing_error();
-      mark_front(std::span(result->rows).subspan(std::exchange(last, result->rows.size())), result->timing_error);
+      const size_t first = std::exchange(last, result->rows.size());
+      mark_front(std::span(result->rows).subspan(first), result->timing_error, like_the_base(*result));
     }
     return add_tiles(result, problem);
   }
@@ -243,15 +245,27 @@ class Analysis {
     return degrees > 0 ? std::sqrt(squares / degrees) : kUnmeasured;
   }
 
-  static void mark_front(std::span<Row> rows, double timing_error) {
+  /// The configurations without a measurable effect.
+  static std::set<std::string> like_the_base(const StudyResult& result) {
+    std::set<std::string> names;
+    for (const ConfigurationSummary& summary : summarize(result))
+      if (!summary.has_effect && summary.best->group != "base") names.insert(summary.best->configuration);
+    return names;
+  }
+
+  /// The base stands for those of `like_base`: by chance one of them may be better at one place.
+  static void mark_front(std::span<Row> rows, double timing_error, const std::set<std::string>& like_base) {
     std::vector<CurvePoint> points;
+    std::vector<Row*> compared;
     size_t configuration = 0;
-    for (const Row& row : rows) {
-      if (!points.empty() && row.configuration != (&row - 1)->configuration) ++configuration;
+    for (Row& row : rows) {
+      if (like_base.contains(row.configuration)) continue;
+      if (!compared.empty() && row.configuration != compared.back()->configuration) ++configuration;
       points.push_back({configuration, row.cpu_seconds, work_of(row, timing_error), row.squared_bias});
+      compared.push_back(&row);
     }
     const std::vector<bool> front = on_front(points);
-    for (size_t i = 0; i < rows.size(); ++i) rows[i].pareto = front[i];
+    for (size_t i = 0; i < compared.size(); ++i) compared[i]->pareto = front[i];
   }
 
   /// The pictures of one replica each, cut to the part that differs most between configurations.

@@ -236,8 +236,8 @@ std::string advice_text(const StudyResult& result, const ConfigurationList& list
             std::string(advice.seconds < 61    ? "a minute"
                         : advice.seconds < 601 ? "ten minutes"
                                                : "an hour") +
-            ": " + percent(advice.error.value) + " (" + format("%.1f", 100 * advice.error.low) + " to " +
-            format("%.1f", 100 * advice.error.high) + "), " + as_code(advice.command) + "\n";
+            ": " + percent(advice.error.value) + " (" + format("%.3g", 100 * advice.error.low) + " to " +
+            format("%.3g", 100 * advice.error.high) + "), " + as_code(advice.command) + "\n";
   if (text.empty()) return "";
   return "\n## What to choose\nFor a frame of " + size_text(context.scene_width, context.scene_height) + " on " +
          std::to_string(threads) + (threads == 1 ? " thread" : " threads") +

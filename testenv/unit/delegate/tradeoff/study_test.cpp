@@ -20,11 +20,12 @@ namespace {
 
 namespace fs = std::filesystem;
 
-Configuration configuration(const std::string& name, const std::string& group, double bias) {
+Configuration configuration(const std::string& name, const std::string& group, double bias, double noise = 0.5) {
   Configuration c;
   c.name = name;
   c.group = group;
   c.settings["bias"] = bias;
+  c.settings["noise"] = noise;
   return c;
 }
 
@@ -53,7 +54,7 @@ class Study : public ::testing::Test {
     RenderedFrame frame{{16, 12, std::vector<float>(3 * 16 * 12)}, {}, {}};
     for (float& v : frame.image.rgb)
       v = static_cast<float>(1 + c.settings.at("bias").number_or(0) +
-                             0.5 / std::sqrt(double(samples)) * normal(random));
+                             c.settings.at("noise").number_or(0) / std::sqrt(double(samples)) * normal(random));
     frame.cost = {0.02 * double(samples), 0.01 * double(samples), 0.01 * double(samples) + 0.001, -1};
     return frame;
   }
@@ -323,6 +324,24 @@ TEST_F(Study, WhatHasNoEffectIsFoldedAndWhatIsBestIsRecommended) {
   EXPECT_EQ(text.find("lambert", advice), std::string::npos) << "its bias is 30 %";
   ASSERT_EQ(result->tiles.size(), 3u) << "the reference, the base and lambert";
   EXPECT_EQ(result->tiles[1].pixels.pixels(), result->tiles[0].pixels.pixels());
+}
+
+// Where another configuration beats the base, one that is like the base may be unbeaten by chance.
+TEST_F(Study, WhatHasNoEffectIsNotOnTheFront) {
+  list_.measured[1] = configuration("alike", "alike", 0, 0.46);
+  list_.measured.push_back(configuration("better", "better", 0, 0.42));
+  StudyStore store = open("a");
+  ASSERT_EQ(run(&store), StudyOutcome::finished);
+  const auto result = results(store);
+  ASSERT_TRUE(result) << problem_;
+  const auto summaries = summarize(*result);
+  ASSERT_EQ(summaries.size(), 3u);
+  ASSERT_FALSE(summaries[1].has_effect);
+  ASSERT_TRUE(summaries[2].has_effect);
+  std::set<std::string> front;
+  for (const Row& row : result->rows)
+    if (row.pareto) front.insert(row.configuration);
+  EXPECT_EQ(front, std::set<std::string>{"better"});
 }
 
 TEST_F(Study, NamesAreTakenLiterallyInReports) {
