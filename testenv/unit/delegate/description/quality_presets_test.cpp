@@ -138,7 +138,7 @@ TEST_F(QualityPresetsTest, ReachWhatTheyPromiseOrSayThatTheyMissed) {
     EXPECT_EQ(silent, 0u) << preset["name"];
     EXPECT_LE(limited, 2u) << preset["name"];
   }
-  EXPECT_GE(measured_as_they_are, 2);
+  EXPECT_EQ(measured_as_they_are, 3);
 }
 
 }  // namespace
