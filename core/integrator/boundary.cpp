@@ -108,19 +108,22 @@ class ClearSurfaces final : public HitFilter {
   const SceneSnapshot& scene_;
 };
 
-// Notes the surfaces of closed clear bodies other than `own`, one of each body, and stops at none.
+// Stops at opaque surfaces that the path's ray would stop at, and notes those of closed clear bodies other than `own`,
+// one of each body.
 class CoincidentSurfaces final : public HitFilter {
  public:
   static constexpr uint32_t kMost = Interiors::kMost;
 
-  CoincidentSurfaces(const SceneSnapshot& scene, const Ray& ray, uint32_t own) : scene_(scene), ray_(ray), own_(own) {}
+  CoincidentSurfaces(const SceneSnapshot& scene, const Ray& ray, uint32_t own, const StochasticStop& path_stops)
+      : scene_(scene), ray_(ray), own_(own), path_stops_(path_stops) {}
   bool stops(const TriangleHit& hit) const noexcept override {
     const Instance& instance = scene_.instance(hit.instance);
     const DisneyMaterial& material = instance.material(hit.triangle);
+    if (!material.transmits()) return hit.instance != own_ && path_stops_.stops(hit);
     const auto end = found_.begin() + count_;
     const bool known = std::any_of(found_.begin(), end, [&](const auto& h) { return h.instance == hit.instance; });
     if (known || hit.instance == own_ || count_ == kMost || !instance.prototype->mesh.closed) return false;
-    if (!material.transmits() || material.constants.thin) return false;
+    if (material.constants.thin) return false;
     if (!(coverage_at(scene_, ray_.dir, hit, nullptr) < 1)) found_[count_++] = hit;
     return false;
   }
@@ -134,21 +137,50 @@ class CoincidentSurfaces final : public HitFilter {
   const SceneSnapshot& scene_;
   const Ray& ray_;
   const uint32_t own_;
+  const StochasticStop& path_stops_;
   mutable std::array<TriangleHit, kMost> found_;
   mutable uint32_t count_ = 0;
 };
 
-// Sets v->past if surfaces of other bodies lie between the two origins of rays that leave this surface: the next ray
-// would miss them. *interiors, on the near side, then agree with them.
-void find_coincident(const PathContext& context, bool inside, PathVertex* v, Interiors* interiors) {
+// The clear surface of the highest priority. Null: that of `v`, or light walks in one of the bodies: a ray in its
+// medium must meet its own wall.
+const TriangleHit* first_of(const PathContext& context, const Ray& ray, const PathVertex& v,
+                            const std::vector<TriangleHit>& others) {
+  const TriangleHit* first = nullptr;
+  const Interior own = interior_of(v);
+  bool scatters = own.scatters;
+  uint32_t priority = own.priority;
+  for (const TriangleHit& other : others) {
+    const Interior its = interior_of(make_vertex(context, ray, other));
+    if (its.priority > priority) first = &other, priority = its.priority;
+    scatters = scatters || its.scatters;
+  }
+  return scatters ? nullptr : first;
+}
+
+// Finds the surfaces of other bodies between the two origins of rays that leave this surface: the next ray would miss
+// them. Sets v->past if clear ones do. The path's interiors, on the near side, then agree with them. True: v->triangle
+// is now on one that takes this one's place.
+bool find_coincident(const PathContext& context, const PixelSampler& sampler, bool inside, PathVertex* v,
+                     PathState* path) {
+  if (!context.scene.clear_meetings.contains(v->hit.p)) [[likely]]
+    return false;
+  Interiors* const interiors = &path->interiors;
   const Vec3f& near = v->departure.flat;
   const Ray across{near, -v->hit.ng, length(beyond(*v) - near), v->triangle.time};
-  const CoincidentSurfaces surfaces(context.scene, across, v->triangle.instance);
+  const StochasticStop path_stops(context.scene, path->ray.dir, *interiors, sampler, path->depth);
+  const CoincidentSurfaces surfaces(context.scene, across, v->triangle.instance, path_stops);
   ++context.counters.bounce_rays;
-  TriangleHit none;
-  context.scene.top->intersect(across, &none, &surfaces);
+  TriangleHit opaque;
+  const bool is_on_opaque = context.scene.top->intersect(across, &opaque, &surfaces);
   const std::vector<TriangleHit> hits = surfaces.sorted();
-  if (hits.empty()) return;
+  if (const TriangleHit* const first = is_on_opaque ? &opaque : first_of(context, across, *v, hits)) {
+    const float t = v->triangle.t;
+    v->triangle = *first;
+    v->triangle.t = t;
+    return true;
+  }
+  if (hits.empty()) return false;
   std::vector<Interior> entered;
   for (const TriangleHit& hit : hits) {
     const PathVertex other = make_vertex(context, across, hit);
@@ -166,6 +198,7 @@ void find_coincident(const PathContext& context, bool inside, PathVertex* v, Int
   for (const TriangleHit& hit : hits) v->past->leave(hit.instance);
   cross_boundary(*v, inside, &*v->past);
   for (const Interior& interior : entered) v->past->enter(interior);
+  return false;
 }
 
 bool is_same(const Interior* a, const Interior* b) {
@@ -174,20 +207,20 @@ bool is_same(const Interior* a, const Interior* b) {
 
 }  // namespace
 
-bool meet_boundary(const PathContext& context, PathVertex* v, PathState* path, float* u) {
+Meeting meet_boundary(const PathContext& context, const PixelSampler& sampler, PathVertex* v, PathState* path,
+                      float* u) {
   const DisneyParameters& p = v->material;
   Interiors& interiors = path->interiors;
   const uint32_t instance = v->triangle.instance;
   if (p.thin) {
     v->boundary = {p.ior / interiors.index(), false};
-    return true;
+    return Meeting::boundary;
   }
   const bool inside = is_seen_from_inside(*v);
   const Interior own = interior_of(*v);
   // A surface that is left without having been entered belongs to an open mesh.
   if (inside && !interiors.contains(instance)) interiors.enter(own);
-  if (context.scene.clear_meetings.contains(v->hit.p)) [[unlikely]]
-    find_coincident(context, inside, v, &interiors);
+  if (find_coincident(context, sampler, inside, v, path)) return Meeting::other;
   // The media on this body's side and on the other one.
   const Interior* within = &own;
   const Interior* other = inside ? interiors.current_without(instance) : interiors.current();
@@ -204,7 +237,7 @@ bool meet_boundary(const PathContext& context, PathVertex* v, PathState* path, f
       cross_boundary(*v, inside, &interiors);
     path->go_on(beyond(*v), path->ray.dir);
     path->scatter_pdf = std::numeric_limits<float>::infinity();
-    return false;
+    return Meeting::nothing;
   }
   const auto index = [](const Interior* at, int channel) { return at ? at->index(channel) : 1; };
   const bool disperses = (within && within->spread > 0) || (other && other->spread > 0);
@@ -212,7 +245,7 @@ bool meet_boundary(const PathContext& context, PathVertex* v, PathState* path, f
   const int channel = channel_of(path->throughput);
   const float eta = index(within, channel) / index(other, channel);
   v->boundary = {inside ? 1 / eta : eta, inside, !v->instance->prototype->mesh.closed};
-  return true;
+  return Meeting::boundary;
 }
 
 std::optional<Lobe> scatter_at_boundary(const PathContext& context, const PathVertex& v, const VertexNumbers& numbers,

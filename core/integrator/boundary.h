@@ -4,14 +4,24 @@
 #include "core/integrator/layer_split.h"
 #include "core/integrator/path_state.h"
 #include "core/material/disney_transmissive_bsdf.h"
+#include "core/sampling/pixel_sampler.h"
 
 namespace alabaster {
 
-/// False if the surface is not there, because an interior of higher priority is on both sides: the path's ray is sent
-/// on behind it, and knows that it entered or left. Sets vertex->boundary. For materials that transmit. Where they
-/// disperse light, a path of several channels keeps one, which `u` chooses; *u is a fresh number afterwards.
-/// Surfaces of other closed clear bodies that lie on this one are crossed with it (PathVertex::past).
-bool meet_boundary(const PathContext& context, PathVertex* vertex, PathState* path, float* u);
+/// The result of meet_boundary().
+enum class Meeting {
+  boundary,  // vertex->boundary is set
+  nothing,   // an interior of higher priority is on both sides: the path's ray goes on behind the surface
+  other,     // vertex->triangle is on a surface that takes the place of this one; the rest of the vertex is not
+};
+
+/// Meets the surface of a material that transmits. Where it disperses light, a path of several channels keeps one,
+/// which `u` chooses; *u is a fresh number afterwards. Surfaces of other closed clear bodies that lie on this one are
+/// crossed with it (PathVertex::past), and if light walks in none of them, the one of the highest priority takes the
+/// place of all. An opaque surface there comes before any: behind both the path would be in the opaque body. Else
+/// chance would decide which of them a ray finds.
+Meeting meet_boundary(const PathContext& context, const PixelSampler& sampler, PathVertex* vertex, PathState* path,
+                      float* u);
 
 /// Samples direct light on both sides, then a lobe and the path's next ray. Empty: the path ends. Lobe::subsurface: it
 /// goes on below the surface, weighed for the entry. `split`, unless null, takes the layers at the first vertex.

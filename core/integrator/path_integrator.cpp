@@ -48,8 +48,9 @@ Rgb linked_light_emission(const PathContext& context, const PathState& path, boo
   });
 }
 
-void add_mesh_emission(const PathVertex& v, const TriangleHit& hit, PathState* path) {
+void add_mesh_emission(const PathVertex& v, PathState* path) {
   if (is_black(v.material.emission)) return;
+  const TriangleHit& hit = v.triangle;
   Rgb weight(1.0f);
   if (path->scatter_pdf > 0)
     weight = weight_of_met(*path, path->lights->mesh_light_pdf(path->ray, hit.t, hit.instance, hit.triangle));
@@ -269,6 +270,21 @@ inline VertexNumbers draw_numbers(const PixelSampler& sampler, uint32_t depth, c
   return numbers;
 }
 
+// Meets the surface of a material that transmits. True: the surface is not there, and the path's ray goes on behind it.
+// *v becomes the vertex on the surface that counts where several coincide.
+template <SubsurfaceMode kMode, bool kLayers>
+bool goes_behind(const PathContext& context, const PixelSampler& sampler, float* u, PathVertex* v, PathState* path) {
+  PathRecord* const record = record_of<kLayers>(context);
+  Meeting meeting = meet_boundary(context, sampler, v, path, u);
+  while (meeting == Meeting::other) {
+    *v = vertex_on<kMode>(context, v->triangle, *path);
+    if (record) record->meet_surface(*v->instance, v->triangle, v->hit);
+    meeting = v->material.transmits() ? meet_boundary(context, sampler, v, path, u) : Meeting::boundary;
+  }
+  if (meeting == Meeting::nothing && record) record->sample_lobe(lobe_name(Lobe::straight), Rgb(1.0f), 1);
+  return meeting == Meeting::nothing;
+}
+
 template <SubsurfaceMode kMode, bool kMeshLights, bool kLayers>
 void follow_path(const PathContext& context, const PixelSampler& sampler, PathState* path, FilmSample* first_hit,
                  LayerSplit* split) {
@@ -302,8 +318,8 @@ void follow_path(const PathContext& context, const PixelSampler& sampler, PathSt
     // Find the surface and the material at the vertex.
     PathVertex vertex = find_vertex<kMode>(context, hit, path);
     if (record) record->meet_surface(*vertex.instance, hit, vertex.hit);
-    if (vertex.material.transmits() && !meet_boundary(context, &vertex, path, numbers.bsdf.data())) [[unlikely]] {
-      if (record) record->sample_lobe(lobe_name(Lobe::straight), Rgb(1.0f), 1);
+    if (vertex.material.transmits() &&
+        goes_behind<kMode, kLayers>(context, sampler, numbers.bsdf.data(), &vertex, path)) [[unlikely]] {
       path->ray.tmax = reach - hit.t;
       passed += hit.t;
       path->passed_boundary = true;
@@ -317,7 +333,7 @@ void follow_path(const PathContext& context, const PixelSampler& sampler, PathSt
     if (path->depth == 0 && vertex.instance->holdout && first_hit) [[unlikely]]  // a camera's path has one
       return hold_out(record, path, first_hit);
     const Rgb before = path->radiance;
-    if (kMeshLights) add_mesh_emission(vertex, hit, path);
+    if (kMeshLights) add_mesh_emission(vertex, path);
     if (kMeshLights && record) record->meet_light(path->radiance - before);
     if (record && path->depth >= context.settings.max_depth) record->end("maxDepth");
     if (path->depth >= context.settings.max_depth) return;

@@ -44,21 +44,27 @@ inline bool is_in_air_within(const PathContext& context, const PathVertex& v, co
          !is_in_union(context.scene, path.interiors, *v.instance);
 }
 
-/// The surface where the path's ray ends. The wall of a body that is seen from inside through air is a thin sheet.
+/// The path's vertex on a surface that its ray has met. The wall of a body that is seen from inside through air is a
+/// thin sheet.
 template <SubsurfaceMode kMode>
-PathVertex find_vertex(const PathContext& context, const TriangleHit& hit, PathState* path) {
-  if (keeps_footprints(context)) path->footprint.travel(hit.t);
-  PathVertex vertex =
-      make_vertex(context, path->ray, hit, context.settings.texture_filter * path->footprint.cone.width);
-  if (context.settings.glossy_filter > 0 && path->depth > 0) [[unlikely]]
-    vertex.material.least_roughness = std::sqrt(context.settings.glossy_filter * path->footprint.least_alpha());
-  if (context.scene.features.see_through && is_in_air_within(context, vertex, *path)) [[unlikely]]
+PathVertex vertex_on(const PathContext& context, const TriangleHit& hit, const PathState& path) {
+  PathVertex vertex = make_vertex(context, path.ray, hit, context.settings.texture_filter * path.footprint.cone.width);
+  if (context.settings.glossy_filter > 0 && path.depth > 0) [[unlikely]]
+    vertex.material.least_roughness = std::sqrt(context.settings.glossy_filter * path.footprint.least_alpha());
+  if (context.scene.features.see_through && is_in_air_within(context, vertex, path)) [[unlikely]]
     vertex.material.thin = true, vertex.material.flatness = 0;
   if (kMode == SubsurfaceMode::lambert)
     vertex.material.scatter_distance = Rgb(0.0f);
   else if (vertex.material.scatters())
     drop_unresolved_distances(&vertex);
   return vertex;
+}
+
+/// vertex_on() the surface where the path's ray ends.
+template <SubsurfaceMode kMode>
+PathVertex find_vertex(const PathContext& context, const TriangleHit& hit, PathState* path) {
+  if (keeps_footprints(context)) path->footprint.travel(hit.t);
+  return vertex_on<kMode>(context, hit, *path);
 }
 
 }  // namespace alabaster

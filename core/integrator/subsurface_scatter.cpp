@@ -154,8 +154,8 @@ Interiors interiors_beyond(const PathContext& context, const SubsurfaceExit& exi
   return beyond;
 }
 
-bool has_clear_share(const PathContext& context, const TriangleHit& hit) {
-  return context.scene.instance(hit.instance).material(hit.triangle).constants.spec_trans > 0;
+float clear_share(const PathContext& context, const TriangleHit& hit) {
+  return context.scene.instance(hit.instance).material(hit.triangle).constants.spec_trans;
 }
 
 /// Sets path->interiors to those beyond *exit. Where the index falls from the entry to the exit, the share (low /
@@ -166,8 +166,8 @@ void cross_to_interiors(const PathContext& context, const PixelSampler& sampler,
   const PathVertex& v = below.vertex;
   const Interiors beyond = interiors_beyond(context, *exit, *v.instance->body, *path);
   const float share = sqr(beyond.index() / path->interiors.index());
-  if (share < 1 && !below.within && !has_clear_share(context, v.triangle) && !has_clear_share(context, exit->hit) &&
-      sampler.draw(Dimension::exit_bsdf, path->depth)[2] >= share) {
+  const auto u = sampler.draw(Dimension::exit_bsdf, path->depth);  // leave_clear_surface() takes the last one
+  if (share < 1 && !below.within && u[3] >= clear_share(context, exit->hit) && u[2] >= share) {
     exit->hit = v.triangle;
     exit->direction = v.hit.ng;
   } else {
@@ -255,9 +255,15 @@ std::optional<bool> leave_clear_surface(const PathContext& context, const PixelS
   path->throughput = exit.throughput;
   if (!leaving.below.within) path->throughput *= kMeanDiffuseTransmittance;
   if (PathRecord* record = context.record) record->leave_body(*v.instance, exit.hit, v.hit, path->throughput);
-  const bool is_there = meet_boundary(context, &v, path, numbers.bsdf.data());
+  const Vec3f within = v.departure.flat;
+  const Meeting met = meet_boundary(context, sampler, &v, path, numbers.bsdf.data());
   path->throughput *= index_factor(leaving.index, path->interiors.indices());
-  return !is_there || scatter_at_boundary(context, v, numbers, path, nullptr);
+  if (met == Meeting::boundary) return scatter_at_boundary(context, v, numbers, path, nullptr).has_value();
+  if (met == Meeting::other) {  // the path's next ray meets it
+    path->go_on(within, exit.direction);
+    path->scatter_pdf = std::numeric_limits<float>::infinity();
+  }
+  return true;
 }
 
 }  // namespace

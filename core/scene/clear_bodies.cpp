@@ -14,6 +14,21 @@ bool has_clear_interior(const Instance& instance) {
 
 namespace {
 
+bool is_opaque_somewhere(const Instance& instance) {
+  return std::any_of(instance.materials.begin(), instance.materials.end(),
+                     [](const DisneyMaterial* m) { return !m->transmits(); });
+}
+
+std::vector<Bounds> boxes_of_opaque_surfaces(const SceneSnapshot& snapshot) {
+  std::vector<Bounds> boxes;
+  for (const Instance& instance : snapshot.instances)
+    if (is_opaque_somewhere(instance)) boxes.push_back(bounds_in_render_space(instance));
+  for (const InstanceArray& array : snapshot.arrays)
+    if (is_opaque_somewhere(array.look)) boxes.push_back(array.placed->bounds());
+  boxes.erase(std::remove_if(boxes.begin(), boxes.end(), [](const Bounds& b) { return b.empty(); }), boxes.end());
+  return boxes;
+}
+
 // In [0, 2^14): larger for smaller ones.
 uint32_t smallness(float volume) {
   return 0x3fff - (std::bit_cast<uint32_t>(volume) >> 17);
@@ -116,6 +131,7 @@ ClearBoxes::ClearBoxes(const SceneSnapshot& snapshot) {
   for (const InstanceArray& array : snapshot.arrays)
     if (has_clear_interior(array.look)) add(array.placed->bounds(), kNone);
   boxes_ = BoxTree(std::move(boxes));
+  if (!instances_.empty()) opaque_ = BoxTree(boxes_of_opaque_surfaces(snapshot));
 }
 
 Bounds ClearBoxes::that_meet(const Bounds& box, const std::vector<uint32_t>& left_out) const {
@@ -134,12 +150,14 @@ Bounds ClearBoxes::meetings() const {
     boxes.push_back(wider(boxes_[i]));
     if (instances_[i] == kNone) all.extend(boxes.back());  // its bodies may touch each other
   }
-  extend_by_meetings(BoxTree(std::move(boxes)), &all);
+  const BoxTree wide(std::move(boxes));
+  extend_by_meetings(wide, wide, &all);
+  extend_by_meetings(wide, opaque_, &all);
   return all;
 }
 
 // Large boxes come first: their common parts often hold those of the small ones.
-size_t extend_by_meetings(const BoxTree& boxes, Bounds* all) {
+size_t extend_by_meetings(const BoxTree& boxes, const BoxTree& others, Bounds* all) {
   std::vector<uint32_t> order(boxes.size());
   std::iota(order.begin(), order.end(), 0u);
   const auto size = [&](uint32_t i) { return length(boxes[i].extent()); };
@@ -148,14 +166,14 @@ size_t extend_by_meetings(const BoxTree& boxes, Bounds* all) {
   for (const uint32_t i : order) {
     const Bounds& box = boxes[i];
     if (contains(*all, box)) continue;
-    boxes.search(
+    others.search(
         [&](const Bounds& b) {
           ++compared;
           const Bounds both = common(b, box);
           return !both.empty() && !contains(*all, both);
         },
         [&](uint32_t k) {
-          if (k != i) all->extend(common(boxes[k], box));
+          if (&others != &boxes || k != i) all->extend(common(others[k], box));
         });
   }
   return compared;

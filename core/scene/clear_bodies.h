@@ -25,11 +25,11 @@ Bounds bounds_in_render_space(const Instance& instance);
 /// True if the boxes share a point; their sides count.
 bool overlap(const Bounds& a, const Bounds& b);
 
-/// Extends `all` to where two of the boxes share a point. Returns the number of comparisons of boxes, in the order of
-/// n log n.
-size_t extend_by_meetings(const BoxTree& boxes, Bounds* all);
+/// Extends `all` to where one of `boxes` and one of `others` share a point; they may be the same boxes. Returns the
+/// number of comparisons of boxes, in the order of n log n.
+size_t extend_by_meetings(const BoxTree& boxes, const BoxTree& others, Bounds* all);
 
-/// The boxes of a snapshot's clear bodies, in render space.
+/// The boxes of a snapshot's clear bodies, in render space, and those of instances with opaque surfaces.
 class ClearBoxes {
  public:
   /// The instances and the arrays of `snapshot` have been placed.
@@ -38,13 +38,13 @@ class ClearBoxes {
   /// Bounds of all boxes that overlap `box`, without those of the instances `left_out`, in order. Empty: none.
   Bounds that_meet(const Bounds& box, const std::vector<uint32_t>& left_out) const;
 
-  /// Bounds of where two bodies may touch or overlap. Empty: no two do.
+  /// Bounds of where a clear body may touch or overlap another one, or an opaque surface. Empty: none does.
   Bounds meetings() const;
 
  private:
   static constexpr uint32_t kNone = ~0u;
 
-  BoxTree boxes_{{}};
+  BoxTree boxes_{{}}, opaque_{{}};
   std::vector<uint32_t> instances_;  // kNone: of an array
 };
 

@@ -149,7 +149,7 @@ struct SceneSnapshot {
   float radius = 0;  // of a sphere about the render-space origin that holds all geometry
   SceneFeatures features;
   Bounds clear_bodies;                // of all instances that have an interior which light may go through
-  Bounds clear_meetings;              // where the boxes of two of them overlap or touch
+  Bounds clear_meetings;              // where their boxes meet each other, or those of opaque surfaces
   std::vector<Instance> instances;    // those that stand alone, and have the first indices
   std::vector<InstanceArray> arrays;  // in the order of their indices; addresses stay
   std::shared_ptr<const InstancedScene> top;

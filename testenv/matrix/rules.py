@@ -59,6 +59,7 @@ QUICK = {
     "opaque body + union + cut": ("furnace, viewer",),
     "opaque body + glass": ("furnace, viewer",),
     "opaque body + below glass": ("furnace, light",),
+    "opaque body + glass on its face": ("limit of small distances",),
     "cloudy body + opacity": ("furnace, viewer",),
     "cloudy body + opacity + union": ("furnace, viewer",),
     "glass + face to face": ("furnace, viewer",),

@@ -151,7 +151,9 @@ TEST(TouchingBodies, FacesThatCoincide) {
                         {"of two priorities", clear_body(1.33f), prior},
                         {"clear and cloudy", clear_body(1.33f), clear_body(1.5f, 0.3f)},
                         {"cloudy", clear_body(1.5f, 0.3f), clear_body(1.5f, 0.3f)},
-                        {"clear and opaque", clear_body(1.5f), white_body(0.3f)}};
+                        {"clear and opaque", clear_body(1.5f), white_body(0.3f)},
+                        {"clear and painted", clear_body(1.5f), white_body(0)},
+                        {"cloudy and painted", clear_body(1.5f, 0.3f), white_body(0)}};
   for (const Pair& of : pairs) {
     SceneBuilder b;
     const auto box = b.prototype(testing::box_mesh({0.7f, 0.8f, 0.6f}));
@@ -162,6 +164,29 @@ TEST(TouchingBodies, FacesThatCoincide) {
                     {"through the face", {-5, 1.5, 3}, {0, 0.05, 0.02}},
                     {"aside", {5, 2, 4}, {0.9, 0.3, 0.2}}},
                    {.runs = 64, .slack = 4e-3, .sees_background = true}, of.what);
+  }
+}
+
+// Glass on an opaque face looks as if it were sunk into the body by a thousandth. Behind the face of the glass a ray
+// would be inside the opaque body.
+TEST(TouchingBodies, AnOpaqueFaceIsMetBeforeAClearOneThatCoincides) {
+  DisneyParameters metal = white_body(0);
+  metal.metallic = 1;
+  metal.base_color = Rgb(0.9f);
+  for (const DisneyParameters& face : {white_body(0), metal, white_body(0.3f)}) {
+    RunningStatistics seen[2];
+    for (const bool sunk : {false, true}) {
+      SceneBuilder b;
+      const auto box = b.prototype(testing::box_mesh({0.7f, 0.8f, 0.6f}));
+      add(&b, box, face, moved_by(0, 0, -0.6));
+      add(&b, box, clear_body(1.5f), moved_by(0, 0, sunk ? 0.599 : 0.6));
+      b.add(testing::constant_dome(1, true));
+      PathTracer tracer(b.snapshot(), {1, 2, 5}, {0.1, 0.1, 0.3});
+      tracer.settings.max_depth = 64;
+      seen[sunk] = testing::look(&tracer, 64, [](const FilmSample& s) { return double(s.color.g); });
+    }
+    EXPECT_TRUE(plausible(z_test(seen[0], seen[1], {.slack = 5e-3})))
+        << "metallic " << face.metallic << ", distance " << face.scatter_distance.g;
   }
 }
 

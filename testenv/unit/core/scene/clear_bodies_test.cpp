@@ -35,6 +35,18 @@ TEST(ClearBodies, ManyBodiesMeetWhereTwoDo) {
   EXPECT_GT(length(snapshot->clear_meetings.extent()), 0.2f);
 }
 
+// So may a clear body and an opaque surface.
+TEST(ClearBodies, OpaqueSurfacesMeetClearBodies) {
+  SceneBuilder b;
+  const auto ball = b.prototype(testing::sphere_mesh(1, 8, false));
+  for (int i = 0; i < kMany; ++i) add(&b, ball, testing::white_body(0), place(i));
+  EXPECT_TRUE(b.snapshot()->clear_meetings.empty());
+  add(&b, ball, clear_body(1.33f), scaled_by(0.1) * moved_by(3.4, 2, 0));
+  const auto snapshot = b.snapshot(2);
+  EXPECT_LT(length(snapshot->clear_meetings.extent()), 0.4f);
+  EXPECT_GT(length(snapshot->clear_meetings.extent()), 0.2f);
+}
+
 // A small clear body within the box of one that light walks in comes before it, and one beside it behind it.
 TEST(ClearBodies, ManyCloudyBodiesRankWhatLiesWithin) {
   SceneBuilder b;
@@ -93,7 +105,8 @@ TEST(ClearBodies, MeetingsAreThoseOfAllPairs) {
         }
         expected.extend(both);
       }
-    extend_by_meetings(BoxTree(boxes), &found);
+    const BoxTree tree(boxes);
+    extend_by_meetings(tree, tree, &found);
     EXPECT_EQ(found.lower, expected.lower) << c.name;
     EXPECT_EQ(found.upper, expected.upper) << c.name;
   }
@@ -107,7 +120,8 @@ TEST(ClearBodies, MeetingsOfManyBodiesCostLittle) {
       std::vector<Bounds> boxes;
       for (int i = 0; i < count; ++i) boxes.push_back(c.box(rng, i, count));
       Bounds found;
-      const size_t compared = extend_by_meetings(BoxTree(std::move(boxes)), &found);
+      const BoxTree tree(std::move(boxes));
+      const size_t compared = extend_by_meetings(tree, tree, &found);
       EXPECT_LT(static_cast<double>(compared), 12 * count * std::log2(count)) << c.name;
     }
 }
