@@ -102,8 +102,8 @@ Scene::~Scene() {
 }
 
 py::dict Scene::load(const py::object& file, const py::dict& options) {
-  check_options(
-      options, {"overrides", "camera", "dome", "scene", "animation", "variant", "time", "keep_going", "allow_outside"});
+  check_options(options, {"overrides", "camera", "dome", "scene", "animation", "variant", "time", "shutter",
+                          "frames_per_second", "keep_going", "allow_outside"});
   const std::vector<std::string> overrides =
       options.contains("overrides") ? texts(options["overrides"], "overrides") : std::vector<std::string>();
   std::vector<const char*> raw;
@@ -116,6 +116,15 @@ py::dict Scene::load(const py::object& file, const py::dict& options) {
   in.animation = animation.c_str(), in.variant = variant.c_str();
   double time = 0;
   if (const py::object given = option(options, "time"); !given.is_none()) time = number(given, "time"), in.time = &time;
+  std::array<double, 2> shutter{};
+  if (const py::object given = option(options, "shutter"); !given.is_none()) {
+    const std::vector<py::object> times = items(given, "shutter");
+    if (times.size() != 2) throw py::value_error("shutter must be two times: when it opens and when it closes");
+    shutter = {number(times[0], "shutter"), number(times[1], "shutter")};
+    in.shutter = shutter.data();
+  }
+  if (const py::object given = option(options, "frames_per_second"); !given.is_none())
+    in.frames_per_second = number(given, "frames_per_second");
   in.keep_going = flag(options, "keep_going", false);
   in.allow_outside = flag(options, "allow_outside", false);
   const std::string name = file_name(file, "file");

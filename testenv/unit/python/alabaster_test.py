@@ -182,6 +182,23 @@ class Renders(unittest.TestCase):
         for alpha in moving:
             self.assertAlmostEqual(alpha, 0.05, delta=0.02)  # 2 of 40 units
 
+    def test_a_loaded_animation_is_sampled_over_the_shutter(self):
+        def poses(**options):
+            scene = alabaster.Scene()
+            scene.load(str(TOP / "testenv/scenes/motion/motion.json"), time=0.5, **options)
+            renderer = alabaster.Renderer(scene, samples=1)
+            draw(renderer)
+            return [line for line in renderer.command("dumpScene").splitlines() if line.startswith("  pose")]
+        self.assertEqual(poses(shutter=(0, 0)), [])
+        slow = poses(shutter=(-0.5, 0.5), frames_per_second=6)
+        self.assertTrue(slow)
+        self.assertNotEqual(slow, poses(shutter=(-0.5, 0.5)))
+        self.assertEqual(poses(shutter=(-0.5, 0.5)), poses(shutter=[-0.5, 0.5], frames_per_second=24))
+        with self.assertRaisesRegex(ValueError, "two times"):
+            poses(shutter=(1,))
+        with self.assertRaisesRegex(alabaster.ArgumentError, "frames_per_second"):
+            poses(frames_per_second=-1)
+
     def test_primvars_of_text_and_products_of_textures(self):
         scene = square()
         scene.set_mesh("/square", CORNERS, [0, 1, 2, 3], counts=[4], material="/wax", primvars={
