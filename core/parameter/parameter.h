@@ -23,6 +23,7 @@ struct Parameter {
   const char* unit = "";
   const char* text = "";  // a sentence or two
   /// Lights: a bit for each LightType that has the parameter, or 0 for all. Cameras: kMillimetres, or 0.
+  /// Settings: bits of setting_use.
   uint32_t of = 0;
 
   constexpr bool is_color() const { return std::holds_alternative<Rgb T::*>(member); }

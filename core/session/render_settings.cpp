@@ -4,15 +4,17 @@ namespace alabaster {
 
 std::span<const SettingParameter> setting_parameters() {
   using S = RenderSettings;
+  using setting_use::kContinues, setting_use::kLive, setting_use::kNoPixels, setting_use::kResyncs;
   // A row is a line of values, and its words. clang-format would give each of them a line.
   // clang-format off
   static constexpr SettingParameter kTable[] = {
       {"samples", &S::samples, 1, 1048576, {},
        "per pixel", "Camera samples per pixel, at most. The program's flags --target-error and --time-limit set it "
-       "to 65536 unless --spp is given."},
+       "to 65536 unless --spp is given.", kContinues},
       {"firstSample", &S::first_sample, 0, 1048575, {},
        "per pixel", "The first of the samples to take, below 'samples': those before it are left to other renders, "
-       "whose checkpoints can be merged with this one's. Not with 'targetError', 'adaptive' or 'timeLimit'."},
+       "whose checkpoints can be merged with this one's. Not with 'targetError', 'adaptive' or 'timeLimit'.",
+       kNoPixels},
       {"targetError", &S::target_error, 0, 1, {},
        "relative RMSE", "The render ends when its own estimate of the noise of the picture as rendered, before any "
        "denoising, is near this: the root mean square over the frame of error / sqrt(level^2 + (0.05 of the mean "
@@ -26,7 +28,7 @@ std::span<const SettingParameter> setting_parameters() {
        "half a second later. If pixels are left without a sample, a warning, the statistics and the EXR "
        "(pixelsWithoutSample) tell how many; AOV sampleCount is 0 there, and blocks of pixels without any sample "
        "have alpha 0. Denoising comes after the limit. 0: no limit. With this setting alone the picture depends on "
-       "the machine."},
+       "the machine.", kContinues | kNoPixels},
       {"seed", &S::seed, 0, 4294967295.0, {},
        "none", "Selects the noise pattern; all seeds are equally good."},
       {"frame", &S::frame, 0, 4294967295.0, {},
@@ -34,7 +36,7 @@ std::span<const SettingParameter> setting_parameters() {
       {"maxDepth", &S::max_depth, 0, 1024, {},
        "bounces", "Bounces between surfaces, at most; a subsurface walk of any length counts as one."},
       {"threads", &S::threads, 0, 4096, {},
-       "threads", "Render threads; 0 uses all cores. The picture does not depend on it."},
+       "threads", "Render threads; 0 uses all cores. The picture does not depend on it.", kContinues | kNoPixels},
       {"subsurface", &S::subsurface, 0, 0, {"lambert", "walk", "reference", "diffusion"},
        "none", "Rendering of scatterDistance: not at all (lambert), path-traced random walks (walk), walks without "
        "any shortcut for comparison (reference), or normalized diffusion as in the paper's comparison (diffusion)."},
@@ -54,14 +56,14 @@ std::span<const SettingParameter> setting_parameters() {
       {"textureMemory", &S::texture_memory, 1, 16777216, {},
        "MiB", "Memory for the texels of images. Half of it holds images for the whole render. Those that come when "
        "it is spent are read tile by tile from a temporary file, and the other half caches their tiles. Pictures do "
-       "not depend on it. Counts for images that are read after it is set."},
+       "not depend on it. Counts for images that are read after it is set.", kLive | kNoPixels},
       {"memoryLimit", &S::memory_limit, 0, 16777216, {},
        "MiB", "Memory of the renderer: meshes as given and as refined, their ray tracing hierarchies, distance "
        "grids, texels, lights and frames. What would exceed it is refused, with an error that names each use and the "
        "bytes that it holds, and can be built once the limit is raised or other things are gone. 0: three quarters "
        "of what the process may use, which is the machine's memory or a lower limit of its cgroup or of its address "
        "space; the rest is left to the libraries, to what malloc keeps and to the system. Pictures do not depend on "
-       "it."},
+       "it.", kLive | kNoPixels},
       {"textureFilter", &S::texture_filter, 0, 8, {},
        "none", "Colours of images are read as means over what a path covers of the surface, a pixel or the spread of "
        "a bounce, times this. 0 reads points, without bias. 0.5 to 1 blurs images by as much of a pixel, and has "
@@ -75,13 +77,13 @@ std::span<const SettingParameter> setting_parameters() {
       {"refineEdgeLength", &S::refine_edge_length, 0, 1024, {},
        "pixels", "Refines meshes whose refineLevel is above 0 adaptively: edges of their triangles are at most about "
        "as long as this in the picture of the RenderSettings prim's camera, wherever the surface faces. 0: by their "
-       "refineLevel."},
+       "refineLevel.", kResyncs},
       {"filter", &S::filter, 0, 0, {"box", "triangle", "gaussian", "blackmanHarris"},
        "none", "Pixel filter."},
       {"denoise", &S::denoise, -kUnbounded, kUnbounded, {},
        "none", "Denoises the picture after its last sample with Open Image Denoise 2, which must be installed. AOV "
        "'denoised' holds the result and 'color' stays as rendered; where a host draws 'color' alone, it shows the "
-       "denoised picture. Files: .png, .tif and .jpg show the denoised picture, .exr has both."},
+       "denoised picture. Files: .png, .tif and .jpg show the denoised picture, .exr has both.", kNoPixels},
   };
   // clang-format on
   return kTable;

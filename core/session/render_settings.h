@@ -39,6 +39,14 @@ struct RenderSettings {
   bool operator==(const RenderSettings&) const = default;
 };
 
+/// The effect of a change of a setting on a render that runs; none of these: it starts again.
+namespace setting_use {
+inline constexpr uint32_t kContinues = 1;  // goes on, with the samples that it has
+inline constexpr uint32_t kLive = 2;       // takes effect without a render
+inline constexpr uint32_t kResyncs = 4;    // meshes are refined again
+inline constexpr uint32_t kNoPixels = 8;   // samples do not depend on it, so that checkpoints may differ in it
+}  // namespace setting_use
+
 using SettingParameter = Parameter<RenderSettings, SubsurfaceMode, AlbedoInversion, EnergyModel, PixelFilter>;
 /// schemas/render_settings.json.
 std::span<const SettingParameter> setting_parameters();

@@ -24,12 +24,10 @@ struct BlockHead {
   uint64_t size = 0, checksum = 0;
 };
 
-/// Settings that change no pixel, or only how many samples there are.
-bool is_compared(const std::string& setting, const RenderSettings& settings) {
-  if (setting == "samples") return settings.adaptive || settings.target_error > 0;
-  for (const char* name : {"firstSample", "timeLimit", "threads", "textureMemory", "memoryLimit", "denoise"})
-    if (setting == name) return false;
-  return true;
+/// The number of samples decides pixels only where they are allocated or ended by noise.
+bool is_compared(const SettingParameter& setting, const RenderSettings& settings) {
+  if (setting.name == std::string_view("samples")) return settings.adaptive || settings.target_error > 0;
+  return (setting.of & setting_use::kNoPixels) == 0;
 }
 
 json library_versions() {
@@ -124,7 +122,7 @@ CheckpointHeader checkpoint_header(const RenderRequest& request, const std::map<
   header["aovs"] = aov_names(request);
   json& settings = header["settings"] = json::object();
   for (const SettingParameter& parameter : setting_parameters())
-    if (is_compared(parameter.name, request.settings)) {
+    if (is_compared(parameter, request.settings)) {
       const Value value = prims::get_parameter(parameter, request.settings);
       settings[parameter.name] = value.text_or(value.to_string());
     }

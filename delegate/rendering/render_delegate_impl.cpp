@@ -1,12 +1,9 @@
 #include "delegate/rendering/render_delegate_impl.h"
 
-#include <nlohmann/json.hpp>
-
 #include "delegate/prims/prims.h"
 #include "delegate/rendering/commands.h"
 #include "delegate/rendering/pixel_format.h"
 #include "delegate/rendering/render_pass.h"
-#include "delegate/support/schema_text.h"
 
 namespace alabaster::hd::rendering {
 
@@ -80,22 +77,19 @@ Value RenderDelegateImpl::GetRenderSetting(const Token& key) const {
 }
 
 namespace {
-SettingEffect effect_of(std::string_view setting) {
-  for (const char* name : {"samples", "timeLimit", "threads"})
-    if (setting == name) return SettingEffect::continues;
-  if (setting == "textureMemory" || setting == "memoryLimit") return SettingEffect::live;
-  if (setting == "refineEdgeLength") return SettingEffect::resyncs;
-  return SettingEffect::restarts;
+SettingEffect effect_of(const SettingParameter& setting) {
+  if (setting.of & setting_use::kContinues) return SettingEffect::continues;
+  if (setting.of & setting_use::kLive) return SettingEffect::live;
+  return setting.of & setting_use::kResyncs ? SettingEffect::resyncs : SettingEffect::restarts;
 }
 std::vector<RenderSettingDescriptor> make_setting_descriptors() {
-  const nlohmann::json properties = nlohmann::json::parse(support::schema_text("render_settings")).at("properties");
   const RenderSettings defaults;
   std::vector<RenderSettingDescriptor> descriptors;
   for (const SettingParameter& parameter : setting_parameters()) {
     RenderSettingDescriptor d;
     d.name = parameter.name;
     d.key = parameter.name;
-    d.effect = effect_of(parameter.name);
+    d.effect = effect_of(parameter);
     d.defaultValue = prims::get_parameter(parameter, defaults);
     if (parameter.maximum > parameter.minimum && parameter.maximum < kUnbounded) {
       const bool real = d.defaultValue.get<float>() != nullptr;
@@ -105,7 +99,7 @@ std::vector<RenderSettingDescriptor> make_setting_descriptors() {
     }
     for (const char* word : parameter.words)
       if (word) d.choices.emplace_back(word);
-    d.documentation = properties.at(parameter.name).at("description");
+    d.documentation = parameter.text;
     descriptors.push_back(std::move(d));
   }
   return descriptors;
@@ -113,7 +107,6 @@ std::vector<RenderSettingDescriptor> make_setting_descriptors() {
 
 }  // namespace
 
-// They are made once, because destructors of nlohmann::json allocate: where memory runs out in one, the program ends.
 std::vector<RenderSettingDescriptor> RenderDelegateImpl::GetRenderSettingDescriptors() const {
   return answer<std::vector<RenderSettingDescriptor>>("GetRenderSettingDescriptors", [](auto& descriptors) {
     static const std::vector<RenderSettingDescriptor> all = make_setting_descriptors();
