@@ -75,8 +75,10 @@ void add_fields_of_prims(py::class_<Scene>& scene) {
           py::call_guard<FreeReturned>(), py::arg("path"), py::arg("kind"), py::arg("fields") = py::none(),
           "Makes a prim of any kind, or replaces the one of that path: set('/m', 'mesh', {'primvars:points': points, "
           "'primvars:st:interpolation': 'faceVarying'}, face_vertex_counts=counts, double_sided=False). Fields that "
-          "are not given have their defaults. Names are those of alabaster_types.h; as arguments, doubleSided is "
-          "double_sided. A pair of texts is a connection of a material's input. An unknown name is an error that "
+          "are not given have their defaults. Kinds are mesh, instancer, material, camera, renderSettings, rectLight, "
+          "sphereLight, distantLight, domeLight, diskLight and cylinderLight; alabaster_types.h lists their fields. As "
+          "an argument, doubleSided is double_sided. A pair of texts is a connection of a material's input. An unknown "
+          "name is an error that "
           "names the nearest.")
       .def(
           "edit",
