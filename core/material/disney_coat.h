@@ -39,6 +39,8 @@ struct DisneyCoat {
   float over_diffuse(const Vec3f& wo, const Vec3f& wi) const { return passed(wo) * passed(wi) / mean_passed(); }
   /// The share of light from everywhere that passes.
   float mean_passed() const { return 1 - weight * (0.04f + 0.96f / 21); }
+  /// The same by the exit lobe of subsurface, whose mean of Schlick's weight is (1/21 - 1/132) / (41/42).
+  float mean_passed_at_exit() const { return 1 - weight * (0.04f + 0.96f * 37 / 902); }
   /// Factor of lobes about the mirror direction: the same there, and reciprocal.
   float over_specular(const Vec3f& wo, const Vec3f& wi) const { return std::sqrt(passed(wo) * passed(wi)); }
 };

@@ -67,7 +67,7 @@ struct DisneyLayers {
   /// Those over light that began below them: it comes from everywhere.
   Entered from_within() const {
     const auto passed = [&](float cosine) { return fibres.passed(cosine); };
-    return {fibrous() ? mean_of_cosines(passed) : 1, coated() ? coat.mean_passed() : 1};
+    return {fibrous() ? mean_of_cosines(passed) : 1, coated() ? coat.mean_passed_at_exit() : 1};
   }
   /// The factor of light that leaves along `wi` where these layers are, of a weight passed(wo) where it entered. With
   /// that it is over_diffuse() where the layers are alike; where they differ it is reciprocal as well, and keeps

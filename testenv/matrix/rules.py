@@ -53,6 +53,7 @@ QUICK = {
     "opaque body + inner shell": ("furnace, viewer",),
     "opaque body + cut": ("furnace, viewer",),
     "opaque body + camera inside": ("furnace, viewer", "crops and threads"),
+    "opaque body + coat + camera inside": ("furnace, viewer",),
     "opaque body + face to face": ("furnace, viewer",),
     "opaque body + shear": ("furnace, viewer",),
     "opaque body + motion": ("furnace, viewer", "crops and threads"),
