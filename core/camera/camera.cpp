@@ -22,7 +22,7 @@ float representable(float x) {
 std::span<const Parameter<CameraParameters>> camera_parameters() {
   using P = CameraParameters;
   constexpr double kSmallest = 1e-30;  // of what a projection divides by
-  // A row is a line of values, and its words. clang-format would give each of them a line.
+  // The second line of a row is its unit and its description. clang-format would give each element a line.
   // clang-format off
   static constexpr Parameter<P> kTable[] = {
       {"focalLength", &P::focal_length, kSmallest, kUnbounded, {},

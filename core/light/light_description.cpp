@@ -10,7 +10,7 @@ std::span<const Parameter<LightDescription>> light_parameters() {
   constexpr uint32_t kRect = bit(LightType::rect), kSphere = bit(LightType::sphere), kDisk = bit(LightType::disk);
   constexpr uint32_t kCylinder = bit(LightType::cylinder), kDistant = bit(LightType::distant);
   constexpr uint32_t kShaped = kSphere | kRect | kDisk | kCylinder;
-  // A row is a line of values, and its words. clang-format would give each of them a line.
+  // The second line of a row is its unit and its description. clang-format would give each element a line.
   // clang-format off
   static constexpr Parameter<P> kTable[] = {
       {"intensity", &P::intensity, 0, kUnbounded, {},

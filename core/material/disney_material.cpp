@@ -9,7 +9,7 @@ namespace {
 
 using P = DisneyParameters;
 
-// A row is a line of values, and its words. clang-format would give each of them a line.
+// The second line of a row is its unit and its description. clang-format would give each element a line.
 // clang-format off
 constexpr auto kParameters = std::to_array<MaterialParameter>({
     {{"baseColor", &P::base_color, 0, 1, {},

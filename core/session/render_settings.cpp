@@ -5,7 +5,7 @@ namespace alabaster {
 std::span<const SettingParameter> setting_parameters() {
   using S = RenderSettings;
   using setting_use::kContinues, setting_use::kLive, setting_use::kNoPixels, setting_use::kResyncs;
-  // A row is a line of values, and its words. clang-format would give each of them a line.
+  // The second line of a row is its unit and its description. clang-format would give each element a line.
   // clang-format off
   static constexpr SettingParameter kTable[] = {
       {"samples", &S::samples, 1, 1048576, {},

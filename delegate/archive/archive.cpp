@@ -28,6 +28,11 @@ std::string digest_of(const std::vector<uint8_t>& bytes) {
 // A value of JSON takes a node of the document.
 constexpr size_t kValueBytes = 300;
 
+/// OpenColorIO configs that are no files.
+bool is_named_config(const std::string& config) {
+  return config == "built-in" || config.starts_with("ocio://");
+}
+
 /// Names of files below `folder` are relative to it.
 std::string name_from(const std::string& folder, const std::string& file) {
   const std::string below = folder + "/";
@@ -36,7 +41,7 @@ std::string name_from(const std::string& folder, const std::string& file) {
 
 class Writer {
  public:
-  Writer(const std::string& file, const WriteOptions& options) : embeds_(options.embed_images) {
+  Writer(const std::string& file, const WriteOptions& options) : options_(options) {
     std::error_code error;
     const std::filesystem::path parent = std::filesystem::path(file).parent_path();
     folder_ = std::filesystem::weakly_canonical(parent.empty() ? "." : parent, error).string();
@@ -51,12 +56,19 @@ class Writer {
     add_all(prims.meshes, "mesh");
     json scene = {{"prims", std::move(prims_)}};
     if (!info.settings.empty()) scene["settings"] = info.settings.str();
-    if (!info.color_config.resolved.empty()) scene["ocio"] = asset(info.color_config, false);
+    if (is_named_config(info.color_config.resolved))
+      scene["ocio"] = {{"authored", info.color_config.resolved}};
+    else if (!info.color_config.resolved.empty())
+      scene["ocio"] = asset(info.color_config, false);
     const std::string text = scene.dump();
     tensors_.add_bytes(std::make_shared<const std::vector<uint8_t>>(text.begin(), text.end()), kScene);
   }
   std::string write(const std::string& file) {
     const std::string header = tensors_.header(kFormat, kVersion);
+    if (!outside_.empty() && options_.sink)
+      options_.sink({Severity::info, "archive.outside", file,
+                     "It names files outside of its folder, such as " + outside_ +
+                         ": read it with --allow-outside, or store its images in it (convert --embed)."});
     return support::StreamOutputFile(file, [&](const support::ByteSink& sink) {
       if (!sink({reinterpret_cast<const uint8_t*>(header.data()), header.size()})) return false;
       for (const std::span<const uint8_t> bytes : tensors_.order())
@@ -87,13 +99,19 @@ class Writer {
     json written = json::array();
     for (const auto& [name, value] : fields) {
       try {
-        written.push_back(
-            {name, write_value(value, &tensors_, [this](const AssetPath& a) { return asset(a, embeds_); })});
+        written.push_back({name, write_value(value, &tensors_,
+                                             [this](const AssetPath& a) { return asset(a, options_.embed_images); })});
       } catch (const Fault& fault) {
         throw Fault(path.str() + ": '" + name + "': " + fault.what());
       }
     }
-    prims_.push_back({{"path", path.str()}, {"kind", kind.str()}, {"fields", std::move(written)}});
+    json prim = {{"path", path.str()}, {"kind", kind.str()}, {"fields", std::move(written)}};
+    try {
+      static_cast<void>(prim.dump());
+    } catch (const json::exception&) {
+      throw Fault(path.str() + " has a text that is not UTF-8, as texts in files are");
+    }
+    prims_.push_back(std::move(prim));
   }
   json asset(const AssetPath& path, bool embeds) {
     json written = {{"authored", path.authored}};
@@ -104,7 +122,9 @@ class Writer {
       const InputFile file(path.resolved, path.within);
       if (file && file.read(read.get())) bytes = read;
       std::error_code error;
-      written["file"] = name_from(folder_, std::filesystem::weakly_canonical(path.resolved, error).string());
+      const std::string name = name_from(folder_, std::filesystem::weakly_canonical(path.resolved, error).string());
+      if (name.starts_with('/') && !embeds) outside_ = name;
+      written["file"] = name;
     }
     if (!bytes && is_file && embeds)
       throw Fault(path.resolved + " is not stored: it cannot be read, or names a set of images");
@@ -118,8 +138,8 @@ class Writer {
     return written;
   }
 
-  bool embeds_;
-  std::string folder_;
+  const WriteOptions& options_;
+  std::string folder_, outside_;  // outside_: a file that readers refuse without allow_outside
   json prims_ = json::array();
   TensorWriter tensors_;
   std::map<std::string, std::string> images_;  // digest -> tensor
@@ -132,30 +152,33 @@ class Reader {
         sink_(sink),
         options_(options),
         folder_(std::filesystem::path(file).parent_path().string()),
-        memory_(std::make_shared<MemoryBudget>(options.memory_limit)) {
+        memory_(std::make_shared<MemoryBudget>(options.memory_limit)),
+        held_(memory_, MemoryUse::scene) {
     if (folder_.empty()) folder_ = ".";
     if (!options.allow_outside) within_ = allowed_folder(folder_);
   }
   void read(host::RetainedSceneDelegate* scene, ReadResult* result) {
     const InputFile input(file_, options_.within);
     if (!input) throw Fault(input.reason());
-    result->memory_bytes = input.size();
-    const MemoryReservation held(memory_, MemoryUse::scene, input.size(), file_);
+    held_.resize(input.size(), file_);
     const auto bytes = std::make_shared<std::vector<uint8_t>>();
     if (!input.read(bytes.get())) throw Fault("the file could not be read");
     const MemoryReservation header = for_json(TensorReader::header_of(*bytes));
     const TensorReader tensors(bytes);
     check_version(tensors.metadata());
     const std::span<const uint8_t> text = tensors.bytes(kScene);
+    check_depth(text);
     const MemoryReservation parsed = for_json(text);
     const json root = json::parse(text.begin(), text.end(), nullptr, false);
+    if (root.is_discarded()) throw Fault("tensor 'scene.json' is not JSON");
     if (!root.is_object() || !root.contains("prims") || !root["prims"].is_array())
       throw Fault("tensor 'scene.json' has no list of prims");
     for (const json& prim : root["prims"]) read_prim(prim, tensors, scene);
     place_products(scene);
-    if (root.contains("ocio")) result->info.color_config = asset(root["ocio"], tensors);
+    if (root.contains("ocio")) result->info.color_config = color_config(root["ocio"], tensors);
     if (const auto settings = root.find("settings"); settings != root.end() && settings->is_string())
       result->info.settings = Path(options_.root + settings->get<std::string>());
+    result->memory_bytes = held_.bytes();
     result->ok = true;
   }
 
@@ -168,9 +191,21 @@ class Reader {
   // With the root before a path, and before the paths in names: "prototypes:/mesh", "/material/node.input".
   std::string placed(const std::string& path) const { return path.starts_with('/') ? options_.root + path : path; }
   std::string placed_name(const std::string& name) const {
-    constexpr std::string_view kPrototypes = "prototypes:";
-    return name.starts_with(kPrototypes) ? std::string(kPrototypes) + placed(name.substr(kPrototypes.size()))
-                                         : placed(name);
+    constexpr std::string_view kPrototypes = "prototypes:", kCategories = "categories:";
+    if (name.starts_with(kPrototypes)) return std::string(kPrototypes) + placed(name.substr(kPrototypes.size()));
+    if (name.starts_with(kCategories) && !options_.root.empty())
+      return std::string(kCategories) + options_.root + " " + name.substr(kCategories.size());
+    return placed(name);
+  }
+  // With the root before the categories that light links name, which are of this scene.
+  Value placed_categories(const std::string& name, Value value) const {
+    if (options_.root.empty()) return value;
+    if (name == "lightLink" || name == "shadowLink") return Token(options_.root + " " + value.text_or(""));
+    const auto* all = value.get<Array<Token>>();
+    if (name != "categories" || !all) return value;
+    std::vector<Token> categories;
+    for (const Token& category : *all) categories.emplace_back(options_.root + " " + category.str());
+    return categories;
   }
   Value placed(Value value) const {
     if (const auto* path = value.get<Path>()) return Path(placed(path->str()));
@@ -189,7 +224,8 @@ class Reader {
     if (text("format") != kFormat) throw Fault("the file is no scene archive of Alabaster");
     const std::string version = text("version");
     const bool is_number = !version.empty() && version.find_first_not_of("0123456789") == std::string::npos;
-    if (!is_number || version.size() > 9 || std::stoi(version) < 1) throw Fault("the archive has no version");
+    if (!is_number || version.size() > 9 || std::stoi(version) < 1)
+      throw Fault("the archive's version is not a number from 1");
     if (std::stoi(version) > kVersion)
       throw Fault("the archive has version " + version + ", and this program reads up to version " +
                   std::to_string(kVersion) + ": use the program that wrote it, or a newer one");
@@ -201,13 +237,16 @@ class Reader {
       return prim[key].get<std::string>();
     };
     const std::string path = text("path");
+    if (path.find('\0') != std::string::npos) throw Fault("a path holds a zero character");
+    if (!paths_.insert(path).second) throw Fault("two prims have the path " + path);
     host::Fields fields;
     if (!prim.contains("fields") || !prim["fields"].is_array()) throw Fault(path + " has no fields");
     for (const json& field : prim["fields"]) {
       if (!field.is_array() || field.size() != 2 || !field[0].is_string()) throw Fault(path + " has a wrong field");
       try {
         Value value = read_value(field[1], tensors, [&](const json& a) { return asset(a, tensors); });
-        fields.emplace_back(placed_name(field[0].get<std::string>()), placed(std::move(value)));
+        const auto& name = field[0].get_ref<const std::string&>();
+        fields.emplace_back(placed_name(name), placed_categories(name, placed(std::move(value))));
       } catch (const Fault& fault) {
         throw Fault(path + ": '" + field[0].get<std::string>() + "': " + fault.what());
       }
@@ -229,7 +268,12 @@ class Reader {
       scene->SetRenderSettings(path, std::move(settings));
     }
   }
-  AssetPath asset(const json& given, const TensorReader& tensors) const {
+  AssetPath color_config(const json& given, const TensorReader& tensors) {
+    AssetPath config = asset(given, tensors);
+    if (config.resolved.empty() && is_named_config(config.authored)) config.resolved = config.authored;
+    return config;
+  }
+  AssetPath asset(const json& given, const TensorReader& tensors) {
     const auto text = [&](const char* key) {
       const auto found = given.is_object() ? given.find(key) : given.end();
       if (!given.is_object() || (found != given.end() && !found->is_string())) throw Fault("a file has no name");
@@ -238,8 +282,13 @@ class Reader {
     AssetPath path;
     path.authored = text("authored");
     if (const std::string name = text("bytes"); !name.empty()) {
-      const std::span<const uint8_t> bytes = tensors.bytes(name);
-      path.bytes = std::make_shared<const std::vector<uint8_t>>(bytes.begin(), bytes.end());
+      auto& stored = stored_[name];
+      if (!stored) {
+        const std::span<const uint8_t> bytes = tensors.bytes(name);
+        held_.resize(held_.bytes() + bytes.size(), file_ + ": " + path.authored);
+        stored = std::make_shared<const std::vector<uint8_t>>(bytes.begin(), bytes.end());
+      }
+      path.bytes = stored;
       return path;
     }
     const std::string name = text("file");
@@ -249,12 +298,14 @@ class Reader {
     check_digest(path, text("digest"));
     return path;
   }
-  void check_digest(const AssetPath& path, const std::string& digest) const {
+  void check_digest(const AssetPath& path, const std::string& digest) {
+    if (!compared_.insert({path.resolved, digest}).second) return;
     std::vector<uint8_t> bytes;
     const InputFile file(path.resolved, path.within);
+    const MemoryReservation read(memory_, MemoryUse::scene, file ? file.size() : 0, path.resolved);
     if (digest.empty() || !file || !file.read(&bytes) || digest_of(bytes) == digest || !sink_) return;
     sink_({Severity::warning, "archive.image", file_ + ": " + path.resolved,
-           "The image is another one than when the archive was written. To keep images, embed them."});
+           "The file has changed since the archive was written. Images can be stored in it (convert --embed)."});
   }
 
   std::string file_;
@@ -262,6 +313,10 @@ class Reader {
   const ReadOptions& options_;
   std::string folder_, within_;
   std::shared_ptr<MemoryBudget> memory_;
+  MemoryReservation held_;  // the file, over which arrays lie, and copies of what is stored in it
+  std::map<std::string, std::shared_ptr<const std::vector<uint8_t>>> stored_;  // by tensor
+  std::set<std::pair<std::string, std::string>> compared_;                     // files and digests
+  std::set<std::string> paths_;
   std::set<Path> settings_;
 };
 
@@ -276,17 +331,14 @@ std::string WriteArchive(const std::string& file, const Prims& prims, const Scen
                          const WriteOptions& options) {
   try {
     if (!file.ends_with(".alab")) return "'" + file + "' must end in .alab";
-    if (const std::string fault = support::OutputFault(file); !fault.empty()) return file + ": " + fault;
+    if (const std::string fault = support::OutputFault(file); !fault.empty()) return fault;
     Writer writer(file, options);
     writer.add(prims, info);
-    const std::string fault = writer.write(file);
-    return fault.empty() ? fault : file + " could not be written: " + fault;
+    return writer.write(file);
   } catch (const std::bad_alloc&) {
     return "memory ran out";
   } catch (const Fault& fault) {
     return fault.what();
-  } catch (const nlohmann::json::exception&) {
-    return "a name of the scene is not UTF-8, as names in files are";
   } catch (const std::exception& e) {
     return std::string("the scene cannot be written: ") + e.what();
   }

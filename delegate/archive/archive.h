@@ -10,7 +10,7 @@ namespace alabaster::hd::archive {
 /// Rises when older readers cannot read what is written. Archives of later versions are refused, earlier ones read.
 inline constexpr int kVersion = 1;
 
-/// The prims to write, as their owner holds them.
+/// The prims of a scene.
 struct Prims {
   const std::map<Path, host::MeshDescription>& meshes;
   const std::map<Path, host::InstancerDescription>& instancers;
@@ -30,18 +30,19 @@ struct SceneInfo {
 struct WriteOptions {
   /// Images are stored in the archive. Else they are named by path and digest.
   bool embed_images = false;
+  DiagnosticSink sink = {};  // reports files outside of the archive's folder, which readers refuse by default
 };
 /// Writes all prims. Files of products that lie in their own folder (RenderProduct::within) are named relative to it,
-/// and come below the archive's when it is read. The file is replaced whole or stays as it was. Returns "", or the
-/// reason. Never throws.
+/// and lie below the archive's folder when it is read. The file is replaced whole or stays as it was. Returns "", or
+/// the reason. Never throws.
 ALABASTER_API std::string WriteArchive(const std::string& file, const Prims& prims, const SceneInfo& info = {},
                                        const WriteOptions& options = {});
 
 /// Writes all prims, with render settings that draw what a pass of `state` draws: they are those of the scene that
 /// `settings` name by "renderSettingsPrimPath", else new ones, with the camera and the framing of the state and with
 /// `settings` over theirs. Without a product they have NAME.exr, of floats, beside the archive. "ocio" names the
-/// OpenColorIO config. Meshes beyond the state's collection are hidden. Bindings count for nothing. Returns "", or the
-/// reason. Never throws.
+/// OpenColorIO config. Meshes beyond the state's collection are hidden. The state's bindings are ignored. Returns "",
+/// or the reason. Never throws.
 ALABASTER_API std::string WritePass(const std::string& file, const Prims& prims, const RenderPassState& state,
                                     const std::map<Token, Value>& settings);
 
@@ -57,11 +58,11 @@ struct ReadResult {
   bool ok = false;
   bool out_of_memory = false;  // the cause, if not
   SceneInfo info = {};
-  size_t memory_bytes = 0;  // of the file, over which the arrays of the scene lie
+  size_t memory_bytes = 0;  // of the file, whose memory the arrays of the scene share, and of images stored in it
 };
 /// Adds the prims of an archive, which is checked as an untrusted file. An image whose digest differs is a warning.
-/// After a report `ok` is false, and the prims before the fault are in the scene. Never throws. The
-/// file is read, not mapped: a process that cuts a mapped file ends the one that maps it.
+/// After an error `ok` is false, and the prims before the fault are in the scene. Never throws. The file is read, not
+/// mapped: reading memory that is mapped to a file which another process has truncated ends the program.
 ALABASTER_API ReadResult ReadArchive(const std::string& file, host::RetainedSceneDelegate* scene,
                                      const DiagnosticSink& sink, const ReadOptions& options = {});
 

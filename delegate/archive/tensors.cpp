@@ -4,6 +4,8 @@
 #include <cstring>
 #include <span>
 
+#include "delegate/support/json_bounds.h"
+
 namespace alabaster::hd::archive {
 namespace {
 
@@ -55,7 +57,7 @@ std::vector<size_t> sizes_of(const json& values, const std::string& name) {
 }  // namespace
 
 std::string TensorWriter::store(Tensor tensor) {
-  const std::pair<const void*, size_t> key = {tensor.bytes.data(), tensor.bytes.size()};
+  const std::tuple<const void*, size_t, const char*> key = {tensor.bytes.data(), tensor.bytes.size(), tensor.type};
   if (const auto found = names_.find(key); !tensor.bytes.empty() && found != names_.end()) return found->second;
   if (tensor.name.empty()) tensor.name = std::to_string(tensors_.size());
   const std::string name = tensor.name;
@@ -108,6 +110,7 @@ std::string TensorWriter::header(const std::string& format, int version) {
   }
   std::string text = header.dump();
   text.resize((text.size() + 7) / 8 * 8, ' ');
+  if (text.size() > kMostHeaderBytes) throw Fault("the scene has more arrays than an archive can list");
   std::string length(kLengthBytes, '\0');
   for (size_t i = 0; i < kLengthBytes; ++i) length[i] = char(text.size() >> (8 * i) & 255);
   return length + text;
@@ -117,6 +120,13 @@ std::vector<std::span<const uint8_t>> TensorWriter::order() const {
   std::vector<std::span<const uint8_t>> all;
   for (const Tensor* tensor : by_alignment()) all.push_back(tensor->bytes);
   return all;
+}
+
+void check_depth(std::span<const uint8_t> json) {
+  constexpr size_t kMostDepth = 64;  // copies of deeper values would take too much stack
+  const std::string_view text(reinterpret_cast<const char*>(json.data()), json.size());
+  if (support::bounds_of_json(text, kMostDepth).too_deep_at != std::string_view::npos)
+    throw Fault("its JSON is nested deeper than " + std::to_string(kMostDepth) + " levels");
 }
 
 std::span<const uint8_t> TensorReader::header_of(const std::vector<uint8_t>& file) {
@@ -130,6 +140,7 @@ std::span<const uint8_t> TensorReader::header_of(const std::vector<uint8_t>& fil
 
 TensorReader::TensorReader(std::shared_ptr<const std::vector<uint8_t>> file) : file_(std::move(file)) {
   const std::span<const uint8_t> text = header_of(*file_);
+  check_depth(text);
   const json header = json::parse(text.begin(), text.end(), nullptr, false);
   if (!header.is_object()) throw Fault("the header is no JSON object");
   const size_t begin = kLengthBytes + text.size(), size = file_->size() - begin;
@@ -163,7 +174,7 @@ const TensorReader::Tensor& TensorReader::find(const std::string& name, int32_t 
   const TypeInfo& info = GetTypeInfo(type);
   const size_t bytes = tensor.end - tensor.begin;
   if (tensor.type != dtype(info.scalar) || (info.bytes > 0 && bytes % info.bytes != 0))
-    throw Fault("tensor '" + name + "' is not an array of " + info.name);
+    throw Fault("tensor '" + name + "' is not an array of " + (type == ALABASTER_NONE ? "bytes" : info.name));
   const size_t alignment = info.bytes > 0 ? size_t(info.bytes) / info.components : 1;
   if (reinterpret_cast<uintptr_t>(file_->data() + tensor.begin) % alignment != 0)
     throw Fault("tensor '" + name + "' is not aligned");
@@ -175,8 +186,9 @@ Value TensorReader::array(const std::string& name, int32_t type) const {
   const uint8_t* first = file_->data() + tensor.begin;
   const size_t count = (tensor.end - tensor.begin) / GetTypeInfo(type).bytes;
   if (type == ALABASTER_BOOL) {  // bytes other than 0 and 1 are no bools of C++
-    std::vector<bool> flags(first, first + count);
-    return flags;
+    if (!flags_.contains(name) && std::any_of(first, first + count, [](uint8_t byte) { return byte > 1; }))
+      throw Fault("tensor '" + name + "' has bools that are neither 0 nor 1");
+    flags_.insert(name);
   }
   return Value::array(type, file_, first, count);
 }

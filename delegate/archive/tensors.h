@@ -3,8 +3,10 @@
 
 #include <map>
 #include <nlohmann/json.hpp>
+#include <set>
 #include <span>
 #include <stdexcept>
+#include <tuple>
 #include <vector>
 
 #include "delegate/api/types.h"
@@ -21,9 +23,10 @@ class TensorWriter {
  public:
   /// The name of the tensor of an array or a scalar of numbers.
   std::string add(const Value& numbers);
-  /// Bytes as they are, by that name or another.
+  /// The name of a tensor of bytes: `name`, or a new one if it is empty.
   std::string add_bytes(std::shared_ptr<const std::vector<uint8_t>> bytes, std::string name = {});
-  /// The header with its length, padded to 8 bytes. The tensors follow it in order().
+  /// The header with its length, padded to 8 bytes. The tensors follow it in order(). Throws Fault where readers would
+  /// refuse it.
   std::string header(const std::string& format, int version);
   std::vector<std::span<const uint8_t>> order() const;
 
@@ -41,8 +44,11 @@ class TensorWriter {
   std::vector<const Tensor*> by_alignment() const;
 
   std::vector<Tensor> tensors_;
-  std::map<std::pair<const void*, size_t>, std::string> names_;
+  std::map<std::tuple<const void*, size_t, const char*>, std::string> names_;  // by memory and type
 };
+
+/// Throws Fault if a JSON text is nested too deeply.
+void check_depth(std::span<const uint8_t> json);
 
 /// Tensors of a file that has been read. Throws Fault.
 class TensorReader {
@@ -66,6 +72,7 @@ class TensorReader {
 
   std::shared_ptr<const std::vector<uint8_t>> file_;
   std::map<std::string, Tensor> tensors_;
+  mutable std::set<std::string> flags_;  // tensors of bools that have been looked through
   nlohmann::json metadata_;
 };
 

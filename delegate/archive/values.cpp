@@ -1,6 +1,7 @@
 #include "delegate/archive/values.h"
 
 #include <cmath>
+#include <limits>
 #include <utility>
 
 namespace alabaster::hd::archive {
@@ -51,13 +52,18 @@ bool write_texts(const Value& value, json* list) {
   return true;
 }
 
+Fault unlike(const char* expected, const json& given) {
+  return Fault(std::string("expected ") + expected + ", and found " + given.type_name());
+}
+
 const std::string& text_of(const json& value) {
-  if (!value.is_string()) throw Fault("a text is " + std::string(value.type_name()));
+  if (!value.is_string()) throw unlike("a text", value);
   return value.get_ref<const std::string&>();
 }
 
 template <class T>
 Value read_texts(const json& list) {
+  if (!list.is_array()) throw unlike("a list of texts", list);
   std::vector<T> texts;
   for (const json& text : list) texts.emplace_back(text_of(text));
   return texts;
@@ -67,14 +73,18 @@ template <class T>
 Value packed(const json& list, int32_t type) {
   std::vector<T> numbers;
   for (const json& number : list) {
-    if (!number.is_number()) throw Fault("a number is " + std::string(number.type_name()));
+    if (!number.is_number()) throw unlike("a number", number);
     if constexpr (std::is_same_v<T, Half>) {
       numbers.push_back(Half(number.get<float>()));
     } else if constexpr (std::is_integral_v<T>) {
-      if (!number.is_number_integer() || !std::in_range<T>(number.get<int64_t>()))
-        throw Fault("a whole number is " + number.dump());
+      const bool fits = number.is_number_unsigned()  ? std::in_range<T>(number.get<uint64_t>())
+                        : number.is_number_integer() ? std::in_range<T>(number.get<int64_t>())
+                                                     : false;
+      if (!fits) throw Fault(number.dump() + " is not a whole number of its type");
       numbers.push_back(number.get<T>());
     } else {
+      if (std::abs(number.get<double>()) > double(std::numeric_limits<T>::max()))
+        throw Fault(number.dump() + " is too large for its type");
       numbers.push_back(number.get<T>());
     }
   }
@@ -85,7 +95,7 @@ Value packed(const json& list, int32_t type) {
 Value read_numbers(const json& given, int32_t type, const TensorReader& tensors) {
   if (given.is_string()) return tensors.number(given.get<std::string>(), type);
   if (type == ALABASTER_BOOL) {
-    if (!given.is_boolean()) throw Fault("a bool is " + std::string(given.type_name()));
+    if (!given.is_boolean()) throw unlike("a bool", given);
     return given.get<bool>();
   }
   const json list = given.is_array() ? given : json::array({given});
@@ -143,7 +153,7 @@ Value read_value(const json& given, const TensorReader& tensors, const std::func
   if (type == ALABASTER_ASSET) return asset(held);
   if (type != ALABASTER_SAMPLES) throw Fault("a field holds a " + name);
   auto samples = std::make_shared<TimeSamples<Value>>();
-  if (!held.is_array()) throw Fault("samples are " + std::string(held.type_name()));
+  if (!held.is_array()) throw unlike("samples", held);
   for (const json& sample : held) {
     if (!sample.is_array() || sample.size() != 2 || !sample[0].is_number())
       throw Fault("a sample is no pair of a time and a value");

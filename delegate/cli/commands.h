@@ -54,7 +54,7 @@ struct CheckArguments {
 int run_check(const CheckArguments& arguments);
 
 struct ConvertArguments : SceneArguments {
-  std::string output;
+  std::string output, size;
   bool embed = false;
 };
 int run_convert(const ConvertArguments& arguments);

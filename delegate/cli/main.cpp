@@ -266,6 +266,7 @@ CLI::App* add_convert(CLI::App& app, ConvertArguments* a) {
       "convert", "Writes a scene, as the options change it, to one file (.alab) that every command reads.");
   add_scene_options(c, a);
   c->add_option("-o,--output", a->output, "File to write: NAME.alab")->required()->type_name("FILE");
+  c->add_option("--size", a->size, "Size of the frame, by which a scene without a camera is framed")->type_name("WxH");
   c->add_flag("--embed", a->embed, "Store images in the file; else it names them by path and digest");
   return c;
 }

@@ -97,8 +97,11 @@ bool apply_entry(const Reader& reader, const std::string& pointer, const json& e
     return !paths.empty();
   }
   const Path path = Path("/lights").append(entry["name"]);
-  if (reader.scene().GetLights().contains(path))
-    return reader.fail(pointer + "/name", "There is already a light '" + path.str() + "'; choose another name.");
+  if (has_prims_at(reader.scene(), path))
+    return reader.fail(pointer + "/name",
+                       "There is already a " +
+                           std::string(reader.scene().GetLights().contains(path) ? "light" : "prim") + " '" +
+                           path.str() + "'; choose another name.");
   host::LightDescription light;
   light.type = entry["type"].get<std::string>();
   return change_light(reader, pointer, entry, path, std::move(light));

@@ -1,3 +1,4 @@
+#include <cctype>
 #include <filesystem>
 #include <set>
 
@@ -8,32 +9,20 @@
 namespace alabaster::hd::description {
 namespace {
 
-// Paths of a model begin with its file's stem. A second model with the same stem gets a root of its own.
-Path root_for(const std::string& file, std::set<std::string>* taken) {
-  const std::string stem = std::filesystem::path(file).stem();
-  std::string root = "/";
-  for (int copy = 2; !taken->insert(root + "|" + stem).second; ++copy) root = "/copy" + std::to_string(copy);
-  return root;
-}
-
-// The paths of an archive are its own, so that each but the first model of a description gets a root. Models that come
-// after it do not take its names.
-Path archive_root(size_t model) {
-  return model == 0 ? Path() : Path("/model" + std::to_string(model + 1));
-}
-void take_names(const host::RetainedSceneDelegate& scene, std::set<std::string>* taken) {
-  const auto take = [&](const auto& prims) {
-    for (const auto& prim : prims) {
-      const std::string& path = prim.first.str();
-      taken->insert("/|" + path.substr(1, path.find('/', 1) - 1));
-    }
-  };
-  take(scene.GetMeshes()), take(scene.GetInstancers()), take(scene.GetMaterials());
-  take(scene.GetLights()), take(scene.GetCameras());
+// Paths of a model begin with its file's stem. A second model of the stem, or one whose paths an archive has, gets a
+// root of its own.
+Path root_for(const std::string& file, const host::RetainedSceneDelegate& scene, std::set<std::string>* taken) {
+  const std::string names = "/gltf/" + std::filesystem::path(file).stem().string();
+  std::string root;
+  for (int copy = 2; has_prims_at(scene, Path(root + names)) || !taken->insert(root + names).second; ++copy)
+    root = "/copy" + std::to_string(copy);
+  return Path(root.empty() ? "/" : root);
 }
 
 bool is_archive(const std::string& file) {
-  return file.ends_with(".alab");
+  std::string extension = std::filesystem::path(file).extension();
+  for (char& c : extension) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  return extension == ".alab";
 }
 
 // A choice of the command line takes the place of the model's own.
@@ -86,10 +75,10 @@ bool read_placement(const Reader& reader, const std::string& pointer, const nloh
   return true;
 }
 
-bool add_gltf(const Reader& reader, const nlohmann::json& model, const AssetPath& file, const Path& root,
-              const Placement& placement) {
+bool add_gltf(const Reader& reader, const nlohmann::json& model, const AssetPath& file, const Placement& placement,
+              std::set<std::string>* taken) {
   gltf::GltfOptions options = options_of(model, reader.state().options);
-  options.root = root;
+  options.root = root_for(file.resolved, reader.scene(), taken);
   options.within = file.within;
   sample_shutter(described_shutter(reader), &options);
   options.memory_limit = std::max(reader.state().memory->left(), size_t(1));
@@ -100,14 +89,13 @@ bool add_gltf(const Reader& reader, const nlohmann::json& model, const AssetPath
   return load_model(file.resolved, options, std::move(open), &reader.state());
 }
 
-bool add_archive(const Reader& reader, const std::string& pointer, const nlohmann::json& model, const AssetPath& file,
-                 const Path& root, const Placement& placement) {
+bool add_archive(const Reader& reader, const std::string& pointer, const AssetPath& file, const Placement& placement) {
   for (const char* key : {"scene", "animation", "variant", "time", "refineLevel"})
-    if (model.contains(key))
+    if (reader.value().at(nlohmann::json::json_pointer(pointer)).contains(key))
       return reader.fail(pointer_append(pointer, key),
                          "An archive has one scene, at one time, with its own levels of refinement: leave it out.");
-  ArchiveModel archive{root.str(), file.within, placement.transform, placement.motion};
-  return load_archive(file.resolved, archive, &reader.state());
+  return load_archive(file.resolved, {file.within, pointer.ends_with("/0"), placement.transform, placement.motion},
+                      &reader.state());
 }
 
 }  // namespace
@@ -162,12 +150,9 @@ bool apply_models(const Reader& reader) {
     if (file.resolved.empty()) return false;
     Placement placement;
     if (!read_placement(reader, pointer, model, &placement)) return false;
-    if (is_archive(file.resolved)) {
-      ok = add_archive(reader, pointer, model, file, archive_root(i), placement) && ok;
-      take_names(reader.scene(), &taken);
-    } else {
-      ok = add_gltf(reader, model, file, root_for(file.resolved, &taken), placement) && ok;
-    }
+    ok = (is_archive(file.resolved) ? add_archive(reader, pointer, file, placement)
+                                    : add_gltf(reader, model, file, placement, &taken)) &&
+         ok;
   }
   return ok;
 }

@@ -10,8 +10,6 @@
 namespace alabaster::hd::description {
 namespace {
 
-constexpr const char* kPlannedCamera = "/camera";
-
 // A description's camera starts from a 50 mm lens and full-frame film; metres.
 std::map<Token, Value> default_lens() {
   return {{"focalLength", 0.050f}, {"horizontalAperture", 0.036f}, {"verticalAperture", 0.024f}};
@@ -87,8 +85,13 @@ bool complete_camera(LoadState* state) {
     state->result->notes.push_back("no camera: framed the scene");
     state->result->framed = true;
   }
-  state->scene->SetCamera(kPlannedCamera, std::move(camera));
-  state->settings.camera = kPlannedCamera;
+  // Another prim of that path stays, and so does a camera of an archive that is not the one with changes.
+  const auto& cameras = state->scene->GetCameras();
+  const bool is_replaced =
+      cameras.contains(state->planned_camera) && (base == state->planned_camera || !state->has_archive);
+  if (!is_replaced) state->planned_camera = free_path(*state->scene, state->planned_camera.str());
+  state->scene->SetCamera(state->planned_camera, std::move(camera));
+  state->settings.camera = state->planned_camera;
   return true;
 }
 
@@ -183,6 +186,7 @@ void complete_settings(LoadState* state) {
   for (const auto& [path, settings] : others)
     if (!settings.products.empty()) state->result->further_settings.push_back(path);
   Path path = state->settings_path;
+  if (!others.contains(path)) path = free_path(*state->scene, path.str());
   size_t number = 1;
   for (size_t i = 0; i < renders.size(); ++i) {
     while (i > 0 && state->scene->GetAllRenderSettings().contains(path))
@@ -206,8 +210,8 @@ bool gives_light(const MaterialNetwork& material) {
 // A camera that was framed stays where it is.
 void pose_camera(LoadState* state) {
   const Path base = base_camera(*state);
-  if (base.empty() || !(state->settings.camera == Path(kPlannedCamera))) return;
-  state->scene->SetCamera(kPlannedCamera, planned_camera(state->camera, base, *state->scene));
+  if (base.empty() || !(state->settings.camera == state->planned_camera)) return;
+  state->scene->SetCamera(state->planned_camera, planned_camera(state->camera, base, *state->scene));
 }
 
 bool complete_scene(LoadState* state) {

@@ -61,14 +61,14 @@ struct LoadState {
   LoadOptions options;
   CameraPlan camera;
   RenderSettingsDescription settings;
-  Path settings_path = "/render";
+  Path settings_path = "/render", planned_camera = "/camera";  // the prims that loading makes
   StudioChoice studio = StudioChoice::when_dark;
   std::vector<ProductPlan> products;
   std::map<std::pair<std::string, std::string>, std::string> image_faults;  // by path and folder; empty: it is an image
   std::shared_ptr<MemoryBudget> memory;  // of loading: the description, and the models one after the other
   MemoryReservation held;                // by what is loaded already
   std::vector<OpenModel> models;
-  bool has_archive = false;  // nothing is added to what an archive holds, but a camera where it has none
+  bool has_archive = false;  // as the first model: no light is added, and a camera only if there is none
   std::vector<AppliedDocument> documents;
   std::vector<MeshLink> links;                 // in the order in which they were made
   std::map<std::string, Path> mesh_materials;  // that meshes were given, by pattern
@@ -120,14 +120,21 @@ bool loosens_memory_limit(double mib);
 /// Adds a model to the scene, and notes the cause if it cannot be read.
 bool load_model(const std::string& file, const gltf::GltfOptions& options, OpenModel model, LoadState* state);
 
-/// Adds the prims of a scene archive. Those of the first one without a root have render settings: their settings,
-/// camera and products are taken, which the description may change. `transform` places them; empty: they stay.
+/// Adds the prims of a scene archive, below a root of their own where the scene has prims of their paths.
 struct ArchiveModel {
-  std::string root, within;
-  std::optional<Matrix4d> transform;
+  std::string within;
+  /// The description's first model: its render settings, camera and products are taken, and the description changes
+  /// them.
+  bool is_first = true;
+  std::optional<Matrix4d> transform;  // of all prims
   TimeSamples<Matrix4d> motion;
 };
 bool load_archive(const std::string& file, const ArchiveModel& model, LoadState* state);
+
+/// True if the scene has a prim of the path, or one below it.
+bool has_prims_at(const host::RetainedSceneDelegate& scene, const Path& path);
+/// `wanted`, or with a number behind it where the scene has prims there.
+Path free_path(const host::RetainedSceneDelegate& scene, const std::string& wanted);
 
 /// Has the animation sampled over the shutter, if that is open.
 void sample_shutter(const LoadOptions& asked, gltf::GltfOptions* model);

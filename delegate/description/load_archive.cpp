@@ -1,4 +1,6 @@
 #include <algorithm>
+#include <memory>
+#include <set>
 
 #include "delegate/archive/archive.h"
 #include "delegate/description/apply_motion.h"
@@ -45,6 +47,30 @@ std::vector<Path> keys_of(const Map& map) {
   return keys;
 }
 
+template <class Visit>
+void for_each_path(const host::RetainedSceneDelegate& scene, const Visit& visit) {
+  const auto each = [&](const auto& prims) {
+    for (const auto& prim : prims) visit(prim.first);
+  };
+  each(scene.GetMeshes()), each(scene.GetInstancers()), each(scene.GetMaterials()), each(scene.GetLights());
+  each(scene.GetCameras()), each(scene.GetAllRenderSettings());
+}
+
+// A file may lower the limit of memory, and not raise it.
+void drop_loose_limits(const std::string& file, const LoadState& state, host::RetainedSceneDelegate* scene) {
+  const std::map<Path, RenderSettingsDescription> all = scene->GetAllRenderSettings();
+  for (auto [path, settings] : all) {
+    const auto limit = settings.settings.find("memoryLimit");
+    if (limit == settings.settings.end() || !loosens_memory_limit(limit->second.number_or(0))) continue;
+    if (limit->second.number_or(0) != 0 && *state.sink)
+      (*state.sink)({Severity::warning, "archive.memoryLimit", file + ": " + path.str(),
+                     "A file cannot raise the limit of memory, so this is not taken. Raise it with --memory-limit "
+                     "(hosts: setting memoryLimit)."});
+    settings.settings.erase(limit);
+    scene->SetRenderSettings(path, std::move(settings));
+  }
+}
+
 void add_prims(const host::RetainedSceneDelegate& from, host::RetainedSceneDelegate* to) {
   for (const auto& [path, prim] : from.GetMeshes()) to->SetMesh(path, prim);
   for (const auto& [path, prim] : from.GetInstancers()) to->SetInstancer(path, prim);
@@ -53,7 +79,8 @@ void add_prims(const host::RetainedSceneDelegate& from, host::RetainedSceneDeleg
   for (const auto& [path, prim] : from.GetCameras()) to->SetCamera(path, prim);
 }
 
-// Settings that are the first ones but for size and crop are planned from these again, so that edits count for both.
+// Settings that differ from the first ones in size and crop alone are planned from these again, so that edits change
+// both.
 std::optional<FramePlan> plan_of(const RenderSettingsDescription& settings, RenderSettingsDescription first) {
   FramePlan frame;
   if (settings.width != first.width || settings.height != first.height)
@@ -64,14 +91,19 @@ std::optional<FramePlan> plan_of(const RenderSettingsDescription& settings, Rend
   return settings == first ? std::optional(frame) : std::nullopt;
 }
 
-// Leaves in the scene the settings that are planned from no others.
+// Settings that are not planned from the first ones stay prims of the scene.
 void take_settings(const std::map<Path, RenderSettingsDescription>& all, const Path& chosen, LoadState* state) {
   if (all.empty()) return;
   const auto first = all.contains(chosen) ? all.find(chosen) : all.begin();
   state->settings_path = first->first;
   state->settings = first->second;
   state->settings.products.clear();
-  if (state->scene->GetCameras().contains(first->second.camera)) state->camera.use = first->second.camera.str();
+  const Path& camera = first->second.camera;
+  if (state->scene->GetCameras().contains(camera))
+    state->camera.use = camera.str();
+  else if (!camera.empty() && *state->sink)
+    (*state->sink)({Severity::warning, "archive.camera", first->first.str(),
+                    "They name the camera '" + camera.str() + "', which the archive does not have."});
   const auto add_products = [&](const FramePlan& frame, const RenderSettingsDescription& settings) {
     for (const RenderProduct& product : settings.products) state->products.push_back({frame, product, true});
   };
@@ -85,7 +117,28 @@ void take_settings(const std::map<Path, RenderSettingsDescription>& all, const P
   }
 }
 
+bool collide(const host::RetainedSceneDelegate& a, const host::RetainedSceneDelegate& b) {
+  std::set<Path> paths;
+  for_each_path(a, [&](const Path& path) { paths.insert(path); });
+  bool found = false;
+  for_each_path(b, [&](const Path& path) { found = found || paths.contains(path); });
+  return found;
+}
+
 }  // namespace
+
+bool has_prims_at(const host::RetainedSceneDelegate& scene, const Path& path) {
+  const std::string below = path.str() + "/";
+  bool found = false;
+  for_each_path(scene, [&](const Path& prim) { found = found || prim == path || prim.str().starts_with(below); });
+  return found;
+}
+
+Path free_path(const host::RetainedSceneDelegate& scene, const std::string& wanted) {
+  Path path(wanted);
+  for (int copy = 2; has_prims_at(scene, path); ++copy) path = Path(wanted + std::to_string(copy));
+  return path;
+}
 
 bool load_archive(const std::string& file, const ArchiveModel& model, LoadState* state) {
   const LoadOptions& asked = state->options;
@@ -96,23 +149,29 @@ bool load_archive(const std::string& file, const ArchiveModel& model, LoadState*
                       "An archive has one scene, without animations and variants: leave the choice out."});
     return false;
   }
-  host::RetainedSceneDelegate read;
-  const archive::ReadResult result =
-      archive::ReadArchive(file, &read, *state->sink,
-                           {asked.allow_outside, model.within, model.root, std::max(state->memory->left(), size_t(1))});
+  archive::ReadOptions options = {asked.allow_outside, model.within};
+  options.memory_limit = std::max(state->memory->left(), size_t(1));
+  auto read = std::make_unique<host::RetainedSceneDelegate>();
+  archive::ReadResult result = archive::ReadArchive(file, read.get(), *state->sink, options);
+  if (result.ok && collide(*state->scene, *read)) {
+    options.root = free_path(*state->scene, "/copy").str();
+    read = std::make_unique<host::RetainedSceneDelegate>();
+    result = archive::ReadArchive(file, read.get(), {}, options);
+  }
   if (result.out_of_memory) state->note_cause(LoadCause::out_of_memory);
   if (!result.ok) return false;
   state->held.resize(state->held.bytes() + result.memory_bytes, file);
-  if (model.transform) place_prims(*model.transform, &read);
+  if (model.transform) place_prims(*model.transform, read.get());
   if (!model.motion.values.empty()) {
-    move_prims(keys_of(read.GetMeshes()), model.motion, &read);
-    move_prims(keys_of(read.GetCameras()), model.motion, &read);
+    move_prims(keys_of(read->GetMeshes()), model.motion, read.get());
+    move_prims(keys_of(read->GetCameras()), model.motion, read.get());
   }
-  add_prims(read, state->scene);
-  state->result->archives.push_back({file, keys_of(read.GetLights())});
-  if (state->has_archive || !model.root.empty()) return true;
+  drop_loose_limits(file, *state, read.get());
+  add_prims(*read, state->scene);
+  state->result->archives.push_back({file, keys_of(read->GetLights()), keys_of(read->GetMeshes())});
+  if (!model.is_first) return true;
   state->has_archive = true;
-  take_settings(read.GetAllRenderSettings(), result.info.settings, state);
+  take_settings(read->GetAllRenderSettings(), result.info.settings, state);
   state->result->color_config = result.info.color_config.resolved;
   state->result->color_config_within = result.info.color_config.within;
   return true;

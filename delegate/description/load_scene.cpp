@@ -62,7 +62,7 @@ class Loader {
     if (!complete_scene(&state_)) return false;
     if (!draws_anything(*state_.scene) && sink_)
       sink_({Severity::warning, "scene.empty", file,
-             "There is nothing to draw: the scene has no visible mesh with faces. Name a model under \"gltf\"."});
+             "There is nothing to draw: the scene has no visible mesh with faces. Name a model under \"models\"."});
     return true;
   }
 

@@ -49,7 +49,7 @@ struct SceneFile {
   std::vector<gltf::GltfSummary> gltf;
   struct Archive {
     std::string file;
-    std::vector<Path> lights;
+    std::vector<Path> lights, meshes;
   };
   std::vector<Archive> archives;
   bool framed = false;             // there was no camera, and one was placed to show all of the scene

@@ -99,7 +99,7 @@ std::string object_expectation(const json& schema) {
   return "an object" + either;
 }
 
-/// The beginning that a pattern, "^BEGINNING.", asks for.
+/// The beginning that a pattern, "^BEGINNING.", requires.
 std::string beginning_of(const json& schema) {
   const std::string pattern = schema.value("pattern", "");
   return pattern.size() < 2 ? std::string() : pattern.substr(1, pattern.size() - 2);
@@ -262,7 +262,10 @@ class Checker {
     if (is_valid(value, schema)) return;
     if (!fits_itself(value, schema)) return report_value(value, schema, pointer);
     if (const auto all = schema.find("allOf"); all != schema.end())
-      for (const json& part : *all) check(value, part, pointer);
+      for (const json& part : *all) {
+        if (!fits_itself(value, part)) return report_value(value, part, pointer, schema.value("description", ""));
+        check(value, part, pointer);
+      }
     if (const auto any = schema.find("anyOf"); any != schema.end() && !any_is_valid(value, *any)) {
       const json* alone = only_of_type(value, *any);
       if (alone) return check(value, *alone, pointer);
@@ -279,7 +282,9 @@ class Checker {
     fail("description.key.missing", pointer,
          "'" + key + "' is missing." + (wanted ? " " + wanted->value("description", "") : ""));
   }
-  void report_value(const json& value, const json& schema, const std::string& pointer) {
+  /// `meaning`: of the value; empty: the schema's own description.
+  void report_value(const json& value, const json& schema, const std::string& pointer, std::string meaning = {}) {
+    if (meaning.empty()) meaning = schema.value("description", "");
     const size_t slash = pointer.rfind('/');
     if (value.is_string() && slash != std::string::npos)
       if (const std::string retired =
@@ -287,7 +292,7 @@ class Checker {
           !retired.empty())
         return fail("description.value", pointer, retired);
     fail("description.value", pointer,
-         shortened(value) + " is not valid: expected " + expectation(schema) + ". " + schema.value("description", ""));
+         shortened(value) + " is not valid: expected " + expectation(schema) + ". " + meaning);
   }
 
   const JsonDocument& document_;

@@ -3,6 +3,7 @@
 #include <cstring>
 
 #include "core/files/input_file.h"
+#include "delegate/support/json_bounds.h"
 
 namespace alabaster::hd::gltf {
 namespace {
@@ -20,31 +21,17 @@ uint32_t read_u32(const uint8_t* p) {
   return uint32_t(p[0]) | uint32_t(p[1]) << 8 | uint32_t(p[2]) << 16 | uint32_t(p[3]) << 24;
 }
 
-// Limits depth and size before any parser sees the text. It knows only strings and brackets of JSON.
 bool json_is_bounded(std::string_view text, MemoryReservation* memory, Report& report) {
-  size_t depth = 0, values = 0;
-  bool in_string = false;
-  for (size_t i = 0; i < text.size(); ++i) {
-    const char c = text[i];
-    if (in_string) {
-      if (c == '\\') ++i;
-      if (c == '"') in_string = false;
-      continue;
-    }
-    if (c == '"') in_string = true;
-    if (c == '{' || c == '[') ++depth;
-    if ((c == '}' || c == ']') && depth > 0) --depth;
-    if (c == '{' || c == '[' || c == ',') ++values;
-    if (depth > kMostDepth) {
-      report.error("json.depth", "",
-                   "the JSON is nested deeper than " + std::to_string(kMostDepth) + " levels at byte " +
-                       std::to_string(i) + "; flatten it");
-      return false;
-    }
-    if (values > kMostValues) {
-      report.error("json.size", "", "the JSON holds too many values; store bulk data in buffers");
-      return false;
-    }
+  const auto [values, too_deep_at] = support::bounds_of_json(text, kMostDepth);
+  if (too_deep_at != std::string_view::npos) {
+    report.error("json.depth", "",
+                 "the JSON is nested deeper than " + std::to_string(kMostDepth) + " levels at byte " +
+                     std::to_string(too_deep_at) + "; flatten it");
+    return false;
+  }
+  if (values > kMostValues) {
+    report.error("json.size", "", "the JSON holds too many values; store bulk data in buffers");
+    return false;
   }
   hold_more(memory, values * kValueBytes + 3 * text.size(), "JSON of " + std::to_string(values) + " values");
   return true;

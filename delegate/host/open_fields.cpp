@@ -67,7 +67,7 @@ bool is_text(const Value& value) {
 }
 constexpr OtherParameter kOfLights[] = {
     {"texture:file", is_text, "a file",
-     R"({"type": "string", "minLength": 0, "default": "", "unit": "none", "appliesTo": ["domeLight", "rectLight"], "description": "Image that multiplies the light. Dome: latitude-longitude around the scene (y up, USD's orientation). Rect: upright for who faces the light with its y axis up."})"},
+     R"({"type": "string", "minLength": 0, "default": "", "unit": "none", "appliesTo": ["domeLight", "rectLight"], "description": "Image that multiplies the light. Dome: latitude-longitude around the scene (y up, USD's orientation). Rect: upright as seen from the front, with the y axis of the light up."})"},
     {"shaping:ies:file", is_text, "a file",
      R"({"type": "string", "minLength": 0, "default": "", "unit": "none", "appliesTo": ["sphereLight", "rectLight", "diskLight", "cylinderLight"], "description": "Photometric profile of a luminaire (IES LM-63, type C): its candela multiply the light by direction. Straight down in the profile is the light's -z, horizontal angle 0 its x axis, 90 its y axis."})"},
     {"lightLink", is_text, "a category"},
@@ -404,7 +404,6 @@ void get_open(const RenderSettingsDescription& settings, Fields* fields) {
   for (size_t i = 0; i < settings.products.size(); ++i) {
     const RenderProduct& product = settings.products[i];
     const std::string prefix = "products:" + std::to_string(i) + ":";
-    add(prefix + "file", product.file, fields);  // also where it is empty, so that the product is there
     get_rows(kProductFields, &product, prefix, fields);
     for (const RenderVar& var : product.vars) {
       add(prefix + "vars:" + var.name, var.aov, fields);
@@ -425,7 +424,7 @@ void get_open(const MaterialNetwork& network, const Path& id, Fields* fields) {
     }
   }
   for (const auto& [terminal, connection] : network.terminals)
-    add(terminal.str(), Token(connection_text(id, connection)), fields);
+    add(terminal.str(), Path(connection_text(id, connection)), fields);
   if (!network.terminals.contains("surface")) fields->emplace_back("surface", Value());  // else SetPrim chooses one
 }
 

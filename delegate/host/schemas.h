@@ -15,7 +15,7 @@ ALABASTER_API std::vector<std::string> TableSchemas();
 ALABASTER_API std::string SchemaOfTable(const std::string& name);
 
 /// `text`, a schema that is written by hand, with all parameters of each table that it refers to: a run of lines that
-/// are `"NAME": {"$ref": "TABLE.json#/properties/NAME"}` becomes those of the whole table.
+/// are `"NAME": {"$ref": "TABLE.json#/properties/NAME"}` is replaced by the lines of all parameters of the table.
 ALABASTER_API std::string WithTableReferences(const std::string& text);
 
 }  // namespace alabaster::hd::host

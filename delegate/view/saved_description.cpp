@@ -18,7 +18,7 @@ namespace {
 namespace fs = std::filesystem;
 using nlohmann::json;
 
-constexpr const char* kBackdrop = "/studio/backdrop";
+const hd::Path kBackdrop("/studio/backdrop");
 const hd::Path kDome("/lights/dome");  // of --dome
 
 // The shortest decimal that reads back as the same float.
@@ -203,6 +203,8 @@ class Description {
 
   void add_backdrop() {
     if (!c_.scene->GetMeshes().contains(kBackdrop)) return;
+    for (const auto& model : c_.loaded->archives)
+      if (std::find(model.meshes.begin(), model.meshes.end(), kBackdrop) != model.meshes.end()) return;
     backdrop_ = fs::path(file_).stem().string() + "_backdrop.alab";
     document_[document_.contains("gltf") ? "gltf" : "models"].push_back({{"file", backdrop_}});
   }

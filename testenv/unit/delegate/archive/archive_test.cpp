@@ -255,10 +255,17 @@ TEST(Archive, UnusualNamesComeBack) {
   network.nodes["/other/d"] = {"AlabasterDisplacement", {{"scale", 2.0f}}, {{"displacement", {{"/m/node.001", "r"}}}}};
   network.terminals["displacement"] = {"/other/d", "displacement"};
   scene.SetMaterial("/m", network);
+  MaterialNetwork elsewhere;
+  elsewhere.nodes["/n"] = {"AlabasterDisney", {}, {}};
+  elsewhere.terminals["surface"] = {"/n", "out"};
+  scene.SetMaterial("/elsewhere", elsewhere);
   scene.SetMaterial("/none", {});
   scene.SetCamera("/plain", {});
   scene.SetInstancer("/empty", {});
   expect_same(scene, (ReadArchive(write(folder, scene), &again, {}), again), "");
+  RetainedSceneDelegate copy;
+  ASSERT_TRUE(ReadArchive(write(folder, scene), &copy, {}, {.root = "/copy"}).ok);
+  EXPECT_EQ(copy.GetMaterials().at("/copy/elsewhere").terminals.at("surface").upstreamNode, Path("/copy/n"));
 }
 
 TEST(Archive, ASecondModelHasARoot) {
@@ -270,6 +277,108 @@ TEST(Archive, ASecondModelHasARoot) {
   EXPECT_EQ(again.GetMeshes().at("/copy/mesh").topology.geomSubsets[0].materialId, Path("/copy/wax"));
   EXPECT_TRUE(again.GetInstancers().at("/copy/many").indices.contains("/copy/mesh"));
   EXPECT_EQ(again.GetMaterials().at("/copy/wax").terminals.at("surface").upstreamNode, Path("/copy/wax/surface"));
+}
+
+/// An archive with a list of prims and one tensor of eight bytes, "t", of the type.
+std::string made_archive(const TemporaryFolder& folder, const std::string& prims, const std::string& type = "U8",
+                         const std::string& extra = "") {
+  const size_t element = type == "U8" || type == "BOOL" ? 1 : 4;
+  std::string header = R"({"__metadata__":{"format":"alabaster scene","version":"1")" + extra + R"(},"t":{"dtype":")" +
+                       type + R"(","shape":[)" + std::to_string(8 / element) +
+                       R"(],"data_offsets":[0,8]},"scene.json":{"dtype":"U8","shape":[)" +
+                       std::to_string(prims.size()) + R"(],"data_offsets":[8,)" + std::to_string(8 + prims.size()) +
+                       "]}}";
+  header.resize((header.size() + 7) / 8 * 8, ' ');
+  std::string file(8, '\0');
+  for (size_t i = 0; i < 8; ++i) file[i] = char(header.size() >> (8 * i) & 255);
+  return folder.write("made.alab", file + header + "12345678" + prims);
+}
+
+struct BadRow {
+  const char *prims, *type, *says;
+};
+const BadRow kBadRows[] = {
+    {R"({"prims":[)", "U8", "is not JSON"},
+    {R"({"prims":3})", "U8", "no list of prims"},
+    {R"({"prims":[{"path":"/a","kind":"camera","fields":[]},{"path":"/a","kind":"mesh","fields":[]}]})", "U8",
+     "two prims"},
+    {R"({"prims":[{"path":"/a\u0000","kind":"camera","fields":[]}]})", "U8", "zero character"},
+    {R"({"prims":[{"path":"/a","kind":"camera","fields":[["fStop",{"float":1e300}]]}]})", "U8", "too large"},
+    {R"({"prims":[{"path":"/a","kind":"renderSettings","fields":[["samples",{"int64":18446744073709551615}]]}]})", "U8",
+     "not a whole number"},
+    {R"({"prims":[{"path":"/a","kind":"mesh","fields":[["categories",{"token[]":"a"}]]}]})", "U8", "expected a list"},
+    {R"({"prims":[{"path":"/a","kind":"mesh","fields":[["material",{"path":3}]]}]})", "U8", "expected a text"},
+    {R"({"prims":[{"path":"/a","kind":"mesh","fields":[["primvars:x",{"bool[]":"t"}]]}]})", "BOOL", "neither 0 nor 1"},
+    {R"({"prims":[{"path":"/a","kind":"domeLight","fields":[["texture:file",{"asset":{"authored":"a","bytes":"t"}}]]}]})",
+     "F32", "not an array of bytes"},
+};
+
+TEST(Archive, WrongPrimsAreRefusedWithTheCause) {
+  const TemporaryFolder folder;
+  for (const BadRow& row : kBadRows) {
+    RetainedSceneDelegate scene;
+    std::string said;
+    EXPECT_FALSE(
+        ReadArchive(made_archive(folder, row.prims, row.type), &scene, [&](const Diagnostic& d) { said = d.text; }).ok);
+    EXPECT_NE(said.find(row.says), std::string::npos) << row.prims << ": " << said;
+  }
+  // Deep JSON, of the header and of the list.
+  for (const size_t depth : {size_t(200), size_t(1000000)}) {
+    RetainedSceneDelegate scene;
+    const std::string deep = std::string(depth, '[') + std::string(depth, ']');
+    EXPECT_FALSE(ReadArchive(made_archive(folder, R"({"prims":[]})", "U8", R"(,"a":)" + deep), &scene, {}).ok);
+    EXPECT_FALSE(ReadArchive(made_archive(folder, R"({"prims":)" + deep + "}"), &scene, {}).ok);
+  }
+}
+
+TEST(Archive, OneMemoryOfTwoTypesIsTwoTensors) {
+  const TemporaryFolder folder;
+  RetainedSceneDelegate scene, again;
+  const auto held = std::make_shared<std::vector<int32_t>>(std::vector<int32_t>{0, 1, 2});
+  host::MeshDescription mesh;
+  mesh.topology.faceVertexIndices = Array<int32_t>(held, held->data(), 3);
+  mesh.primvars["x"] = {Interpolation::vertex, {}, Value::array(ALABASTER_FLOAT, held, held->data(), 3), {}};
+  scene.SetMesh("/a", mesh);
+  ASSERT_TRUE(ReadArchive(write(folder, scene), &again, {}).ok);
+  EXPECT_EQ(again.GetMeshes(), scene.GetMeshes());
+}
+
+// Images that many materials name are read and held once.
+TEST(Archive, StoredImagesAreShared) {
+  const TemporaryFolder folder;
+  const auto image = std::make_shared<const std::vector<uint8_t>>(1 << 20);
+  RetainedSceneDelegate scene, again;
+  for (int i = 0; i < 40; ++i) {
+    const Path path("/m" + std::to_string(i));
+    MaterialNetwork network;
+    network.nodes[path.append("t")] = {"AlabasterTexture", {{"file", AssetPath{"a.png", "", image}}}, {}};
+    scene.SetMaterial(path, network);
+  }
+  ASSERT_TRUE(ReadArchive(write(folder, scene), &again, {}, {.memory_limit = 4 << 20}).ok);
+  const auto bytes = [&](const char* path) {
+    return again.GetMaterials().at(path).nodes.at(Path(path).append("t")).parameters.at("file").get<AssetPath>()->bytes;
+  };
+  EXPECT_EQ(bytes("/m1"), bytes("/m39"));
+}
+
+TEST(Archive, ConfigsAreFilesOrNames) {
+  const TemporaryFolder folder;
+  RetainedSceneDelegate scene;
+  const std::string file = folder.path() + "/scene.alab";
+  ASSERT_EQ(WriteArchive(file, PrimsOf(scene), {{}, {"built-in", "built-in", nullptr}}), "");
+  EXPECT_EQ(ReadArchive(file, &scene, {}).info.color_config.resolved, "built-in");
+}
+
+// Light links are of one scene: two archives of equal categories do not share them.
+TEST(Archive, CategoriesOfASecondModelAreItsOwn) {
+  const TemporaryFolder folder;
+  RetainedSceneDelegate scene, again;
+  fill(&scene);
+  ASSERT_TRUE(ReadArchive(write(folder, scene), &again, {}, {.root = "/copy"}).ok);
+  const std::string key = again.GetLights().at("/copy/lamp").parameters.at("lightLink").text_or("");
+  EXPECT_NE(key, "key");
+  EXPECT_EQ(again.GetMeshes().at("/copy/mesh").categories.at(0).str(), key);
+  EXPECT_EQ(again.GetInstancers().at("/copy/many").categories.at(1).size(), 2u);
 }
 
 }  // namespace

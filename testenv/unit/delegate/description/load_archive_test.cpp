@@ -80,15 +80,68 @@ TEST_F(LoadArchive, IsAModelWithARootAndAPlace) {
     "settings": {"samples": 5, "studio": "off"}, "products": [{"file": "other.exr"}]})");
   ASSERT_TRUE(file.ok) << said_;
   EXPECT_EQ(scene_.GetMeshes().at("/body").transform[3][1], 0);
-  EXPECT_EQ(scene_.GetMeshes().at("/model2/body").transform[3][1], 2);
-  EXPECT_EQ(scene_.GetMeshes().at("/model2/leaf").instancer, Path("/model2/many"));
-  EXPECT_EQ(scene_.GetInstancers().at("/model2/many").transform[3][1], 2);
-  EXPECT_EQ(scene_.GetMeshes().at("/model2/leaf").transform[3][1], 0) << "its instancer moves it";
+  EXPECT_EQ(scene_.GetMeshes().at("/copy/body").transform[3][1], 2);
+  EXPECT_EQ(scene_.GetMeshes().at("/copy/leaf").instancer, Path("/copy/many"));
+  EXPECT_EQ(scene_.GetInstancers().at("/copy/many").transform[3][1], 2);
+  EXPECT_EQ(scene_.GetMeshes().at("/copy/leaf").transform[3][1], 0) << "its instancer moves it";
   const RenderSettingsDescription& settings = scene_.GetAllRenderSettings().at(file.settings);
   EXPECT_EQ(settings.settings.at("samples").number_or(0), 5);
   EXPECT_EQ(settings.width, 32);
   ASSERT_EQ(settings.products.size(), 1u);
   EXPECT_TRUE(settings.products[0].file.ends_with("other.exr"));
+}
+
+// An archive of a description has the description's names, and a third model finds its place beside both.
+TEST_F(LoadArchive, ModelsOfEqualPathsAreAllThere) {
+  host::RetainedSceneDelegate made;
+  host::MeshDescription mesh;
+  mesh.primvars["points"].value = Array<Vec3f>{{0, 0, 0}};
+  for (const char* path : {"/gltf/one/nodes/0_a/0", "/copy/body", "/copy2/gltf/one/nodes/0_a/0"})
+    made.SetMesh(path, mesh);
+  ASSERT_EQ(archive::WriteArchive(folder_.path() + "/b.alab", archive::PrimsOf(made)), "");
+  folder_.write("one.gltf",
+                R"({"asset":{"version":"2.0"},"scene":0,"scenes":[{"nodes":[0]}],"nodes":[{"mesh":0,"name":"a"}],
+    "meshes":[{"primitives":[{"attributes":{"POSITION":0}}]}],
+    "accessors":[{"bufferView":0,"componentType":5126,"count":3,"type":"VEC3","min":[0,0,0],"max":[1,1,0]}],
+    "bufferViews":[{"buffer":0,"byteLength":36}],"buffers":[{"byteLength":36,"uri":
+    "data:application/octet-stream;base64,AAAAAAAAAAAAAAAAAACAPwAAAAAAAAAAAAAAAAAAgD8AAAAA"}]})");
+  const SceneFile file =
+      load(R"({"models": [{"file": "b.alab"}, {"file": "one.gltf"}, {"file": "b.alab"}, {"file": "a.alab"},
+    {"file": "a.ALAB"}, {"file": "one.gltf"}]})");
+  EXPECT_FALSE(file.ok) << "there is no a.ALAB";
+  const SceneFile good =
+      load(R"({"models": [{"file": "b.alab"}, {"file": "one.gltf"}, {"file": "b.alab"}, {"file": "a.alab"},
+    {"file": "one.gltf"}]})");
+  ASSERT_TRUE(good.ok) << said_;
+  EXPECT_EQ(scene_.GetMeshes().size(), 3u + 1 + 3 + 2 + 1);
+}
+
+TEST_F(LoadArchive, PrimsOfLoadingReplaceNoOthers) {
+  host::RetainedSceneDelegate made;
+  host::MeshDescription mesh;
+  mesh.primvars["points"].value = Array<Vec3f>{{0, 0, 0}, {1, 1, 1}};
+  for (const char* path : {"/camera", "/render", "/lights/key"}) made.SetMesh(path, mesh);
+  ASSERT_EQ(archive::WriteArchive(folder_.path() + "/a.alab", archive::PrimsOf(made)), "");
+  const SceneFile file = load("");
+  ASSERT_TRUE(file.ok) << said_;
+  EXPECT_EQ(scene_.GetMeshes().size(), 3u);
+  EXPECT_EQ(scene_.GetCameras().size(), 1u);
+  EXPECT_FALSE(load(R"({"models": [{"file": "a.alab"}], "lights": [{"name": "key", "type": "sphereLight"}]})").ok);
+  EXPECT_NE(said_.find("already a prim '/lights/key'"), std::string::npos) << said_;
+}
+
+TEST_F(LoadArchive, DoesNotRaiseTheLimitOfMemoryAndNamesAMissingCamera) {
+  host::RetainedSceneDelegate made;
+  RenderSettingsDescription settings;
+  settings.camera = "/gone";
+  settings.settings["memoryLimit"] = int64_t(16777216);
+  made.SetRenderSettings("/main", settings);
+  ASSERT_EQ(archive::WriteArchive(folder_.path() + "/a.alab", archive::PrimsOf(made)), "");
+  const SceneFile file = load("");
+  ASSERT_TRUE(file.ok);
+  EXPECT_FALSE(scene_.GetAllRenderSettings().at("/main").settings.contains("memoryLimit"));
+  EXPECT_NE(said_.find("cannot raise the limit"), std::string::npos) << said_;
+  EXPECT_NE(said_.find("'/gone'"), std::string::npos) << said_;
 }
 
 TEST_F(LoadArchive, RefusesChoicesThatOnlyGltfHas) {
