@@ -97,7 +97,7 @@ bool apply_entry(const Reader& reader, const std::string& pointer, const json& e
     return !paths.empty();
   }
   const Path path = Path("/lights").append(entry["name"]);
-  if (has_prims_at(reader.scene(), path))
+  if (reader.scene().GetLights().contains(path) || reader.state().archive_paths.contains(path))
     return reader.fail(pointer + "/name",
                        "There is already a " +
                            std::string(reader.scene().GetLights().contains(path) ? "light" : "prim") + " '" +

@@ -1,6 +1,5 @@
 #include <cctype>
 #include <filesystem>
-#include <set>
 
 #include "delegate/description/apply_motion.h"
 #include "delegate/description/description_reader.h"
@@ -11,10 +10,11 @@ namespace {
 
 // Paths of a model begin with its file's stem. A second model of the stem, or one whose paths an archive has, gets a
 // root of its own.
-Path root_for(const std::string& file, const host::RetainedSceneDelegate& scene, std::set<std::string>* taken) {
+Path root_for(const std::string& file, LoadState* state) {
   const std::string names = "/gltf/" + std::filesystem::path(file).stem().string();
   std::string root;
-  for (int copy = 2; has_prims_at(scene, Path(root + names)) || !taken->insert(root + names).second; ++copy)
+  for (int copy = 2; has_archive_prims_at(*state, root + names) || !state->model_names.insert(root + names).second;
+       ++copy)
     root = "/copy" + std::to_string(copy);
   return Path(root.empty() ? "/" : root);
 }
@@ -75,10 +75,9 @@ bool read_placement(const Reader& reader, const std::string& pointer, const nloh
   return true;
 }
 
-bool add_gltf(const Reader& reader, const nlohmann::json& model, const AssetPath& file, const Placement& placement,
-              std::set<std::string>* taken) {
+bool add_gltf(const Reader& reader, const nlohmann::json& model, const AssetPath& file, const Placement& placement) {
   gltf::GltfOptions options = options_of(model, reader.state().options);
-  options.root = root_for(file.resolved, reader.scene(), taken);
+  options.root = root_for(file.resolved, &reader.state());
   options.within = file.within;
   sample_shutter(described_shutter(reader), &options);
   options.memory_limit = std::max(reader.state().memory->left(), size_t(1));
@@ -141,7 +140,6 @@ bool apply_models(const Reader& reader) {
                               "There are several models: write scene, animation or variant beside each one's file."});
     return false;
   }
-  std::set<std::string> taken;
   bool ok = true;
   for (size_t i = 0; i < models->size(); ++i) {
     const nlohmann::json& model = (*models)[i];
@@ -151,7 +149,7 @@ bool apply_models(const Reader& reader) {
     Placement placement;
     if (!read_placement(reader, pointer, model, &placement)) return false;
     ok = (is_archive(file.resolved) ? add_archive(reader, pointer, file, placement)
-                                    : add_gltf(reader, model, file, placement, &taken)) &&
+                                    : add_gltf(reader, model, file, placement)) &&
          ok;
   }
   return ok;

@@ -85,11 +85,7 @@ bool complete_camera(LoadState* state) {
     state->result->notes.push_back("no camera: framed the scene");
     state->result->framed = true;
   }
-  // Another prim of that path stays, and so does a camera of an archive that is not the one with changes.
-  const auto& cameras = state->scene->GetCameras();
-  const bool is_replaced =
-      cameras.contains(state->planned_camera) && (base == state->planned_camera || !state->has_archive);
-  if (!is_replaced) state->planned_camera = free_path(*state->scene, state->planned_camera.str());
+  if (!(base == state->planned_camera)) state->planned_camera = free_path(*state, state->planned_camera.str());
   state->scene->SetCamera(state->planned_camera, std::move(camera));
   state->settings.camera = state->planned_camera;
   return true;
@@ -186,7 +182,7 @@ void complete_settings(LoadState* state) {
   for (const auto& [path, settings] : others)
     if (!settings.products.empty()) state->result->further_settings.push_back(path);
   Path path = state->settings_path;
-  if (!others.contains(path)) path = free_path(*state->scene, path.str());
+  if (!state->archive_settings) path = free_path(*state, path.str());
   size_t number = 1;
   for (size_t i = 0; i < renders.size(); ++i) {
     while (i > 0 && state->scene->GetAllRenderSettings().contains(path))

@@ -4,6 +4,7 @@
 
 #include <map>
 #include <optional>
+#include <set>
 
 #include "core/memory/memory_budget.h"
 #include "delegate/description/json_document.h"
@@ -62,13 +63,16 @@ struct LoadState {
   CameraPlan camera;
   RenderSettingsDescription settings;
   Path settings_path = "/render", planned_camera = "/camera";  // the prims that loading makes
+  bool archive_settings = false;                               // settings_path is that of an archive's settings
   StudioChoice studio = StudioChoice::when_dark;
   std::vector<ProductPlan> products;
   std::map<std::pair<std::string, std::string>, std::string> image_faults;  // by path and folder; empty: it is an image
   std::shared_ptr<MemoryBudget> memory;  // of loading: the description, and the models one after the other
   MemoryReservation held;                // by what is loaded already
   std::vector<OpenModel> models;
-  bool has_archive = false;  // as the first model: no light is added, and a camera only if there is none
+  std::set<Path> archive_paths;       // of this load; prims of earlier loads into the scene are replaced
+  std::set<std::string> model_names;  // "/gltf/head": paths of a glTF model begin so
+  bool has_archive = false;           // as the first model: no light is added, and a camera only if there is none
   std::vector<AppliedDocument> documents;
   std::vector<MeshLink> links;                 // in the order in which they were made
   std::map<std::string, Path> mesh_materials;  // that meshes were given, by pattern
@@ -131,10 +135,10 @@ struct ArchiveModel {
 };
 bool load_archive(const std::string& file, const ArchiveModel& model, LoadState* state);
 
-/// True if the scene has a prim of the path, or one below it.
-bool has_prims_at(const host::RetainedSceneDelegate& scene, const Path& path);
-/// `wanted`, or with a number behind it where the scene has prims there.
-Path free_path(const host::RetainedSceneDelegate& scene, const std::string& wanted);
+/// True if an archive of this load has a prim of the path, or one below it.
+bool has_archive_prims_at(const LoadState& state, const std::string& path);
+/// `wanted`, or with a number behind it where this load has prims there.
+Path free_path(const LoadState& state, const std::string& wanted);
 
 /// Has the animation sampled over the shutter, if that is open.
 void sample_shutter(const LoadOptions& asked, gltf::GltfOptions* model);

@@ -95,7 +95,7 @@ std::optional<FramePlan> plan_of(const RenderSettingsDescription& settings, Rend
 void take_settings(const std::map<Path, RenderSettingsDescription>& all, const Path& chosen, LoadState* state) {
   if (all.empty()) return;
   const auto first = all.contains(chosen) ? all.find(chosen) : all.begin();
-  state->settings_path = first->first;
+  state->settings_path = first->first, state->archive_settings = true;
   state->settings = first->second;
   state->settings.products.clear();
   const Path& camera = first->second.camera;
@@ -117,27 +117,36 @@ void take_settings(const std::map<Path, RenderSettingsDescription>& all, const P
   }
 }
 
-bool collide(const host::RetainedSceneDelegate& a, const host::RetainedSceneDelegate& b) {
-  std::set<Path> paths;
-  for_each_path(a, [&](const Path& path) { paths.insert(path); });
+bool begins_with(const std::string& path, const std::string& names) {
+  return path == names || path.starts_with(names + "/");
+}
+
+bool collides(const host::RetainedSceneDelegate& read, const LoadState& state) {
   bool found = false;
-  for_each_path(b, [&](const Path& path) { found = found || paths.contains(path); });
+  for_each_path(read, [&](const Path& path) {
+    found = found || state.archive_paths.contains(path) ||
+            std::any_of(state.model_names.begin(), state.model_names.end(),
+                        [&](const std::string& names) { return begins_with(path.str(), names); });
+  });
   return found;
 }
 
 }  // namespace
 
-bool has_prims_at(const host::RetainedSceneDelegate& scene, const Path& path) {
-  const std::string below = path.str() + "/";
-  bool found = false;
-  for_each_path(scene, [&](const Path& prim) { found = found || prim == path || prim.str().starts_with(below); });
-  return found;
+bool has_archive_prims_at(const LoadState& state, const std::string& path) {
+  return std::any_of(state.archive_paths.begin(), state.archive_paths.end(),
+                     [&](const Path& prim) { return begins_with(prim.str(), path); });
 }
 
-Path free_path(const host::RetainedSceneDelegate& scene, const std::string& wanted) {
-  Path path(wanted);
-  for (int copy = 2; has_prims_at(scene, path); ++copy) path = Path(wanted + std::to_string(copy));
-  return path;
+Path free_path(const LoadState& state, const std::string& wanted) {
+  const auto is_taken = [&](const std::string& path) {
+    return has_archive_prims_at(state, path) ||
+           std::any_of(state.model_names.begin(), state.model_names.end(),
+                       [&](const std::string& names) { return begins_with(names, path); });
+  };
+  std::string path = wanted;
+  for (int copy = 2; is_taken(path); ++copy) path = wanted + std::to_string(copy);
+  return Path(path);
 }
 
 bool load_archive(const std::string& file, const ArchiveModel& model, LoadState* state) {
@@ -153,8 +162,8 @@ bool load_archive(const std::string& file, const ArchiveModel& model, LoadState*
   options.memory_limit = std::max(state->memory->left(), size_t(1));
   auto read = std::make_unique<host::RetainedSceneDelegate>();
   archive::ReadResult result = archive::ReadArchive(file, read.get(), *state->sink, options);
-  if (result.ok && collide(*state->scene, *read)) {
-    options.root = free_path(*state->scene, "/copy").str();
+  if (result.ok && collides(*read, *state)) {
+    options.root = free_path(*state, "/copy").str();
     read = std::make_unique<host::RetainedSceneDelegate>();
     result = archive::ReadArchive(file, read.get(), {}, options);
   }
@@ -168,6 +177,7 @@ bool load_archive(const std::string& file, const ArchiveModel& model, LoadState*
   }
   drop_loose_limits(file, *state, read.get());
   add_prims(*read, state->scene);
+  for_each_path(*read, [&](const Path& path) { state->archive_paths.insert(path); });
   state->result->archives.push_back({file, keys_of(read->GetLights()), keys_of(read->GetMeshes())});
   if (!model.is_first) return true;
   state->has_archive = true;

@@ -48,6 +48,11 @@ class LoadArchive : public ::testing::Test {
         file, &scene_, [this](const Diagnostic& d) { said_ += d.text + "\n"; }, options);
   }
 
+  void clear() {
+    const std::map<Path, host::MeshDescription> meshes = scene_.GetMeshes();
+    for (const auto& [path, mesh] : meshes) scene_.Remove(path);
+  }
+
   TemporaryFolder folder_;
   host::RetainedSceneDelegate scene_;
   std::string said_;

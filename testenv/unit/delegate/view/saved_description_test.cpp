@@ -130,7 +130,9 @@ TEST_F(SavedDescription, AStudioStaysWhereItWas) {
   expect_same_camera(loaded);
   EXPECT_EQ(again.GetMeshes().size(), scene.GetMeshes().size()) << "one backdrop";
   EXPECT_EQ(surface_of(again, "studio_backdrop"), surface_of(scene, "studio_backdrop"));
-  EXPECT_FALSE(again.GetMeshes().contains("/studio/backdrop")) << "not a second one, made for the new camera";
+  const hd::Path backdrop("/studio/backdrop");
+  EXPECT_EQ(again.GetMeshes().at(backdrop), scene.GetMeshes().at(backdrop))
+      << "not one that is made for the new camera";
 }
 
 TEST_F(SavedDescription, ADescriptionKeepsWhatItHas) {
