@@ -379,7 +379,7 @@ std::string with_header(std::string file, const std::string& from, const std::st
 
 TEST_F(Checkpoints, SamplesOfAnotherKindAreRefused) {
   written();
-  const std::string now = std::to_string(kSamplingVersion), other(now.size(), '1');  // of the same length
+  const std::string now = std::to_string(kSamplingVersion), other(now.size(), '2');  // of the same length
   ASSERT_NE(now, other);
   replace(with_header(bytes(), "\"sampling\":\"" + now + "\"", "\"sampling\":\"" + other + "\""));
   EXPECT_NE(Frame().refusal(file_).find("the version of sampling was " + other + " and is " + now), std::string::npos);
