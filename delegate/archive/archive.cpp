@@ -54,13 +54,14 @@ class Writer {
     for (const auto& [path, light] : prims.lights) add(path, light.type, host::GetFields(light));
     add_all(prims.instancers, "instancer");
     add_all(prims.meshes, "mesh");
-    json scene = {{"prims", std::move(prims_)}};
+    json scene = json::object();
     if (!info.settings.empty()) scene["settings"] = info.settings.str();
     if (is_named_config(info.color_config.resolved))
       scene["ocio"] = {{"authored", info.color_config.resolved}};
     else if (!info.color_config.resolved.empty())
       scene["ocio"] = asset(info.color_config, false);
-    const std::string text = scene.dump();
+    const std::string others = scene.dump();  // of the object, without its first brace
+    const std::string text = "{\"prims\":[" + prims_ + "]" + (scene.empty() ? "" : ",") + others.substr(1);
     tensors_.add_bytes(std::make_shared<const std::vector<uint8_t>>(text.begin(), text.end()), kScene);
   }
   std::string write(const std::string& file) {
@@ -105,13 +106,12 @@ class Writer {
         throw Fault(path.str() + ": '" + name + "': " + fault.what());
       }
     }
-    json prim = {{"path", path.str()}, {"kind", kind.str()}, {"fields", std::move(written)}};
+    const json prim = {{"path", path.str()}, {"kind", kind.str()}, {"fields", std::move(written)}};
     try {
-      static_cast<void>(prim.dump());
+      prims_ += (prims_.empty() ? "" : ",") + prim.dump();
     } catch (const json::exception&) {
       throw Fault(path.str() + " has a text that is not UTF-8, as texts in files are");
     }
-    prims_.push_back(std::move(prim));
   }
   json asset(const AssetPath& path, bool embeds) {
     json written = {{"authored", path.authored}};
@@ -140,7 +140,7 @@ class Writer {
 
   const WriteOptions& options_;
   std::string folder_, outside_;  // outside_: a file that readers refuse without allow_outside
-  json prims_ = json::array();
+  std::string prims_;             // JSON, separated by commas
   TensorWriter tensors_;
   std::map<std::string, std::string> images_;  // digest -> tensor
 };

@@ -471,12 +471,12 @@ class Errors(unittest.TestCase):
     def test_messages_are_the_library_s(self):
         with self.assertRaisesRegex(alabaster.SceneError, "missing.json.*no such file"):
             alabaster.Scene().load("missing.json")
-        with self.assertRaisesRegex(alabaster.NotFoundError, "/nobody"):
-            alabaster.Scene().remove("/nobody")
+        with self.assertRaisesRegex(alabaster.NotFoundError, "/missing"):
+            alabaster.Scene().remove("/missing")
         with self.assertRaisesRegex(alabaster.SceneError, "nothing.ocio"):
             alabaster.Renderer(ocio="/nothing.ocio")
         with self.assertRaisesRegex(alabaster.Error, "camera"):
-            alabaster.Renderer(square()).render(width=8, height=8, camera="/nobody")
+            alabaster.Renderer(square()).render(width=8, height=8, camera="/missing")
         self.assertTrue(issubclass(alabaster.SceneError, alabaster.Error))
 
     def test_arguments(self):

@@ -20,7 +20,7 @@ TEST_F(Door, OneInstanceIsEditedByItself) {
   ASSERT_EQ(api().scene_set_instances(scene_, "/many", kPlaces, 0, &one), ALABASTER_OK) << api().last_error();
   EXPECT_EQ(centre(render())[3], 1);
 
-  EXPECT_EQ(api().scene_set_instances(scene_, "/nobody", kPlaces, 0, &one), ALABASTER_NOT_FOUND);
+  EXPECT_EQ(api().scene_set_instances(scene_, "/missing", kPlaces, 0, &one), ALABASTER_NOT_FOUND);
   EXPECT_EQ(api().scene_set_instances(scene_, "/quad", kPlaces, 0, &one), ALABASTER_NOT_FOUND) << "no instancer";
   EXPECT_EQ(api().scene_set_instances(scene_, "/many", "hydra:instanceScales", 0, &one), ALABASTER_NOT_FOUND);
   EXPECT_EQ(api().scene_set_instances(scene_, "/many", kPlaces, 2, &one), ALABASTER_INVALID_ARGUMENT);

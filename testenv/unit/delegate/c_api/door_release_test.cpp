@@ -133,7 +133,7 @@ TEST_F(DoorReleases, ComeFromCallsWithoutASceneAPathOrAKind) {
   }
   for (const char* kind : {static_cast<const char*>(nullptr), "", "mash"})
     expect_all_back([&](const Prim& prim) { return set(scene_, "/a", kind, prim.fields); });
-  expect_all_back([&](const Prim& prim) { return edit(scene_, "/nobody", prim.fields); });
+  expect_all_back([&](const Prim& prim) { return edit(scene_, "/missing", prim.fields); });
 }
 
 TEST_F(DoorReleases, ComeFromStructsWithoutASize) {

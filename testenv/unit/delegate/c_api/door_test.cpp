@@ -64,10 +64,10 @@ TEST_F(Door, WrongCallsSayWhatIsWrong) {
   const AlabasterFrame unsized = {};
   EXPECT_EQ(api().pass_start(pass_, &unsized), ALABASTER_INVALID_ARGUMENT);
   EXPECT_TRUE(says("`size` is not set"));
-  EXPECT_EQ(api().remove(scene_, "/nobody"), ALABASTER_NOT_FOUND);
-  EXPECT_TRUE(says("/nobody"));
-  EXPECT_EQ(edit(scene_, "/nobody", {{"intensity", number(0.5f)}}), ALABASTER_NOT_FOUND);
-  EXPECT_TRUE(says("/nobody"));
+  EXPECT_EQ(api().remove(scene_, "/missing"), ALABASTER_NOT_FOUND);
+  EXPECT_TRUE(says("/missing"));
+  EXPECT_EQ(edit(scene_, "/missing", {{"intensity", number(0.5f)}}), ALABASTER_NOT_FOUND);
+  EXPECT_TRUE(says("/missing"));
   EXPECT_EQ(set_quad(array(77, &kSide, 1)), ALABASTER_INVALID_ARGUMENT);
   AlabasterPixels pixels = {};
   pixels.size = sizeof pixels;

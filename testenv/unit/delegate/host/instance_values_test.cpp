@@ -89,7 +89,7 @@ TEST(InstanceValues, CopiesTakeTurns) {
 TEST(InstanceValues, AreRefusedWhereTheArrayHasNone) {
   Leaves leaves(in_a_row(3));
   const Array<Vec3f> one{Vec3f(7)}, two{Vec3f(7), Vec3f(8)};
-  EXPECT_FALSE(leaves.scene.SetInstanceValues("/nobody", kPlaces, 0, one));
+  EXPECT_FALSE(leaves.scene.SetInstanceValues("/missing", kPlaces, 0, one));
   EXPECT_FALSE(leaves.scene.SetInstanceValues("/leaves", "hydra:instanceScales", 0, one));
   EXPECT_FALSE(leaves.scene.SetInstanceValues("/leaves", "hydra:instanceRotations", 0, one));
   EXPECT_FALSE(leaves.scene.SetInstanceValues("/leaves", kPlaces, 0, Vec3f(7)));

@@ -125,7 +125,7 @@ TEST(SceneFields, AFaultLeavesThePrimAsItIs) {
     EXPECT_EQ(s.index.GetChangeTracker().Get("/mesh"), dirty::kClean);
     EXPECT_TRUE(s.scene.GetMeshes().at("/mesh") == before);
   }
-  EXPECT_FALSE(EditPrim(&s.scene, "/nobody", {}).found);
+  EXPECT_FALSE(EditPrim(&s.scene, "/missing", {}).found);
   EXPECT_TRUE(EditPrim(&s.scene, "/mesh", {}).fault.empty());
 }
 
