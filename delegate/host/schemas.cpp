@@ -1,6 +1,5 @@
 #include "delegate/host/schemas.h"
 
-#include <charconv>
 #include <cmath>
 #include <nlohmann/json.hpp>
 #include <sstream>
@@ -10,6 +9,7 @@
 #include "core/material/disney_material.h"
 #include "core/session/render_settings.h"
 #include "delegate/host/open_fields.h"
+#include "delegate/support/decimal.h"
 
 namespace alabaster::hd::host {
 namespace {
@@ -33,14 +33,10 @@ constexpr Schema kSchemas[] = {
 
 constexpr double kSmallest = 1e-20;  // a minimum below it stands for "above 0"
 
-// The shortest decimal that reads back as the same float; whole numbers without a point.
+// Whole numbers without a point.
 ordered_json number_of(double value) {
   if (value == std::floor(value) && std::abs(value) < 0x1p53) return int64_t(value);
-  char text[64];
-  const auto end = std::to_chars(text, text + sizeof text, static_cast<float>(value));
-  double read = 0;
-  std::from_chars(text, end.ptr, read);
-  return read;
+  return support::shortest_decimal(static_cast<float>(value));
 }
 
 void add_range(double low, double high, ordered_json* entry) {

@@ -1,7 +1,6 @@
 #include "delegate/view/saved_description.h"
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <filesystem>
 #include <nlohmann/json.hpp>
@@ -9,6 +8,7 @@
 
 #include "core/files/input_file.h"
 #include "delegate/archive/archive.h"
+#include "delegate/support/decimal.h"
 #include "delegate/support/output_file.h"
 #include "delegate/view/load_options_json.h"
 
@@ -21,17 +21,10 @@ using nlohmann::json;
 const hd::Path kBackdrop("/studio/backdrop");
 const hd::Path kDome("/lights/dome");  // of --dome
 
-// The shortest decimal that reads back as the same float.
-double decimal(float value) {
-  char text[64];
-  const auto end = std::to_chars(text, text + sizeof text, value);
-  double read = 0;
-  std::from_chars(text, end.ptr, read);
-  return read;
-}
+using hd::support::shortest_decimal;
 
 json json_of(const hd::Value& value) {
-  if (const auto* v = value.get<float>()) return decimal(*v);
+  if (const auto* v = value.get<float>()) return shortest_decimal(*v);
   if (const auto* v = value.get<bool>()) return *v;
   if (const auto* v = value.get<int32_t>()) return *v;
   if (const auto* v = value.get<int64_t>()) return *v;
@@ -40,7 +33,7 @@ json json_of(const hd::Value& value) {
   std::array<double, 4> parts{};
   if (const size_t count = value.components(&parts); count > 1) {
     json list = json::array();
-    for (size_t i = 0; i < count; ++i) list.push_back(decimal(float(parts[i])));
+    for (size_t i = 0; i < count; ++i) list.push_back(shortest_decimal(float(parts[i])));
     return list;
   }
   return value.text_or("");
@@ -87,7 +80,7 @@ double millimetres(float metres) {
   float guess = metres * 1000;
   for (int i = 0; i < 4 && guess * 0.001f != metres; ++i)
     guess = std::nextafter(guess, guess * 0.001f < metres ? INFINITY : -INFINITY);
-  return decimal(guess);
+  return shortest_decimal(guess);
 }
 
 json camera_of(const hd::CameraDescription& camera) {
