@@ -138,7 +138,7 @@ class LightFurnace:
         def one(seed):
             renderer.set(seed=seed)
             return sum(picture(renderer, {**c, **shutter}).mean() for c in cameras) * math.pi * area / given
-        return within(one, least(scenery), CEILING, error=0.003, seeds=(12, 24))
+        return within(one, least(scenery), CEILING, error=0.003, seeds=(12, 24, 96))
 
 
 class Reciprocity:

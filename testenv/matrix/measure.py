@@ -7,6 +7,7 @@ from typing import NamedTuple
 import alabaster
 import numpy as np
 
+SEEDS = (12, 24, 48, 192)  # of a mean, until it is decided
 SETTINGS = dict(maxDepth=512, threads=1, filter="box")
 SIGNIFICANCE = 0.001  # that chance turns any row of the whole matrix red
 FAMILY = 20000  # comparisons of the matrix that noise decides, rounded up
@@ -91,7 +92,7 @@ def settle(off, lists, error, seeds):
     return bool((outside <= CLEAR * se).all()) and not noisy, i, ", too noisy" if noisy else ""
 
 
-def within(draw, low, high, error=0.0015, seeds=(12, 24, 48)):
+def within(draw, low, high, error=0.0015, seeds=SEEDS):
     """Decides whether all components of a mean lie in [low, high]. Deviations count in units of .3 % beyond the middle."""
     series = Series(draw)
 
@@ -103,7 +104,7 @@ def within(draw, low, high, error=0.0015, seeds=(12, 24, 48)):
     return Verdict(holds, max(0.0, float(off()[0][i] + half) / half), f"{text} ± {series.error.max():.4f}{noise}")
 
 
-def same(draw_a, draw_b, rule, error=0.001, seeds=(12, 24, 48)):
+def same(draw_a, draw_b, rule, error=0.001, seeds=SEEDS):
     """Decides whether two means agree to the share `rule`, component by component."""
     a, b = Series(draw_a), Series(draw_b, 1000)
 
