@@ -1,4 +1,4 @@
-// The AOVs: one table for the film, the delegate's descriptors, the layers of products and delegate/README.md's list.
+// The AOVs: one table for the film, the delegate's descriptors, the layers of products and the list in delegate/manual.
 #pragma once
 
 #include <cstdint>

@@ -37,7 +37,7 @@ inline constexpr DirtyBits kAll = ~0u;
 // Meshes -------------------------------------------------------------------------------------------
 enum class Interpolation { constant, uniform, varying, vertex, faceVarying, instance };
 
-struct PrimvarDescriptor {  // those that meshes are asked for: delegate/README.md
+struct PrimvarDescriptor {  // those that meshes are asked for: delegate/manual/usd.md
   Token name;
   Interpolation interpolation = Interpolation::vertex;
   Token role;  // none | color | vector | normal | point | textureCoordinate
@@ -123,8 +123,8 @@ struct MaterialNode {
 ///   rgb, r, g, b, a. sourceColorSpace "auto" is sRGB or linear by the image's type for colours, raw for numbers
 ///   (scatterDistance among them).
 /// - AlabasterPrimvar: the mesh's displayColor (outputs rgb, r, g, b) and displayOpacity (output a); 1 if it has none.
-/// - UsdPreviewSurface with UsdUVTexture, UsdTransform2d and UsdPrimvarReader_*, as specified; delegate/README.md says
-///   what differs.
+/// - UsdPreviewSurface with UsdUVTexture, UsdTransform2d and UsdPrimvarReader_*, as specified; delegate/manual/usd.md
+///   has what differs.
 struct MaterialNetwork {
   std::map<Path, MaterialNode> nodes;
   std::map<Token, MaterialConnection> terminals;

@@ -94,7 +94,7 @@ typedef void (*AlabasterReport)(void* user, const AlabasterDiagnostic* diagnosti
      scheme               none (default), catmullClark, loop, bilinear
      orientation          rightHanded (default), leftHanded
      refineLevel          0 to 8; 0 draws the control mesh
-     primvars:NAME        "points" (float3), "normals" (float3), "st" (float2, v up), ...: delegate/README.md
+     primvars:NAME        "points" (float3), "normals" (float3), "st" (float2, v up), ...: delegate/manual/usd.md
        ...:interpolation  constant, uniform, varying, vertex (default), faceVarying, instance
        ...:indices        int array; without: not indexed
        ...:role           color, vector, normal, point, textureCoordinate
@@ -121,7 +121,7 @@ typedef void (*AlabasterReport)(void* user, const AlabasterDiagnostic* diagnosti
      transform, transform:samples; parent (path of an outer instancer)
    material
      NODE.type            AlabasterDisney, AlabasterTexture, AlabasterPrimvar, AlabasterDisplacement, UsdPreviewSurface,
-                          ...: delegate/README.md
+                          ...: delegate/manual/usd.md
      NODE.INPUT           a value of type ALABASTER_PATH "OTHER.OUTPUT", or an array of these, connects the input; any
                           other value is its constant, by which connected textures are multiplied. Inputs of
                           AlabasterDisney: schemas/disney_material.json, and normal, coatNormal and bump, which are
@@ -205,7 +205,7 @@ enum {
 };
 
 typedef struct AlabasterBinding {
-  const char* aov; /* "color", "depth", "normal", ...: delegate/README.md */
+  const char* aov; /* "color", "depth", "normal", ...: delegate/manual/pipeline.md */
   AlabasterBuffer* buffer;
 } AlabasterBinding;
 

@@ -5,7 +5,7 @@
 
 namespace alabaster::hd::gltf {
 
-/// The network of `materials[index]`, with its nodes below `id`. delegate/README.md has the table of what becomes what.
+/// The network of `materials[index]`, with its nodes below `id`. delegate/manual/gltf.md has the table.
 /// Textures that the extension ALAB_materials_disney names are colours (sRGB) for colours of the surface, and numbers
 /// for everything else.
 MaterialNetwork translate_material(const Document& document, size_t index, const VertexColors& vertex, const Path& id,

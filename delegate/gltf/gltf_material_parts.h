@@ -1,5 +1,5 @@
-// The parts of a glTF material, each translated into parameters of AlabasterDisney. The table in delegate/README.md
-// says which becomes what.
+// The parts of a glTF material, each translated into parameters of AlabasterDisney. delegate/manual/gltf.md has the
+// table of translations.
 #pragma once
 
 #include "delegate/gltf/gltf_material_builder.h"

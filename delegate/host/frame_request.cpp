@@ -147,7 +147,7 @@ std::string NoSuchAov(const std::string& name) {
   for (const AovInfo& aov : kAovs) known.emplace_back(aov.name);
   const std::string nearest = support::NearestName(name, known);
   return "there is no AOV '" + name + "'" +
-         (nearest.empty() ? "; delegate/README.md lists them" : "; did you mean '" + nearest + "'?");
+         (nearest.empty() ? "; delegate/manual/pipeline.md lists them" : "; did you mean '" + nearest + "'?");
 }
 
 }  // namespace alabaster::hd::host

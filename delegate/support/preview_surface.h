@@ -1,5 +1,5 @@
 // UsdPreviewSurface and its nodes, in the nodes that the renderer reads. Source: the UsdPreviewSurface specification,
-// version 2.6. delegate/README.md has the table.
+// version 2.6. delegate/manual/usd.md has the table.
 #pragma once
 
 #include <functional>

@@ -1,5 +1,5 @@
 // The functions that libFuzzer and the replay of kept inputs call. A target does what a host would do with a file or a
-// call made of the bytes; it aborts where the library breaks a promise (delegate/README.md, "Hostile input").
+// call made of the bytes; it aborts where the library breaks a promise (delegate/manual/security.md).
 #pragma once
 
 #include <cstddef>

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 """Fails when a hop of the lists in README.md, "The tree", names a function or type that its file does not define, or
-delegate/README.md, "Security, by promise", a test that there is not.
+delegate/manual/security.md, "Security, by promise", a test that there is not.
 
 A list is a line of bold text and the numbered items below it. An item begins with a file and what to find there, each in
 backticks: "1. `core/film/film.cpp` `FilmTile::add`: its part in the walk".
@@ -42,13 +42,13 @@ def faults(root, items):
 
 def missing_tests(root):
     """Names of the security table that no test has. A name is `Suite.Test`; it may end with "..." or "*", and others may follow that begin so."""
-    section = SECURITY.search((root / "delegate/README.md").read_text())
+    section = SECURITY.search((root / "delegate/manual/security.md").read_text())
     names = re.findall(r"`([A-Z]\w+\.\w*)(?:\.\.\.|\*)?`", section.group(1)) if section else []
     tests = {".".join(test) for file in (root / "testenv/unit").rglob("*_test.cpp")
              for test in re.findall(r"^TEST(?:_F|_P)?\((\w+), (\w+)\)", file.read_text(), re.M)}
     if len(names) < LEAST_TESTS:
-        yield f'delegate/README.md: "Security, by promise" names {len(names)} tests'
-    yield from (f"delegate/README.md: there is no test {name}" for name in names if not any(t.startswith(name) for t in tests))
+        yield f'delegate/manual/security.md: "Security, by promise" names {len(names)} tests'
+    yield from (f"delegate/manual/security.md: there is no test {name}" for name in names if not any(t.startswith(name) for t in tests))
 
 
 def main():

@@ -58,7 +58,7 @@ class ViewerFurnace:
 
 class LambertFurnace:
     """A white opaque body under layers shows in a sky of 1 what Lambert shows below the same layers. (Below a specular lobe it is the
-    lobe that yields to subsurface, and the diffuse lobe that yields to specular: delegate/README.md, "Energy".)"""
+    lobe that yields to subsurface, and the diffuse lobe that yields to specular: delegate/manual/artists.md, "Energy".)"""
     name = "furnace, as Lambert"
 
     @staticmethod

@@ -19,22 +19,22 @@ class Exemption(NamedTuple):
 LOSSLESS_BUMPS = "^(?!.*(coat|sheen|specular)).*normal map"  # layers and rough facets may keep more light than bumps lose
 
 WALLS_OF_HOLLOWS = ("the far wall of a clear body with holes is a thin sheet from inside and a solid from outside "
-                    "(delegate/README.md, Primvars and textures)")
+                    "(delegate/manual/artists.md, Holes and opacity)")
 
 # Rows that need not hold. A row beyond the bound fails, and one that holds is printed as stale.
 EXEMPT = [
     Exemption(LOSSLESS_BUMPS, "furnace, viewer", 4.0,
-              "what a mapped normal sends below the surface is lost (delegate/README.md, Primvars and textures)"),
+              "what a mapped normal sends below the surface is lost (delegate/manual/artists.md, Textures)"),
     Exemption(LOSSLESS_BUMPS, "furnace, light", 4.0,
-              "what a mapped normal sends below the surface is lost (delegate/README.md, Primvars and textures)"),
+              "what a mapped normal sends below the surface is lost (delegate/manual/artists.md, Textures)"),
     Exemption(r"^opaque body \+ fibre sheen \+ clearcoat$", "furnace, as Lambert", 2.0,
-              "subsurface does not yield to clearcoat as diffuse does (delegate/README.md, Energy)"),
+              "subsurface does not yield to clearcoat as diffuse does (delegate/manual/artists.md, Energy)"),
     Exemption(r"^opaque body \+ fibre sheen \+ inner shell$", "furnace, as Lambert", 2.5,
-              "walks cross the cavity, whose fibres keep light; Lambert's law sends none there (delegate/README.md, Layers)"),
+              "walks cross the cavity, whose fibres keep light; Lambert's law sends none there (delegate/manual/artists.md, The layers of a material)"),
     Exemption(r"^glass \+ opacity \+ touching$", "reciprocity", 4.0, WALLS_OF_HOLLOWS),
     Exemption(r"^(glass|cloudy body) \+ opacity \+ pyramid$", "reciprocity", 80.0, WALLS_OF_HOLLOWS),
     Exemption(r"^opaque body \+ cloudy body \+ opacity$", "furnace, light", 10.0,
-              "walks in one body pass through others (delegate/README.md, Bodies that scatter as one)"),
+              "walks in one body pass through others (delegate/manual/artists.md, Bodies that scatter as one)"),
 ]
 
 # Rows that fail and should not, a scene and a check in a line. They are run and printed, and do not fail the run.

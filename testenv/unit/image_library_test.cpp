@@ -103,7 +103,7 @@ TEST(ImageLibrary, AChildThatIsForkedAfterItWasLoadedExits) {
 // The child lacks OpenEXR's threads and would wait for them.
 TEST(ImageLibrary, AnExrIsRefusedInAChildOfAProcessThatUsedOne) {
   ASSERT_EQ(fault_of_encoding(FileKind::exr), "");
-  // A child of a process whose library starts threads at the fork may wait without end (delegate/README.md).
+  // A child of a process whose library starts threads at the fork may wait without end (delegate/manual/embedding.md).
   std::this_thread::sleep_for(std::chrono::seconds(2));
   const auto encode = [](FileKind kind) {
     const std::string fault = fault_of_encoding(kind);

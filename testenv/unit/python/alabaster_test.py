@@ -528,6 +528,27 @@ class Documentation(unittest.TestCase):
             subprocess.run([sys.executable, "-c", example], check=True, cwd=folder)
             self.assertTrue((pathlib.Path(folder) / "pebble.exr").exists())
 
+    def test_examples_of_the_manual(self):
+        examples = [example for page in sorted((TOP / "delegate/manual").rglob("*.md"))
+                    for example in re.findall(r"```python\n(.*?)```", page.read_text(), re.S)]
+        self.assertGreaterEqual(len(examples), 1)
+        for example in examples:
+            with tempfile.TemporaryDirectory() as folder:
+                subprocess.run([sys.executable, "-c", example], check=True, cwd=folder)
+
+    def test_descriptions_of_the_manual(self):
+        """Blocks of JSON are render descriptions of a model.glb beside them."""
+        descriptions = [text for page in sorted((TOP / "delegate/manual").rglob("*.md"))
+                        for text in re.findall(r"```json\n(.*?)```", page.read_text(), re.S)]
+        self.assertGreaterEqual(len(descriptions), 1)
+        for text in descriptions:
+            with tempfile.TemporaryDirectory() as folder:
+                shutil.copy(TOP / "testenv/scenes/hard_light/hard_light.glb", pathlib.Path(folder) / "model.glb")
+                (pathlib.Path(folder) / "scene.json").write_text(text)
+                faults = []
+                alabaster.Scene(report=lambda *fault: faults.append(fault)).load(pathlib.Path(folder) / "scene.json")
+                self.assertEqual([], [fault for fault in faults if fault[0] != "info"])
+
 
 if __name__ == "__main__":
     unittest.main()

@@ -1,5 +1,5 @@
 // The surface against the BRDF that glTF defines: directional albedo over the angle of view. Prints the table from
-// which delegate/README.md has its numbers.
+// which delegate/manual/gltf.md has its numbers.
 #include <gtest/gtest.h>
 
 #include <cmath>

@@ -1,4 +1,4 @@
-// The AOVs of files are those that the delegate renders, the schema names and the README lists.
+// The AOVs of files are those that the delegate renders, the schema names and the manual lists.
 #include <gtest/gtest.h>
 
 #include <fstream>
@@ -44,12 +44,12 @@ std::vector<std::string> split(const std::string& text, char separator) {
   return parts;
 }
 
-// Rows of the README's table: | `name`, `name` | channels, channels | meaning |
+// Rows of the table in the manual: | `name`, `name` | channels, channels | meaning |
 std::map<std::string, std::string> listed_channels() {
-  std::ifstream readme(testing::source_file("delegate/README.md"));
+  std::ifstream page(testing::source_file("delegate/manual/pipeline.md"));
   std::map<std::string, std::string> listed;
   bool in_table = false;
-  for (std::string line; std::getline(readme, line);) {
+  for (std::string line; std::getline(page, line);) {
     if (line.starts_with("## ")) in_table = line == "## AOVs";
     if (!in_table || !line.starts_with("| `")) continue;
     const auto cells = split(line, '|');
@@ -60,7 +60,7 @@ std::map<std::string, std::string> listed_channels() {
   return listed;
 }
 
-TEST(AovNames, AreTheReadmes) {
+TEST(AovNames, AreTheManuals) {
   std::map<std::string, std::string> expected;
   for (const AovInfo& aov : kAovs) {
     const std::string layer = aov.layer, channels = aov.channels;
