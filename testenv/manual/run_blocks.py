@@ -1,0 +1,84 @@
+#!/usr/bin/env python3
+"""Runs the commands of the manual: every block of sh in delegate/manual, in a folder with the files that they name.
+
+  run_blocks.py PROGRAM
+
+The folder holds model.glb, scene.json (the render description of pipeline.md) and sky.hdr. `alabaster` is PROGRAM, but for pictures
+of 24x16 pixels and studies of seconds. A block fails if one of its commands does, or if it names an output that is not there.
+"""
+import pathlib
+import re
+import shlex
+import shutil
+import subprocess
+import sys
+import tempfile
+
+TOP = pathlib.Path(__file__).resolve().parents[2]
+MANUAL = TOP / "delegate/manual"
+SCENES = TOP / "testenv/scenes"
+LEAST_BLOCKS = 5
+SIZED = ("render", "farm", "convert")
+REDUCED = {"--size": "24x16", "--budget": "0.03"}
+OUTPUT = re.compile(r"(?:-o|--stats|--checkpoint) (\S+)")
+
+
+def blocks(kind):
+    """(page, text) of each block of code."""
+    for page in sorted(MANUAL.rglob("*.md")):
+        for text in re.findall(rf"^```{kind}\n(.*?)^```", page.read_text(), re.M | re.S):
+            yield page.relative_to(TOP).as_posix(), text
+
+
+def reduced(arguments):
+    """Arguments of the program, for small pictures."""
+    words = list(arguments)
+    for flag, value in REDUCED.items():
+        while flag in words:
+            del words[words.index(flag):words.index(flag) + 2]
+        sized = words[:1] and words[0] in SIZED and "--pixel" not in words
+        if flag == "--size" and (sized or words[:1] == ["tradeoff"]) or flag == "--budget" and words[:1] == ["tradeoff"]:
+            words += [flag, value]
+    return words
+
+
+def make_folder(folder, program):
+    """Fills a folder with what the blocks name. `alabaster` in its bin is this file, with `reduced` arguments."""
+    (folder / "bin").mkdir()
+    shim = folder / "bin/alabaster"
+    shim.write_text(f"#!/bin/sh\nexec {shlex.join([sys.executable, '-B', __file__, '--as', str(program)])} \"$@\"\n")
+    shim.chmod(0o755)
+    shutil.copy(SCENES / "hard_light/hard_light.glb", folder / "model.glb")
+    shutil.copy(SCENES / "dome_high_contrast/sky.hdr", folder / "sky.hdr")
+    (folder / "scene.json").write_text(next(text for page, text in blocks("json")))
+
+
+def fault_of(text, program):
+    """Runs a block in a folder of its own; "": it did as it says."""
+    with tempfile.TemporaryDirectory() as name:
+        folder = pathlib.Path(name)
+        make_folder(folder, program)
+        script = f"set -e\nPATH={shlex.quote(str(folder / 'bin'))}:$PATH\n{text}"
+        ran = subprocess.run(["sh", "-c", script], cwd=folder, capture_output=True, text=True, timeout=600)
+        if ran.returncode != 0:
+            return f"exit code {ran.returncode}\n{ran.stdout}{ran.stderr}"
+        missing = [one for one in OUTPUT.findall(text) if not (folder / one).exists()]
+        return f"it does not write {' '.join(missing)}" if missing else ""
+
+
+def main():
+    if sys.argv[1:2] == ["--as"]:
+        return subprocess.run([sys.argv[2], *reduced(sys.argv[3:])]).returncode
+    program = pathlib.Path(sys.argv[1]).resolve()
+    ran, faults = 0, 0
+    for page, text in blocks("sh"):
+        fault = fault_of(text, program)
+        ran, faults = ran + 1, faults + bool(fault)
+        print(f"{page}: {'FAILED: ' + fault if fault else 'ok'}\n  " + text.strip().replace("\n", "\n  "), flush=True)
+    if ran < LEAST_BLOCKS:
+        print(f"{MANUAL} has {ran} blocks of commands, expected {LEAST_BLOCKS} or more")
+    return 1 if faults or ran < LEAST_BLOCKS else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
