@@ -1,22 +1,4 @@
-// The --stats file, in JSON:
-// - versions [text]: of Alabaster and what it is built on
-// - scene text: as given
-// - status: "done", "degraded" (rendered by --keep-going without all that the scene names), "interrupted" or "failed"
-// - faults [text]: parts of the scene that the picture lacks; absent if none
-// - settings {name: value}: every render setting as it was in effect
-// - resolutions [[width, height]], frames [number]: of each render
-// - files [text]: that were written
-// - phases {load, refine, build, render, write: {wall, cpu}}: seconds; cpu of all threads together
-// - rays {camera, bounce, shadow, walk, probe}
-// - walks {count, segments, events, exits, lost, lostShare}: lostShare is the energy lost in open meshes, of what
-// entered
-// - samples {perPixel, total}
-// - error {relativeRmse, low95, high95, isKnown}: noise as the render estimates it in itself; absent below two samples.
-//   isKnown is false where few samples found much light: then the error is at least low95, and the rest is a guess
-// - target {error, missed, endedBy}: of a render with targetError that is over. missed: it is, or the doubt about the
-//   error allows it; then samples (per pixel), seconds and cpuSeconds tell what the target would take in all
-// - peakMemory: bytes of the process
-// - delegate [{name: value}]: RenderDelegate::GetRenderStats of each render, and the recorder's phases
+// The --stats file, in JSON. delegate/manual/pipeline.md, "Statistics", has its keys.
 #pragma once
 
 #include <nlohmann/json.hpp>

@@ -3,9 +3,12 @@
 
   run_blocks.py PROGRAM
 
+A file of --stats has the keys that pipeline.md, "Statistics", lists: all that are always there, and no others.
+
 The folder holds model.glb, scene.json (the render description of pipeline.md) and sky.hdr. `alabaster` is PROGRAM, but for pictures
 of 24x16 pixels and studies of seconds. A block fails if one of its commands does, or if it names an output that is not there.
 """
+import json
 import pathlib
 import re
 import shlex
@@ -21,6 +24,7 @@ LEAST_BLOCKS = 5
 SIZED = ("render", "farm", "convert")
 REDUCED = {"--size": "24x16", "--budget": "0.03"}
 OUTPUT = re.compile(r"(?:-o|--stats|--checkpoint) (\S+)")
+STATISTICS = re.compile(r"^## Statistics$(.*?)^## ", re.M | re.S)
 
 
 def blocks(kind):
@@ -53,6 +57,17 @@ def make_folder(folder, program):
     (folder / "scene.json").write_text(next(text for page, text in blocks("json")))
 
 
+def fault_of_statistics(file):
+    """Compares the keys of a file of statistics with those of the table; "": they agree."""
+    section = STATISTICS.search((MANUAL / "pipeline.md").read_text()).group(1)
+    listed = {name: always for names, always in re.findall(r"^\| (`.+?) \|.*\| (yes|no) \|$", section, re.M)
+              for name in re.findall(r"`(\w+)`", names)}
+    written = set(json.loads(file.read_text()))
+    required = {name for name, always in listed.items() if always == "yes"}
+    wrong = sorted(written - set(listed)) + sorted(required - written)
+    return f"keys that the table and {file.name} do not share: {' '.join(wrong)}" if wrong else ""
+
+
 def fault_of(text, program):
     """Runs a block in a folder of its own; "": it did as it says."""
     with tempfile.TemporaryDirectory() as name:
@@ -63,7 +78,9 @@ def fault_of(text, program):
         if ran.returncode != 0:
             return f"exit code {ran.returncode}\n{ran.stdout}{ran.stderr}"
         missing = [one for one in OUTPUT.findall(text) if not (folder / one).exists()]
-        return f"it does not write {' '.join(missing)}" if missing else ""
+        if missing:
+            return f"it does not write {' '.join(missing)}"
+        return "".join(fault_of_statistics(folder / file) for file in re.findall(r"--stats (\S+)", text))
 
 
 def main():
