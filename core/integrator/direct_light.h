@@ -44,7 +44,7 @@ inline Rgb exit_light(const ScatterValue& value, const LightSample& light, float
   return is_finite(sent) ? sent : Rgb(0.0f);
 }
 
-/// How which lights are sampled at a point.
+/// Inputs of next-event estimation at a point: lights, random numbers, search.
 struct LightNumbers {
   const LightSet& lights;
   std::array<float, 4> u;

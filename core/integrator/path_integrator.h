@@ -1,5 +1,5 @@
-// Path tracing with next-event estimation, multiple importance sampling and subsurface walks. Unbiased but for
-// max_depth.
+// Path tracing with next-event estimation, multiple importance sampling and subsurface walks. What biases it:
+// max_depth, textureFilter, glossyFilter, walk_sphere_steps, and the subsurface modes diffusion and lambert.
 #pragma once
 
 #include "core/camera/camera.h"

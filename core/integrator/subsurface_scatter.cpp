@@ -181,7 +181,9 @@ bool leave_surface(const PathContext& context, const PixelSampler& sampler, cons
   const SubsurfaceExit& exit = leaving.exit;
   const Instance& instance = context.scene.instance(exit.hit.instance);
   const std::optional<FlatExit>& flat = leaving.below.flat;
-  path->throughput = exit.throughput * index_factor(leaving.index, path->interiors.indices());
+  path->throughput = exit.throughput;
+  if (const Rgb beyond = path->interiors.indices(); !(leaving.index == beyond)) [[unlikely]]
+    path->throughput *= index_factor(leaving.index, beyond);
   if (leaving.below.within) path->throughput *= 1 / kMeanDiffuseTransmittance;
   // Draw the random numbers while the triangle comes from memory.
   const Mesh& mesh = instance.prototype->mesh;

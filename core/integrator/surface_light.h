@@ -30,7 +30,7 @@ PathRecord* record_of(const PathContext& context) {
   return kLayers ? context.record : nullptr;
 }
 
-/// Adds what the twins of walks will take away again, on average.
+/// Adds the expectation of the control variate, of which walks subtract their samples.
 template <bool kLayers>
 void add_flat_light(const PathContext& context, const LobedVertex& at, PathState* path, LayerSplit* split) {
   const Rgb light = path->throughput * at.bsdf.subsurface_entry() *

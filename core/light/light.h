@@ -1,4 +1,4 @@
-// Lights: a closed set. UsdLux terms; radiance = color * intensity * 2^exposure (normalize divides by area).
+// Lights: a closed set, in UsdLux's terms. emission() (light_description.h) gives the radiance.
 //
 // README.md, "Extending", lists the steps to add a light.
 //

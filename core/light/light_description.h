@@ -51,8 +51,8 @@ struct LightExtent {
   BoundsDouble box;  // of a finite light
   double power = 0;
   bool finite = true;
-  /// Light leaves within an angle of normals that lie within an angle of an axis (radians), fallen by the cosine of the
-  /// former. By default it leaves everywhere.
+  /// Orientation cone (Conty Estevez, Kulla 2018): normals lie within normals_angle of `axis`; light leaves within
+  /// emission_angle of a normal, in proportion to its cosine (radians). By default it leaves everywhere.
   Vec3d axis{0, 0, 1};
   double normals_angle = kPiDouble, emission_angle = 0.5 * kPiDouble;
 };

@@ -19,8 +19,8 @@ namespace alabaster {
 /// except on surfaces that scatter, where the local lobes are picked too rarely.
 enum class ConstantDomes { sampled, left_to_lobes };
 
-/// How lights are sampled at a point. The pdf of a light that a ray from there meets must be asked with the same
-/// search.
+/// How lights are sampled at a point. The pdf of a light that a ray from there intersects is computed with the
+/// same search.
 struct LightSearch {
   LightSearch(ConstantDomes how = ConstantDomes::sampled, const Vec3f& lobe = Vec3f(0, 0, 0)) : domes(how), n(lobe) {}
   ConstantDomes domes;

@@ -30,7 +30,8 @@ DisneyBsdf::DisneyBsdf(const DisneyParameters& p, const Vec3f& wo, EnergyModel e
   if (!p.thin) entry_channels_ = scattering_channels(p.scatter_distance);
   const Rgb color = p.base_color * (dielectric_ * stays_);
   diffuse_ = {color * (Rgb(1.0f) - entry_channels_), color, p.roughness, p.thin ? p.flatness : 0};
-  layers_ = DisneyLayers::of(p);
+  if (p.has_dimming_layers()) [[unlikely]]
+    layers_ = DisneyLayers::of(p);
   if (p.sheen > 0 && !fibrous()) sheen_.color = sheen_hue(p) * (p.sheen * dielectric_);
   clearcoat_ = DisneyClearcoat::from(p.clearcoat, p.clearcoat_gloss, p.least_roughness);
   if (p.least_roughness > 0) [[unlikely]]

@@ -7,7 +7,7 @@
 #include <mutex>
 #include <thread>
 
-#include "core/session/session_render.h"
+#include "core/session/running_render.h"
 
 namespace alabaster {
 

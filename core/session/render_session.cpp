@@ -5,7 +5,7 @@
 #include <limits>
 
 #include "core/session/render_driver.h"
-#include "core/session/session_render.h"
+#include "core/session/running_render.h"
 
 namespace alabaster {
 

@@ -1,4 +1,4 @@
-// Threads that render serve a thread of their owner: they wake it, and one of them lends it a core.
+// Render threads notify the builder's thread, and one of them yields its core to it.
 #pragma once
 
 #include <atomic>
@@ -10,9 +10,9 @@
 
 namespace alabaster {
 
-/// Who wakes a thread while all cores are busy may lose its own core for 6 to 12 ms (Linux 6.18; edit_latency). So a
-/// host's thread leaves a wake-up to those that render, which look for it before each sample. Where none renders, cores
-/// are free, and who asks wakes.
+/// A notification can cost the calling thread its core for 6 to 12 ms while all cores are busy (Linux 6.18;
+/// edit_latency). A host's thread therefore sets a flag, which render threads poll before each sample, and one of them
+/// notifies. Where no thread renders, cores are free, and the caller notifies.
 class WakeRelay {
  public:
   using Clock = std::chrono::steady_clock;

@@ -117,7 +117,7 @@ class ALABASTER_API RenderDelegate {
   virtual void Resume() = 0;
   virtual bool IsPaused() const = 0;
   virtual void Stop() = 0;             // blocks until no worker runs; latches until Restart
-  virtual void Restart() = 0;          // the next Execute of a pass may render again
+  virtual void Restart() = 0;          // undoes Stop: the next Execute of a pass renders again; without one, nothing
   virtual bool IsStopped() const = 0;  // by Stop or HoldStopped
   /// Stops like Stop until the result is destroyed, whatever Stop and Restart do meanwhile: for code that stops a
   /// delegate which is not its own, and must undo no Stop but its own. Null after a report if memory runs out.

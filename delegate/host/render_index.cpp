@@ -257,8 +257,8 @@ RenderDelegate* RenderIndex::GetRenderDelegate() const {
 
 void RenderIndex::State::sync_dirty() {
   for (const Token& type : delegate->GetSupportedBprimTypes()) sync_kind(Kind::bprim, type, false);
-  // Materials decode images, which is worth all threads. Other Sprims are cheap, and hosts expect them one at a time.
-  for (const Token& type : delegate->GetSupportedSprimTypes()) sync_kind(Kind::sprim, type, type == Token("material"));
+  // Sync of Sprims only copies values: the builder decodes images. Hosts expect them one at a time.
+  for (const Token& type : delegate->GetSupportedSprimTypes()) sync_kind(Kind::sprim, type, false);
   sync_kind(Kind::instancer, Token(), false);
   for (const Token& type : delegate->GetSupportedRprimTypes()) sync_kind(Kind::rprim, type, true);
 }

@@ -345,6 +345,7 @@ void RenderCore::stop() {
 
 void RenderCore::restart() {
   const std::lock_guard lock(stop_mutex_);
+  if (!stop_latched_) return;
   stop_latched_ = false;
   apply_stops();
 }

@@ -9,7 +9,7 @@
 #include <span>
 
 #include "core/session/render_session.h"
-#include "core/session/session_render.h"
+#include "core/session/running_render.h"
 #include "testenv/support/scene_builder.h"
 
 namespace alabaster {

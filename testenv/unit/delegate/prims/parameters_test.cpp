@@ -196,6 +196,22 @@ TEST(Parameters, RemovedSettingsAreErrors) {
   EXPECT_EQ(stage.delegate->GetRenderSetting("subsurface").text_or(""), "lambert");
 }
 
+TEST(Parameters, ASettingOfAPrimThatIsOutOfRangeIsReported) {
+  Stage stage;
+  RenderSettingsDescription settings;
+  settings.settings["maxDepth"] = int64_t(-3);
+  settings.settings["seed"] = std::string("seven");
+  stage.scene.SetRenderSettings("/settings", settings);
+  stage.take_diagnostics();
+  stage.index->SyncAll();
+  std::set<std::string> codes;
+  for (const Diagnostic& one : stage.take_diagnostics()) {
+    EXPECT_EQ(one.where, "/settings") << one.text;
+    codes.insert(one.code);
+  }
+  EXPECT_EQ(codes, (std::set<std::string>{"parameter.range", "parameter.type"}));
+}
+
 TEST(Parameters, RenderSettingsAreTheSchemas) {
   Stage stage;
   const json schema = schema_properties("render_settings");

@@ -312,6 +312,19 @@ TEST(BackgroundControl, WhatWasStoppedStaysSoUntilItIsExecutedAgain) {
   EXPECT_EQ(s.pass->GetState(), PassState::rendering);
 }
 
+TEST(BackgroundControl, ARestartThatFollowsNoStopLeavesAllRendersRunning) {
+  Shot s(kEndless);
+  RenderBuffer* other_buffer = s.stage.add_buffer("/other", 8, 8, Format::float32vec4);
+  s.stage.index->SyncAll();
+  const auto other = s.stage.delegate->CreateRenderPass();
+  s.pass->Execute(s.state);
+  other->Execute(Stage::state_for(8, 8, "color", other_buffer));
+  s.stage.delegate->Restart();
+  EXPECT_EQ(s.pass->GetState(), PassState::rendering);
+  EXPECT_EQ(other->GetState(), PassState::rendering);
+  EXPECT_FALSE(other->WaitForConvergence(0.05));
+}
+
 TEST(BackgroundControl, AHoldOutlastsARestartAndUndoesNoStop) {
   Shot s(kEndless);
   RenderDelegate& delegate = *s.stage.delegate;

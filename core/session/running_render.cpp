@@ -1,4 +1,4 @@
-#include "core/session/session_render.h"
+#include "core/session/running_render.h"
 
 #include <algorithm>
 #include <exception>

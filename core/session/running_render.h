@@ -1,4 +1,4 @@
-// One render of a RenderSession: session_render.cpp begins, ends and reports it; session_workers.cpp renders.
+// One render of a RenderSession: running_render.cpp begins, ends and reports it; running_render_workers.cpp renders.
 #pragma once
 
 #include <time.h>
@@ -75,7 +75,7 @@ struct RenderSession::Render {
   // Work of the current round.
   std::atomic<size_t> next_item{0};
   std::vector<std::atomic<uint32_t>> tile_passes;  // passes that each tile has finished
-  bool lends_core = false;                         // one of the workers, to the owner's thread
+  bool yields_core_to_builder = false;             // one of the workers does
 
   void render();
   void request_stop();

@@ -5,7 +5,7 @@
 #include <optional>
 #include <thread>
 
-#include "core/session/session_render.h"
+#include "core/session/running_render.h"
 #include "core/session/wake_relay.h"
 #include "core/session/worker_threads.h"
 
@@ -119,7 +119,7 @@ bool RenderSession::Render::render_tile(const TileRenderer& renderer, const Samp
   const WakeRelay::Carrier carrier(wakes);
   const auto may_go_on = [&] {
     carrier.pass_on();
-    if (lends_core && wakes->wants_core()) [[unlikely]]
+    if (yields_core_to_builder && wakes->wants_core()) [[unlikely]]
       wakes->lend_core(stop_requested);
     return wait_while_paused() && !time_is_over(pass.end == 1 ? kFirstSampleGrace : 0);
   };
@@ -130,7 +130,7 @@ bool RenderSession::Render::render_tile(const TileRenderer& renderer, const Samp
 
 // Renders one round.
 void RenderSession::Render::run_workers(const TileRenderer& renderer, const SampleRange& round, int threads) {
-  lends_core = wakes && threads > 1 && threads >= static_cast<int>(std::thread::hardware_concurrency());
+  yields_core_to_builder = wakes && threads > 1 && threads >= static_cast<int>(std::thread::hardware_concurrency());
   next_item = 0;
   tile_passes = std::vector<std::atomic<uint32_t>>(tile_order->size());
   {
