@@ -39,8 +39,7 @@ bool goes_on_within_medium(const PathContext& context, const PathVertex& v, cons
 inline bool is_in_air_within(const PathContext& context, const PathVertex& v, const PathState& path) {
   const SubsurfaceBody* const body = v.instance->body;
   const bool began_there = path.depth > 0 && body && body->has_holes && !v.material.transmits();
-  if (!began_there &&
-      (path.hollows.empty() || !path.hollows.contains(hollow_of(context.scene, v.triangle.instance))))
+  if (!began_there && (path.hollows.empty() || !path.hollows.contains(hollow_of(context.scene, v.triangle.instance))))
     return false;
   return crossing_at(*v.instance, path.ray.dir, v.triangle) == Crossing::leaves &&
          !is_in_union(context.scene, path.interiors, *v.instance);
