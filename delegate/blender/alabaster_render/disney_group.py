@@ -24,15 +24,19 @@ def tree():
     return found or _make()
 
 
+def _socket(made, name, kind, direction="INPUT", description=""):
+    if MODERN:
+        return made.interface.new_socket(name, description=description, in_out=direction, socket_type=kind)
+    socket = (made.inputs if direction == "INPUT" else made.outputs).new(kind, name)
+    socket.description = description
+    return socket
+
+
 def _input(made, p):
     kind = "NodeSocketFloatFactor" if (p.kind, p.minimum, p.maximum) == ("float", 0, 1) and not MODERN else KINDS[p.kind]
-    if p.name in {"scatterDistance"}:
+    if p.name == "scatterDistance":
         kind = "NodeSocketVector"
-    if MODERN:
-        socket = made.interface.new_socket(p.name, description=p.description, in_out="INPUT", socket_type=kind)
-    else:
-        socket = made.inputs.new(kind, p.name)
-        socket.description = p.description
+    socket = _socket(made, p.name, kind, description=p.description)
     if kind == "NodeSocketColor":
         socket.default_value = (*p.default, 1.0)
         return
@@ -49,14 +53,8 @@ def _make():
     for p in PARAMETERS.values():
         _input(made, p)
     for name in ("normal", "coatNormal"):
-        if MODERN:
-            made.interface.new_socket(name, in_out="INPUT", socket_type="NodeSocketVector").hide_value = True
-        else:
-            made.inputs.new("NodeSocketVector", name).hide_value = True
-    if MODERN:
-        made.interface.new_socket("BSDF", in_out="OUTPUT", socket_type="NodeSocketShader")
-    else:
-        made.outputs.new("NodeSocketShader", "BSDF")
+        _socket(made, name, "NodeSocketVector").hide_value = True
+    _socket(made, "BSDF", "NodeSocketShader", "OUTPUT")
     inner, begin, end = (made.nodes.new(kind) for kind in ("ShaderNodeBsdfPrincipled", "NodeGroupInput", "NodeGroupOutput"))
     begin.location, end.location = (-300, 0), (300, 0)
     for ours, theirs in PREVIEW.items():

@@ -1,13 +1,15 @@
 """Materials of Blender as networks of AlabasterDisney. README.md has the table of what becomes what."""
+import dataclasses
+from typing import NamedTuple
+
 from . import shaders
 from .sockets import Reader, Source
 
 
-class Wanted:
+class Wanted(NamedTuple):
     """Names of UV maps and of colour attributes that materials read."""
-
-    def __init__(self, maps=(), colors=()):
-        self.maps, self.colors = frozenset(maps), frozenset(colors)
+    maps: frozenset = frozenset()
+    colors: frozenset = frozenset()
 
     @staticmethod
     def of(materials):
@@ -15,10 +17,7 @@ class Wanted:
         for material in materials:
             if material.use_nodes and material.node_tree:
                 _find(material.node_tree, maps, colors, set())
-        return Wanted(maps, colors)
-
-    def __eq__(self, other):
-        return (self.maps, self.colors) == (other.maps, other.colors)
+        return Wanted(frozenset(maps), frozenset(colors))
 
     def __sub__(self, other):
         """True if there is a name that the other has not."""
@@ -41,20 +40,17 @@ def _find(tree, maps, colors, seen):
             _find(node.node_tree, maps, colors, seen)
 
 
+@dataclasses.dataclass
 class Network:
     """nodes of alabaster.Scene.set_material, and the one that displaces. Properties of meshes: holdout, where the surface is a
     Holdout shader, and left_out, where there is a volume alone."""
-
-    def __init__(self):
-        self.nodes = {"surface": {}}
-        self.displacement = ""
-        self.holdout = self.left_out = False
+    nodes: dict = dataclasses.field(default_factory=lambda: {"surface": {}})
+    displacement: str = ""
+    holdout: bool = False
+    left_out: bool = False
 
     def role(self):
         return self.holdout, self.left_out
-
-    def __eq__(self, other):
-        return isinstance(other, Network) and vars(self) == vars(other)
 
 
 def translate(material, note):

@@ -1,14 +1,17 @@
 """Panels: settings of the render, passes, subsurface sets, the node group."""
 import bpy
 
-from . import disney_group, settings
+from . import disney_group, passes, settings
 
-# Blocks of a panel, each the names of its settings.
-SAMPLING = [["quality"], ["samples", "targetError", "timeLimit"], ["adaptive", "denoise"], ["viewport_samples"], ["seed", "filter"]]
-PATHS = [["maxDepth"], ["energy", "glossyFilter"]]
-SUBSURFACE = [["subsurface", "inversion"], ["walkGuiding", "walkSphereSteps"]]
-GROUPED = {name for panel in (SAMPLING, PATHS, SUBSURFACE) for block in panel for name in block}
-MORE = [[name for name in settings.SETTINGS if name not in GROUPED]]
+# Panels of settings: name, label, and blocks of the names of settings.
+SETTINGS_PANELS = [
+    ("sampling", "Sampling", [["quality"], ["samples", "targetError", "timeLimit"], ["adaptive", "denoise"], ["viewport_samples"],
+                              ["seed", "filter"]]),
+    ("paths", "Light Paths", [["maxDepth"], ["energy", "glossyFilter"]]),
+    ("subsurface", "Subsurface", [["subsurface", "inversion"], ["walkGuiding", "walkSphereSteps"]]),
+]
+GROUPED = {name for *_, blocks in SETTINGS_PANELS for block in blocks for name in block}
+SETTINGS_PANELS.append(("more", "Textures and Memory", [[name for name in settings.SETTINGS if name not in GROUPED]]))
 
 
 class AlabasterPanel:
@@ -35,27 +38,9 @@ class SettingsPanel(AlabasterPanel):
                 column.prop(context.scene.alabaster, name)
 
 
-class ALABASTER_PT_sampling(SettingsPanel, bpy.types.Panel):
-    bl_label = "Sampling"
-    blocks = SAMPLING
-
-
-class ALABASTER_PT_paths(SettingsPanel, bpy.types.Panel):
-    bl_label = "Light Paths"
-    bl_options = {"DEFAULT_CLOSED"}
-    blocks = PATHS
-
-
-class ALABASTER_PT_subsurface(SettingsPanel, bpy.types.Panel):
-    bl_label = "Subsurface"
-    bl_options = {"DEFAULT_CLOSED"}
-    blocks = SUBSURFACE
-
-
-class ALABASTER_PT_more(SettingsPanel, bpy.types.Panel):
-    bl_label = "Textures and Memory"
-    bl_options = {"DEFAULT_CLOSED"}
-    blocks = MORE
+def settings_panel(name, label, blocks):
+    closed = {"DEFAULT_CLOSED"} if name != "sampling" else set()
+    return type(f"ALABASTER_PT_{name}", (SettingsPanel, bpy.types.Panel), {"bl_label": label, "bl_options": closed, "blocks": blocks})
 
 
 class ALABASTER_PT_motion(AlabasterPanel, bpy.types.Panel):
@@ -81,7 +66,7 @@ class ALABASTER_PT_passes(AlabasterPanel, bpy.types.Panel):
         layout.use_property_split = True
         layout.use_property_decorate = False
         column = layout.column(heading="Data")
-        for name in ("use_pass_z", "use_pass_normal", "use_pass_vector", "use_pass_emit"):
+        for name in passes.BLENDERS:
             column.prop(layer, name)
         column = layout.column(heading="Alabaster")
         for aov in settings.PASSES:
@@ -104,15 +89,6 @@ class ALABASTER_PT_material(AlabasterPanel, bpy.types.Panel):
         self.layout.operator(disney_group.NODE_OT_alabaster_material.bl_idname, icon="NODETREE")
 
 
-CLASSES = [disney_group.NODE_OT_alabaster_material, ALABASTER_PT_sampling, ALABASTER_PT_paths, ALABASTER_PT_subsurface,
-           ALABASTER_PT_more, ALABASTER_PT_motion, ALABASTER_PT_passes, ALABASTER_PT_collection, ALABASTER_PT_material]
-
-
-def register():
-    for one in CLASSES:
-        bpy.utils.register_class(one)
-
-
-def unregister():
-    for one in reversed(CLASSES):
-        bpy.utils.unregister_class(one)
+CLASSES = [disney_group.NODE_OT_alabaster_material, *(settings_panel(*one) for one in SETTINGS_PANELS), ALABASTER_PT_motion,
+           ALABASTER_PT_passes, ALABASTER_PT_collection, ALABASTER_PT_material]
+register, unregister = bpy.utils.register_classes_factory(CLASSES)

@@ -4,19 +4,15 @@ import numpy
 from . import settings
 
 
+# Those that Blender has switches for: AOV, name of the pass, channels, type.
+BLENDERS = {"use_pass_z": ("cameraDepth", "Depth", "Z", "VALUE"), "use_pass_normal": ("normal", "Normal", "XYZ", "VECTOR"),
+            "use_pass_vector": ("motion", "Vector", "XYZW", "VECTOR"), "use_pass_emit": ("emission", "Emit", "RGB", "COLOR")}
+
+
 def wanted(view_layer):
     """(AOV, name of the pass, channels, type) of each pass but Combined."""
-    found = []
-    if view_layer.use_pass_z:
-        found.append(("cameraDepth", "Depth", "Z", "VALUE"))
-    if view_layer.use_pass_normal:
-        found.append(("normal", "Normal", "XYZ", "VECTOR"))
-    if view_layer.use_pass_emit:
-        found.append(("emission", "Emit", "RGB", "COLOR"))
-    if view_layer.use_pass_vector:
-        found.append(("motion", "Vector", "XYZW", "VECTOR"))
-    return found + [(aov, label, channels, kind) for aov, (label, channels, kind) in settings.PASSES.items()
-                    if getattr(view_layer.alabaster, aov)]
+    return [one for switch, one in BLENDERS.items() if getattr(view_layer, switch)] + [
+        (aov, *one) for aov, one in settings.PASSES.items() if getattr(view_layer.alabaster, aov)]
 
 
 FAR = 1e10  # where the camera sees nothing, as Cycles has it

@@ -55,24 +55,19 @@ def property_of(p, **changes):
 
 
 class AlabasterSceneSettings(bpy.types.PropertyGroup):
-    viewport_samples: property_of(SETTINGS["samples"], name="Viewport Samples", default=256)
-    quality: bpy.props.EnumProperty(
-        name="Quality", get=presets.held, set=presets.apply, description="Presets of the settings below it, of which the others keep theirs",
-        items=[("CUSTOM", "Custom", "Settings of your own", 0)] + [
-            (one["name"], words(one["name"]), one["description"].rstrip("."), number) for number, one in enumerate(presets.PRESETS, 1)])
-
-
-for _name, _parameter in SETTINGS.items():
-    AlabasterSceneSettings.__annotations__[_name] = property_of(_parameter)
+    __annotations__ = {
+        "viewport_samples": property_of(SETTINGS["samples"], name="Viewport Samples", default=256),
+        "quality": bpy.props.EnumProperty(
+            name="Quality", get=presets.held, set=presets.apply,
+            description="Presets of the settings below it, of which the others keep theirs",
+            items=[("CUSTOM", "Custom", "Settings of your own", 0)] + [
+                (one["name"], words(one["name"]), one["description"].rstrip("."), number) for number, one in enumerate(presets.PRESETS, 1)]),
+        **{name: property_of(parameter) for name, parameter in SETTINGS.items()}}
 
 
 class AlabasterLayerSettings(bpy.types.PropertyGroup):
-    pass
-
-
-AlabasterLayerSettings.__annotations__ = {
-    aov: bpy.props.BoolProperty(name=label, default=False, description=f"Pass of AOV {aov}")
-    for aov, (label, _, _) in PASSES.items()}
+    __annotations__ = {aov: bpy.props.BoolProperty(name=label, default=False, description=f"Pass of AOV {aov}")
+                       for aov, (label, _, _) in PASSES.items()}
 
 
 class AlabasterCollectionSettings(bpy.types.PropertyGroup):
@@ -97,18 +92,16 @@ def delegate_settings(scene, viewport):
     return values
 
 
-CLASSES = [AlabasterSceneSettings, AlabasterLayerSettings, AlabasterCollectionSettings]
+GROUPS = {"Scene": AlabasterSceneSettings, "ViewLayer": AlabasterLayerSettings, "Collection": AlabasterCollectionSettings}
 
 
 def register():
-    for one in CLASSES:
-        bpy.utils.register_class(one)
-    bpy.types.Scene.alabaster = bpy.props.PointerProperty(type=AlabasterSceneSettings)
-    bpy.types.ViewLayer.alabaster = bpy.props.PointerProperty(type=AlabasterLayerSettings)
-    bpy.types.Collection.alabaster = bpy.props.PointerProperty(type=AlabasterCollectionSettings)
+    for owner, group in GROUPS.items():
+        bpy.utils.register_class(group)
+        getattr(bpy.types, owner).alabaster = bpy.props.PointerProperty(type=group)
 
 
 def unregister():
-    del bpy.types.Scene.alabaster, bpy.types.ViewLayer.alabaster, bpy.types.Collection.alabaster
-    for one in reversed(CLASSES):
-        bpy.utils.unregister_class(one)
+    for owner, group in GROUPS.items():
+        del getattr(bpy.types, owner).alabaster
+        bpy.utils.unregister_class(group)

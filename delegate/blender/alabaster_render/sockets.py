@@ -1,5 +1,6 @@
 """The value of a socket of a node tree: a constant times textures, each of them scaled and biased."""
 import math
+from typing import NamedTuple
 
 from . import images
 
@@ -9,11 +10,11 @@ WRAPS = {"REPEAT": "repeat", "EXTEND": "clamp", "CLIP": "black", "MIRROR": "mirr
 CHANNELS = {"Red": "r", "Green": "g", "Blue": "b", "R": "r", "G": "g", "B": "b"}
 
 
-class Source:
+class Source(NamedTuple):
     """An output of a node. groups: the group nodes around it, innermost first."""
-
-    def __init__(self, node, output, groups):
-        self.node, self.output, self.groups = node, output, groups
+    node: object
+    output: object
+    groups: tuple
 
     def input(self, *socket_names):
         """The node's input of one of these names, None where it has none."""
@@ -24,16 +25,17 @@ class Source:
         return None
 
 
-class Texture:
+class Texture(NamedTuple):
     """A lookup: parameters of an AlabasterTexture node, or None for the mesh's colours. image: Blender's, for its mean."""
-
-    def __init__(self, parameters, channel="rgb", scale=ONE, bias=(0.0, 0.0, 0.0), image=None):
-        self.parameters, self.channel, self.scale, self.bias, self.image = parameters, channel, scale, bias, image
+    parameters: dict
+    channel: str = "rgb"
+    scale: tuple = ONE
+    bias: tuple = (0.0, 0.0, 0.0)
+    image: object = None
 
     def changed(self, scale, bias):
         """scale * this + bias"""
-        return Texture(self.parameters, self.channel, multiplied(self.scale, scale),
-                       tuple(b * s + c for b, s, c in zip(self.bias, scale, bias)), self.image)
+        return self._replace(scale=multiplied(self.scale, scale), bias=tuple(b * s + c for b, s, c in zip(self.bias, scale, bias)))
 
     def mean(self):
         """Three numbers, and whether all texels have them. A mesh's colours count as middle grey."""
