@@ -11,12 +11,12 @@ relief = None  # shaders.relief, which needs this module
 
 
 def translate(reader, source):
-    surface = {"roughness": reader.number(_value(reader, source, "Roughness"), "g"),
-               "metallic": reader.number(_value(reader, source, "Metallic"), "b"),
-               "anisotropic": reader.number(_value(reader, source, "Anisotropic"))}
+    surface = {"roughness": reader.number(reader.input(source, "Roughness"), "g"),
+               "metallic": reader.number(reader.input(source, "Metallic"), "b"),
+               "anisotropic": reader.number(reader.input(source, "Anisotropic"))}
     if surface["anisotropic"]:
-        surface["anisotropicRotation"] = reader.number(_value(reader, source, "Anisotropic Rotation"))
-    opacity = reader.number(_value(reader, source, "Alpha"))
+        surface["anisotropicRotation"] = reader.number(reader.input(source, "Anisotropic Rotation"))
+    opacity = reader.number(reader.input(source, "Alpha"))
     if opacity != 1.0:
         surface["opacity"] = opacity
     _base(reader, source, surface)
@@ -29,27 +29,17 @@ def translate(reader, source):
     return surface
 
 
-def _value(reader, source, *names):
-    socket = source.input(*names)
-    return reader.value(socket, source.groups) if socket is not None else None
-
-
-def _number(reader, source, *names):
-    value = _value(reader, source, *names)
-    return value.number if value else 0.0
-
-
 def _base(reader, source, surface):
-    color = _value(reader, source, "Base Color")
-    weight = _value(reader, source, "Subsurface", "Subsurface Weight")
+    color = reader.input(source, "Base Color")
+    weight = reader.input(source, "Subsurface", "Subsurface Weight")
     share = number_of(reader, weight, "subsurface weight")
     if share <= 0:
         surface["baseColor"] = reader.color(_glass_color(reader, source, color))
         return
-    scale = share if not MODERN else share * number_of(reader, _value(reader, source, "Subsurface Scale"), "subsurface scale")
+    scale = share if not MODERN else share * number_of(reader, reader.input(source, "Subsurface Scale"), "subsurface scale")
     if not MODERN:
-        color = reader.mixed(color, _value(reader, source, "Subsurface Color"), weight)
-    body = {name: _value(reader, source, f"Subsurface {name}") for name in ("Radius", "IOR", "Anisotropy")}
+        color = reader.mixed(color, reader.input(source, "Subsurface Color"), weight)
+    body = {name: reader.input(source, f"Subsurface {name}") for name in ("Radius", "IOR", "Anisotropy")}
     scatter(reader, surface, color, body, scale, source.node.subsurface_method)
     if MODERN and share < 1:
         # Disney's material has no such mixture. The mean distance that light travels stays that of Cycles.
@@ -73,24 +63,24 @@ def scatter(reader, surface, color, body, scale, method):
 
 def _glass_color(reader, source, color):
     """Until 3.6 a clear body takes the colour at each surface; from 4.0 on its root, as here."""
-    if MODERN or color.textures or _number(reader, source, "Transmission") < 1:
+    if MODERN or color.textures or reader.input_number(source, "Transmission") < 1:
         return color
     return type(color)(tuple(c * c for c in color.constant))
 
 
 def _specular(reader, source, surface):
-    transmission = _value(reader, source, "Transmission", "Transmission Weight")
+    transmission = reader.input(source, "Transmission", "Transmission Weight")
     if transmission.textures or transmission.number > 0:
         surface["specTrans"] = reader.number(transmission)
-    level = _value(reader, source, "Specular", "Specular IOR Level")
-    ior = _number(reader, source, "IOR")
+    level = reader.input(source, "Specular", "Specular IOR Level")
+    ior = reader.input_number(source, "IOR")
     clear = transmission.number > 0
     if MODERN:
         f0 = ((ior - 1) / (ior + 1)) ** 2 * (2 * level.number)
-        surface["specularColor"] = reader.color(_value(reader, source, "Specular Tint"))
+        surface["specularColor"] = reader.color(reader.input(source, "Specular Tint"))
     else:
         f0 = 0.08 * level.number
-        surface["specularTint"] = reader.number(_value(reader, source, "Specular Tint"))
+        surface["specularTint"] = reader.number(reader.input(source, "Specular Tint"))
     if level.textures:
         surface["ior"], surface["specular"] = 1.5, reader.number(reader.changed(level, (2.0,) * 3, (0.0,) * 3))
         reader.note("a texture of specular above one half is clamped there")
@@ -102,30 +92,30 @@ def _specular(reader, source, surface):
 
 
 def _layers(reader, source, surface):
-    coat = _value(reader, source, "Clearcoat", "Coat Weight")
-    roughness = _value(reader, source, "Clearcoat Roughness", "Coat Roughness")
+    coat = reader.input(source, "Clearcoat", "Coat Weight")
+    roughness = reader.input(source, "Clearcoat Roughness", "Coat Roughness")
     if coat.textures or coat.number > 0:
         # Until 3.6 Blender's coat is a quarter as strong, as Disney's is, but a layer of GGX already.
         share = coat if MODERN else reader.changed(coat, (0.25,) * 3, (0.0,) * 3)
         surface["coat"], surface["coatRoughness"] = reader.number(share), reader.number(roughness)
-        if MODERN and min(_value(reader, source, "Coat Tint").constant) < 1:
+        if MODERN and min(reader.input(source, "Coat Tint").constant) < 1:
             reader.note("the tint of a coat is not translated")
-    sheen = _value(reader, source, "Sheen", "Sheen Weight")
+    sheen = reader.input(source, "Sheen", "Sheen Weight")
     if sheen.textures or sheen.number > 0:
         surface["sheen"] = reader.number(sheen)
         if MODERN:
             surface["sheenTint"] = 0.0
-            surface["sheenColor"] = reader.color(_value(reader, source, "Sheen Tint"))
-            surface["sheenRoughness"] = max(_number(reader, source, "Sheen Roughness"), 0.01)
+            surface["sheenColor"] = reader.color(reader.input(source, "Sheen Tint"))
+            surface["sheenRoughness"] = max(reader.input_number(source, "Sheen Roughness"), 0.01)
         else:
-            surface["sheenTint"] = reader.number(_value(reader, source, "Sheen Tint"))
-    film = _number(reader, source, "Thin Film Thickness")
+            surface["sheenTint"] = reader.number(reader.input(source, "Sheen Tint"))
+    film = reader.input_number(source, "Thin Film Thickness")
     if film > 0:
-        surface.update(iridescence=1.0, iridescenceThickness=film, iridescenceIor=max(1.0, _number(reader, source, "Thin Film IOR")))
+        surface.update(iridescence=1.0, iridescenceThickness=film, iridescenceIor=max(1.0, reader.input_number(source, "Thin Film IOR")))
 
 
 def _emission(reader, source, surface):
-    strength = _number(reader, source, "Emission Strength")
-    color = _value(reader, source, "Emission", "Emission Color")
+    strength = reader.input_number(source, "Emission Strength")
+    color = reader.input(source, "Emission", "Emission Color")
     if strength > 0 and (color.textures or max(color.constant) > 0):
         surface["emission"] = reader.color(reader.changed(color, (strength,) * 3, (0.0, 0.0, 0.0)))

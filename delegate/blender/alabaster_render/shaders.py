@@ -29,10 +29,6 @@ def holdout(_reader, _source):
     return dict(BLACK)
 
 
-def _value(reader, source, *names):
-    return reader.value(source.input(*names), source.groups)
-
-
 def _bump(reader, source, surface):
     normal = source.input("Normal")
     if normal is not None:
@@ -46,8 +42,8 @@ def relief(reader, source, surface, into="normal"):
         return
     node = source.node
     if node.type == "NORMAL_MAP":
-        strength = _value(reader, source, "Strength").number
-        value = _value(reader, source, "Color")
+        strength = reader.input(source, "Strength").number
+        value = reader.input(source, "Color")
         if node.space != "TANGENT" or not value.textures:
             reader.note(f"node '{node.name}': only an image of tangent space is translated")
             return
@@ -57,8 +53,8 @@ def relief(reader, source, surface, into="normal"):
         texture = Texture(parameters, "rgb", (2 * strength, 2 * strength, 2.0), (-strength, -strength, -1.0))
         surface[into] = [(reader.node(texture), "rgb")]
     elif node.type == "BUMP" and into == "normal":
-        height = _value(reader, source, "Height")
-        scale = _value(reader, source, "Strength").number * _value(reader, source, "Distance").number
+        height = reader.input(source, "Height")
+        scale = reader.input(source, "Strength").number * reader.input(source, "Distance").number
         if not height.textures:
             return
         surface["bump"] = reader.number(reader.changed(height, (-scale if node.invert else scale,) * 3, (0.0, 0.0, 0.0)))[:1]
@@ -76,8 +72,8 @@ def displace(reader, output, method, surface):
     if source.node.type != "DISPLACEMENT":
         reader.note(f"node '{source.node.name}' at the displacement is not translated")
         return
-    height = _value(reader, source, "Height")
-    scale, midlevel = _value(reader, source, "Scale").number, _value(reader, source, "Midlevel").number
+    height = reader.input(source, "Height")
+    scale, midlevel = reader.input(source, "Scale").number, reader.input(source, "Midlevel").number
     if not height.textures:
         return
     if method == "BUMP":
@@ -89,45 +85,45 @@ def displace(reader, output, method, surface):
 
 
 def diffuse(reader, source):
-    return _bump(reader, source, {**LAMBERT, "baseColor": reader.color(_value(reader, source, "Color"))})
+    return _bump(reader, source, {**LAMBERT, "baseColor": reader.color(reader.input(source, "Color"))})
 
 
 def glossy(reader, source):
-    surface = {"baseColor": reader.color(_value(reader, source, "Color")), "metallic": 1.0,
-               "roughness": reader.number(_value(reader, source, "Roughness"))}
+    surface = {"baseColor": reader.color(reader.input(source, "Color")), "metallic": 1.0,
+               "roughness": reader.number(reader.input(source, "Roughness"))}
     return _bump(reader, source, surface)
 
 
 def glass(reader, source):
     """Cycles takes the colour at each surface, ours its root."""
-    color = _value(reader, source, "Color")
+    color = reader.input(source, "Color")
     surface = {"baseColor": reader.color(color if color.textures else Value(tuple(c * c for c in color.constant))),
-               "specTrans": 1.0, "roughness": reader.number(_value(reader, source, "Roughness")),
-               "ior": max(1.0, _value(reader, source, "IOR").number)}
+               "specTrans": 1.0, "roughness": reader.number(reader.input(source, "Roughness")),
+               "ior": max(1.0, reader.input(source, "IOR").number)}
     return _bump(reader, source, surface)
 
 
 def emission(reader, source):
-    strength = _value(reader, source, "Strength").number
-    color = _value(reader, source, "Color")
+    strength = reader.input(source, "Strength").number
+    color = reader.input(source, "Color")
     return {**BLACK, "emission": reader.color(reader.changed(color, (strength,) * 3, (0.0, 0.0, 0.0)))}
 
 
 def subsurface(reader, source):
     surface = dict(LAMBERT)
-    body = {name: _value(reader, source, name) if source.input(name) else None for name in ("Radius", "IOR", "Anisotropy")}
-    scale = principled.number_of(reader, _value(reader, source, "Scale"), "subsurface scale")
-    principled.scatter(reader, surface, _value(reader, source, "Color"), body, scale, source.node.falloff)
+    body = {name: reader.input(source, name) for name in ("Radius", "IOR", "Anisotropy")}
+    scale = principled.number_of(reader, reader.input(source, "Scale"), "subsurface scale")
+    principled.scatter(reader, surface, reader.input(source, "Color"), body, scale, source.node.falloff)
     return _bump(reader, source, surface)
 
 
 def translucent(reader, source):
-    color = _value(reader, source, "Color")
+    color = reader.input(source, "Color")
     return _bump(reader, source, {**LAMBERT, "baseColor": (0.0, 0.0, 0.0), "diffTrans": 2.0, "diffTransColor": reader.color(color)})
 
 
 def transparent(reader, source):
-    color = _value(reader, source, "Color").number
+    color = reader.input(source, "Color").number
     if color < 0.999:
         reader.note(f"shader '{source.node.name}': only its mean counts, as opacity")
     return {**BLACK, "opacity": max(0.0, 1 - color)}

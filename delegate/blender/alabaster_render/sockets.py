@@ -126,6 +126,15 @@ class Reader:
             return Value(three(socket.default_value) if hasattr(socket, "default_value") else (0.0, 0.0, 0.0))
         return value
 
+    def input(self, source, *names):
+        """The value of the node's input of one of these names, None where it has none."""
+        socket = source.input(*names)
+        return self.value(socket, source.groups) if socket is not None else None
+
+    def input_number(self, source, *names):
+        value = self.input(source, *names)
+        return value.number if value else 0.0
+
     def mean(self, value, what):
         """Three numbers for what takes no texture: of images their mean."""
         result, uneven = value.constant, False
