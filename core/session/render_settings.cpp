@@ -59,11 +59,11 @@ std::span<const SettingParameter> setting_parameters() {
        "not depend on it. Counts for images that are read after it is set.", kLive | kNoPixels},
       {"memoryLimit", &S::memory_limit, 0, 16777216, {},
        "MiB", "Memory of the renderer: meshes as given and as refined, their ray tracing hierarchies, distance "
-       "grids, texels, lights and frames. What would exceed it is refused, with an error that names each use and the "
-       "bytes that it holds, and can be built once the limit is raised or other things are gone. 0: three quarters "
-       "of what the process may use, which is the machine's memory or a lower limit of its cgroup or of its address "
-       "space; the rest is left to the libraries, to what malloc keeps and to the system. Pictures do not depend on "
-       "it.", kLive | kNoPixels},
+       "grids, texels, lights and frames. Memory beyond it is refused, with an error that names each use and the "
+       "bytes that it holds. The object can be built once the limit is raised or other things are gone. 0: three "
+       "quarters of what the process may use, which is the machine's memory or a lower limit of its cgroup or of its "
+       "address space; the rest is left to the libraries, to what malloc keeps and to the system. Pictures do not "
+       "depend on it.", kLive | kNoPixels},
       {"textureFilter", &S::texture_filter, 0, 8, {},
        "none", "Colours of images are read as means over what a path covers of the surface, a pixel or the spread of "
        "a bounce, times this. 0 reads points, without bias. 0.5 to 1 blurs images by as much of a pixel, and has "

@@ -138,12 +138,11 @@ void resize(SceneSession* session, const hd::Vec2i& size) {
   session->scene.SetRenderSettings(session->file.settings, std::move(settings));
 }
 
-int write_schemas(const std::string& folder, Console* console) {
-  std::map<std::string, std::string> texts;
-  for (const std::string& name : hd::host::TableSchemas()) texts[name] = hd::host::SchemaOfTable(name);
-  texts["render_description"] = hd::host::WithTableReferences(hd::description::SchemaText("render_description"));
+int write_table_files(const std::string& sources, Console* console) {
+  std::map<std::string, std::string> texts = hd::host::TableFiles();
+  texts["schemas/render_description.json"] = hd::host::WithTables(hd::description::SchemaText("render_description"));
   for (const auto& [name, text] : texts) {
-    const std::string file = folder + "/" + name + ".json";
+    const std::string file = sources + "/" + name;
     const std::string fault =
         hd::support::WriteOutputFile(file, {reinterpret_cast<const uint8_t*>(text.data()), text.size()});
     if (fault.empty()) continue;
@@ -190,7 +189,7 @@ int run_info(const InfoArguments& arguments) {
 
 int run_schema(const SchemaArguments& arguments) {
   Console console(false);
-  if (!arguments.folder.empty()) return write_schemas(arguments.folder, &console);
+  if (!arguments.folder.empty()) return write_table_files(arguments.folder, &console);
   if (const char* text = hd::description::SchemaText(arguments.name)) {
     std::fputs(text, stdout);
     return kDone;

@@ -291,7 +291,8 @@ CLI::App* add_schema(CLI::App& app, SchemaArguments* a) {
                 "disney_material, textures, lights, camera, render_settings, render_description or quality_presets")
       ->type_name("NAME");
   c->add_option("--write", a->folder,
-                "Write the schemas that are made from the tables of parameters into a folder, for developers")
+                "Write the schemas, pages of the manual and stubs that are made from the tables of parameters, for "
+                "developers: the folder is that of the sources")
       ->type_name("FOLDER");
   return c;
 }

@@ -141,39 +141,6 @@ bool is_default(const Value& value) {
   return value.empty() || (is_text(value) && value.text_or("").empty());
 }
 
-Value write(const Token& member, const Limits&) {
-  return member;
-}
-Value write(const Path& member, const Limits&) {
-  return member;
-}
-Value write(const std::string& member, const Limits&) {
-  return member;
-}
-Value write(bool member, const Limits&) {
-  return member;
-}
-Value write(int member, const Limits&) {
-  return int32_t(member);
-}
-Value write(float member, const Limits&) {
-  return member;
-}
-Value write(double member, const Limits&) {
-  return member;
-}
-Value write(const Matrix4d& member, const Limits&) {
-  return member;
-}
-Value write(const Array<int32_t>& member, const Limits&) {
-  return member;
-}
-Value write(const Array<float>& member, const Limits&) {
-  return member;
-}
-Value write(const std::vector<Token>& member, const Limits&) {
-  return member;
-}
 Value write(const TimeSamples<Value>& member, const Limits&) {
   return std::make_shared<const TimeSamples<Value>>(member);
 }

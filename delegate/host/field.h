@@ -7,7 +7,7 @@
 #include <string>
 #include <type_traits>
 
-#include "delegate/api/scene_types.h"
+#include "delegate/host/scene_fields.h"
 
 namespace alabaster::hd::host {
 
@@ -59,25 +59,17 @@ std::string read(const Value& value, const Limits& limits, std::optional<T>* out
   return must;
 }
 
-// The values that read() reads as the same members. Empty: none.
-Value write(const Token& member, const Limits& limits);
-Value write(const Path& member, const Limits& limits);
-Value write(const std::string& member, const Limits& limits);
-Value write(bool member, const Limits& limits);
-Value write(int member, const Limits& limits);
-Value write(float member, const Limits& limits);
-Value write(double member, const Limits& limits);
-Value write(const Matrix4d& member, const Limits& limits);
-Value write(const Array<int32_t>& member, const Limits& limits);
-Value write(const Array<float>& member, const Limits& limits);
-Value write(const std::vector<Token>& member, const Limits& limits);
+/// The value that read() reads as the same member. Empty: none.
+template <class T>
+Value write(const T& member, const Limits& limits) {
+  if constexpr (std::is_enum_v<T>)
+    return Token(limits.words[static_cast<size_t>(member)]);
+  else
+    return Value(member);
+}
 Value write(const TimeSamples<Matrix4d>& member, const Limits& limits);
 Value write(const TimeSamples<Value>& member, const Limits& limits);
 Value write(const std::optional<Rect2i>& member, const Limits& limits);
-template <class Enum>
-requires std::is_enum_v<Enum> Value write(Enum member, const Limits& limits) {
-  return Token(limits.words[static_cast<size_t>(member)]);
-}
 template <class T>
 Value write(const std::optional<T>& member, const Limits& limits) {
   return member ? write(*member, limits) : Value();
@@ -89,15 +81,40 @@ std::string fault_text(std::string_view name, const std::string& must, const Val
 /// No value, or an empty text.
 bool is_default(const Value& value);
 
+/// The type of the values of a member.
+template <class T>
+inline constexpr FieldType kFieldType = {std::is_enum_v<T> ? ALABASTER_TOKEN : kTypeOf<T>, false};
+template <class T>
+inline constexpr FieldType kFieldType<Array<T>> = {kTypeOf<T>, true};
+template <class T>
+inline constexpr FieldType kFieldType<std::vector<T>> = {kTypeOf<T>, true};
+template <class T>
+inline constexpr FieldType kFieldType<TimeSamples<T>> = {ALABASTER_SAMPLES, false};
+template <class T>
+inline constexpr FieldType kFieldType<std::optional<T>> = kFieldType<T>;
+template <>
+inline constexpr FieldType kFieldType<std::optional<Rect2i>> = {ALABASTER_INT, true};
+
 struct Field {
   const char* name;
-  DirtyBits dirty;  // what an edit of it marks
+  DirtyBits dirty;   // what an edit of it marks
+  const char* text;  // a sentence or two
   Limits limits;
-  bool (*equal)(const void* a, const void* b);
+  FieldType type;
+  bool (*equal)(const void* a, const void* b) = nullptr;
   /// An empty value sets the default. Returns a fault, or "".
-  std::string (*put)(const Field& field, void* object, const Value& value);
-  /// The value that put() sets. Empty: the default.
-  Value (*get)(const Field& field, const void* object);
+  std::string (*put)(const Field& field, void* object, const Value& value) = nullptr;
+  /// The value that put() sets.
+  Value (*get)(const Field& field, const void* object) = nullptr;
+  /// An object with the defaults.
+  const void* (*defaults)() = nullptr;
+  const char* unit = "none";
+
+  constexpr Field in(const char* its_unit) const {
+    Field field = *this;
+    field.unit = its_unit;
+    return field;
+  }
 };
 
 template <class Object, class Member>
@@ -113,11 +130,14 @@ constexpr auto& follow(Object& object) {
 
 /// The row of a member, or of a member of a member.
 template <auto kFirst, auto... kRest>
-constexpr Field field(const char* name, DirtyBits dirty, const Limits& limits = {}) {
+constexpr Field field(const char* name, DirtyBits dirty, const char* text, const Limits& limits = {}) {
   using Object = decltype(class_of(kFirst));
+  using Member = std::decay_t<decltype(follow<kFirst, kRest...>(std::declval<Object&>()))>;
   return {name,
           dirty,
+          text,
           limits,
+          kFieldType<Member>,
           [](const void* a, const void* b) {
             return follow<kFirst, kRest...>(*static_cast<const Object*>(a)) ==
                    follow<kFirst, kRest...>(*static_cast<const Object*>(b));
@@ -132,10 +152,12 @@ constexpr Field field(const char* name, DirtyBits dirty, const Limits& limits = 
             const std::string must = read(value, row.limits, &member);
             return must.empty() ? must : fault_text(row.name, must, value);
           },
-          [](const Field& row, const void* object) -> Value {
-            const Object defaults{};
-            const auto& member = follow<kFirst, kRest...>(*static_cast<const Object*>(object));
-            return member == follow<kFirst, kRest...>(defaults) ? Value() : write(member, row.limits);
+          [](const Field& row, const void* object) {
+            return write(follow<kFirst, kRest...>(*static_cast<const Object*>(object)), row.limits);
+          },
+          []() -> const void* {
+            static const Object made{};
+            return &made;
           }};
 }
 

@@ -45,6 +45,7 @@ std::string read_into(const std::string& name, const Value& value, const Limits&
 // Primvars ------------------------------------------------------------------------------------------
 constexpr Limits kRoles =
     words("none", "color", "vector", "normal", "point", "textureCoordinate", "faceIndex", "pointIndex");
+constexpr Limits kVarTypes = words("half", "float", "int");
 constexpr Limits kInterpolations = words("constant", "uniform", "varying", "vertex", "faceVarying", "instance");
 
 /// "" if it may be a primvar's value: samples are a field of their own.
@@ -65,19 +66,28 @@ bool is_text(const Value& value) {
   return !value.is_array() && (value.type() == ALABASTER_TOKEN || value.type() == ALABASTER_STRING ||
                                value.type() == ALABASTER_PATH || value.type() == ALABASTER_ASSET);
 }
+bool fits(const OtherParameter& row, const Value& value) {
+  if (row.type.type == ALABASTER_STRING) return is_text(value);
+  return value.type() == row.type.type && value.is_array() == row.type.is_array;
+}
+constexpr FieldType kText = {ALABASTER_STRING, false};
 constexpr OtherParameter kOfLights[] = {
-    {"texture:file", is_text, "a file",
+    {"texture:file", kText, "a file",
      R"({"type": "string", "minLength": 0, "default": "", "unit": "none", "appliesTo": ["domeLight", "rectLight"], "description": "Image that multiplies the light. Dome: latitude-longitude around the scene (y up, USD's orientation). Rect: upright as seen from the front, with the y axis of the light up."})"},
-    {"shaping:ies:file", is_text, "a file",
+    {"shaping:ies:file", kText, "a file",
      R"({"type": "string", "minLength": 0, "default": "", "unit": "none", "appliesTo": ["sphereLight", "rectLight", "diskLight", "cylinderLight"], "description": "Photometric profile of a luminaire (IES LM-63, type C): its candela multiply the light by direction. Straight down in the profile is the light's -z, horizontal angle 0 its x axis, 90 its y axis."})"},
-    {"lightLink", is_text, "a category"},
-    {"shadowLink", is_text, "a category"}};
+    {"lightLink", kText, "a category"},
+    {"shadowLink", kText, "a category"}};
 constexpr OtherParameter kOfCameras[] = {
-    {"projection", is_text, "perspective or orthographic",
+    {"projection", kText, "perspective or orthographic",
      R"({"type": "string", "enum": ["perspective", "orthographic"], "default": "perspective", "unit": "none", "description": "Kind of projection."})"},
-    {"clippingRange", [](const Value& value) { return value.get<Vec2f>() != nullptr; }, "two floats",
+    {"clippingRange",
+     {ALABASTER_FLOAT2, false},
+     "two floats",
      R"({"type": "array", "items": {"type": "number", "minimum": 0}, "minItems": 2, "maxItems": 2, "default": [0, 0], "unit": "scene unit", "description": "Near and far distance between which surfaces are visible; 0, 0 is unlimited. Light and shadows are those of the whole scene."})"},
-    {"clipPlanes", [](const Value& value) { return value.get<Array<Vec4f>>() != nullptr; }, "an array of float4",
+    {"clipPlanes",
+     {ALABASTER_FLOAT4, true},
+     "an array of float4",
      R"({"type": "array", "items": {"type": "array", "items": {"type": "number"}, "minItems": 4, "maxItems": 4}, "default": [], "unit": "none", "description": "Further planes a, b, c, d that cut what the camera sees: surfaces are invisible where a x + b y + c z + d < 0. Coordinates are the camera's, which looks along -z with y up, in scene units."})"}};
 
 std::string range_text(double low, double high) {
@@ -116,7 +126,7 @@ Put check(const Rows& rows, const std::string& name, const Value& value, Range r
 }
 Put check_other(std::span<const OtherParameter> rows, const std::string& name, const Value& value) {
   for (const OtherParameter& row : rows)
-    if (name == row.name) return value.empty() || row.fits(value) ? "" : fault_text(name, row.must, value);
+    if (name == row.name) return value.empty() || fits(row, value) ? "" : fault_text(name, row.must, value);
   return std::nullopt;
 }
 
@@ -149,7 +159,7 @@ Put put_var(RenderProduct* product, const std::string& text, const std::string& 
   if (found == product->vars.end()) found = product->vars.insert(found, {layer, {}, "half"});
   if (suffix.empty()) return read_into(name, value, {}, &found->aov);
   if (is_default(value)) return found->dataType = "half", "";
-  return read_into(name, value, words("half", "float", "int"), &found->dataType);
+  return read_into(name, value, kVarTypes, &found->dataType);
 }
 
 Put put_product(RenderSettingsDescription* settings, const std::string& rest, const std::string& name,
@@ -201,6 +211,64 @@ constexpr const char* kOtherDisneyInputs[] = {"normal", "coatNormal", "bump"};
 constexpr const char* kTextureInputs[] = {"file",     "sourceColorSpace", "wrapS",   "wrapT", "filter", "st",
                                           "stOffset", "stRotation",       "stScale", "scale", "bias"};
 constexpr const char* kDisplacementInputs[] = {"displacement", "scale", "midlevel", "space"};
+
+// Tables --------------------------------------------------------------------------------------------
+constexpr Field open(const char* name, FieldType type, const char* text, const Limits& limits = {}) {
+  return {name, dirty::kClean, text, limits, type};
+}
+constexpr FieldType array_of(int32_t type) {
+  return {type, true};
+}
+constexpr FieldType kWord = {ALABASTER_TOKEN, false}, kPath = {ALABASTER_PATH, false}, kAny = {},
+                    kSamples = {ALABASTER_SAMPLES, false};
+constexpr const char* kAtTimes = "Values at times, of what moves.";
+constexpr Field kMeshes[] = {
+    open("primvars:points", array_of(ALABASTER_FLOAT3), "Positions of the vertices."),
+    open("primvars:normals", array_of(ALABASTER_FLOAT3), "Normals for shading."),
+    open("primvars:st", kAny, "Texture coordinates (float2), v up."),
+    open("primvars:NAME", kAny,
+         "Another primvar: displayColor, displayOpacity, tangents, subsurfaceSet, holdout, visibleToCamera and others "
+         "of delegate/manual/usd.md."),
+    open("primvars:NAME:interpolation", kWord, "How values are spread over the mesh. The default is vertex.",
+         kInterpolations),
+    open("primvars:NAME:indices", array_of(ALABASTER_INT),
+         "Places in the values. Without them the values stand in the order of the elements."),
+    open("primvars:NAME:role", kWord, "Meaning of the values.", kRoles),
+    open("primvars:NAME:samples", kSamples,
+         "Values at times, of points and normals that deform. Setting the primvar takes them away."),
+    open("subsets:ID:faces", array_of(ALABASTER_INT), "Faces with a material of their own."),
+    open("subsets:ID:material", kPath, "Path of the material of these faces."),
+};
+constexpr Field kInstancers[] = {
+    open("primvars:hydra:instanceTransforms", array_of(ALABASTER_MATRIX),
+         "Matrices M of the instances. Point p of instance i is p * prototype * M * S * R * T * transform."),
+    open("primvars:hydra:instanceTranslations", array_of(ALABASTER_FLOAT3), "Translations T of the instances."),
+    open("primvars:hydra:instanceRotations", array_of(ALABASTER_QUATERNION),
+         "Rotations R of the instances; the real part first."),
+    open("primvars:hydra:instanceScales", array_of(ALABASTER_FLOAT3), "Scales S of the instances."),
+    open("primvars:NAME:samples", kSamples, kAtTimes),
+    open("prototypes:PATH", array_of(ALABASTER_INT),
+         "The instances of that mesh or inner instancer, as places in the primvars."),
+    open("categories:NAME", array_of(ALABASTER_INT), "The instances that have the category."),
+};
+constexpr Field kMaterials[] = {
+    open("NODE.type", kWord,
+         "AlabasterDisney, AlabasterTexture, AlabasterPrimvar, AlabasterDisplacement, UsdPreviewSurface and others of "
+         "delegate/manual/usd.md."),
+    open("NODE.INPUT", kAny,
+         "A path \"OTHER.OUTPUT\", or an array of these, connects the input; any other value is its constant, by which "
+         "connected textures are multiplied. The inputs normal, coatNormal and bump of AlabasterDisney are connected. "
+         "Names of inputs are checked for types that begin with Alabaster, constants for AlabasterDisney; the renderer "
+         "warns of others."),
+    open("surface", kPath,
+         "The surface node. Without it, the node \"surface\", else the first AlabasterDisney or UsdPreviewSurface."),
+    open("displacement", kPath, "The node that displaces the meshes of the material."),
+};
+constexpr Field kSettings[] = {
+    open("products:N:FIELD", kAny, "A field of a file to write, N from 0: page product."),
+    open("products:N:vars:LAYER", kWord, "The AOV of a layer of the file."),
+    open("products:N:vars:LAYER:dataType", kWord, "Type of the layer's numbers. The default is half.", kVarTypes),
+};
 
 constexpr const char* kInstancePrimvars[] = {"hydra:instanceTransforms", "hydra:instanceTranslations",
                                              "hydra:instanceRotations", "hydra:instanceScales"};
@@ -316,7 +384,7 @@ Put put_open(CameraDescription* camera, const std::string& name, const Value& va
 std::string CheckSetting(const std::string& name, const Value& value) {
   if (const std::string retired = support::RetiredSetting(name, value.text_or("")); !retired.empty()) return retired;
   if (const Put checked = check(setting_parameters(), name, value, Range::refused)) return *checked;
-  const std::string nearest = support::NearestName(name, setting_names());
+  const std::string nearest = support::NearestName(name, parameter_names("render_settings"));
   return "there is no setting '" + name + "'" + (nearest.empty() ? "" : "; did you mean '" + nearest + "'?");
 }
 
@@ -428,12 +496,12 @@ void get_open(const MaterialNetwork& network, const Path& id, Fields* fields) {
   if (!network.terminals.contains("surface")) fields->emplace_back("surface", Value());  // else SetPrim chooses one
 }
 
-std::string finish(MeshDescription* mesh) {
-  for (const auto& [name, primvar] : mesh->primvars)
+std::string finish(const MeshDescription& mesh) {
+  for (const auto& [name, primvar] : mesh.primvars)
     if (primvar.value.empty())
       return "'primvars:" + name.str() + "' has no value, but its indices, role or interpolation are given";
-  for (const auto& [name, samples] : mesh->primvarSamples)
-    if (!mesh->primvars.contains(name) || !(name == Token("points") || name == Token("normals")))
+  for (const auto& [name, samples] : mesh.primvarSamples)
+    if (!mesh.primvars.contains(name) || !(name == Token("points") || name == Token("normals")))
       return "'primvars:" + name.str() + "' has samples; points and normals alone may have them, beside their values";
   return {};
 }
@@ -448,9 +516,9 @@ std::string finish(const RenderSettingsDescription& settings) {
   return {};
 }
 
-std::string finish(InstancerDescription* instancer) {
-  for (const auto& [name, samples] : instancer->primvarSamples)
-    if (!instancer->primvars.contains(name)) return "'primvars:" + name.str() + "' has samples, but no value";
+std::string finish(const InstancerDescription& instancer) {
+  for (const auto& [name, samples] : instancer.primvarSamples)
+    if (!instancer.primvars.contains(name)) return "'primvars:" + name.str() + "' has samples, but no value";
   return {};
 }
 
@@ -470,6 +538,9 @@ std::string finish(const MaterialNetwork& network) {
   return {};
 }
 
+const std::span<const Field> kOpenOfMeshes = kMeshes, kOpenOfInstancers = kInstancers, kOpenOfMaterials = kMaterials,
+                             kOpenOfSettings = kSettings;
+
 std::span<const OtherParameter> other_light_parameters() {
   return kOfLights;
 }
@@ -477,13 +548,13 @@ std::span<const OtherParameter> other_camera_parameters() {
   return kOfCameras;
 }
 std::vector<std::string> LightParameterNames() {
-  return names_of(light_parameters(), kOfLights);
+  return parameter_names("lights");
 }
-std::vector<std::string> camera_names() {
-  return names_of(camera_parameters(), kOfCameras);
-}
-std::vector<std::string> setting_names() {
-  return names_of(setting_parameters(), {});
+std::vector<std::string> parameter_names(std::string_view schema) {
+  if (schema == "lights") return names_of(light_parameters(), kOfLights);
+  if (schema == "camera") return names_of(camera_parameters(), kOfCameras);
+  if (schema == "render_settings") return names_of(setting_parameters(), {});
+  return {};
 }
 
 }  // namespace alabaster::hd::host

@@ -32,22 +32,37 @@ void get_open(const MaterialNetwork& network, const Path& id, Fields* fields);
 /// A parameter that is in no table of core's: a text, or numbers.
 struct OtherParameter {
   const char* name;
-  bool (*fits)(const Value&);
+  FieldType type;                // a text may be of any type of texts
   const char* must;              // what a value must be, for messages
   const char* schema = nullptr;  // its entry in schemas/*.json; null: it is in none
 };
 std::span<const OtherParameter> other_light_parameters();
 std::span<const OtherParameter> other_camera_parameters();
 
+/// The tables of one kind of prim. Open fields have parts of their names in capitals: "primvars:NAME:indices". They
+/// have no functions.
+struct Kind {
+  const char* name;  // "light": all types of lights
+  std::span<const Field> fields, open;
+  const char* parameters;  // the schema of core's table of its parameters
+};
+std::span<const Kind> kinds();
+extern const std::span<const Field> kOpenOfMeshes, kOpenOfInstancers, kOpenOfMaterials, kOpenOfSettings;
+/// A part of the name is in capitals.
+bool is_pattern(std::string_view name);
+
 // Checks of a prim whose fields are all set. Each returns a fault, or "".
-std::string finish(MeshDescription* mesh);
-std::string finish(InstancerDescription* instancer);
+template <class T>
+std::string finish(const T&) {
+  return {};
+}
+std::string finish(const MeshDescription& mesh);
+std::string finish(const InstancerDescription& instancer);
 std::string finish(const MaterialNetwork& network);
 std::string finish(const RenderSettingsDescription& settings);
 
-/// The names that parameters of a kind have, for messages.
-std::vector<std::string> camera_names();
-std::vector<std::string> setting_names();
+/// The names of the parameters of a schema, for messages.
+std::vector<std::string> parameter_names(std::string_view schema);
 
 /// Sets the field of that name; nullopt if the table has none.
 Put put_row(std::span<const Field> table, void* object, std::string_view name, const Value& value);

@@ -1,6 +1,7 @@
 #include "delegate/host/scene_fields.h"
 
 #include <algorithm>
+#include <tuple>
 
 #include "delegate/host/open_fields.h"
 #include "delegate/support/nearest_name.h"
@@ -8,90 +9,141 @@
 namespace alabaster::hd::host {
 namespace {
 
+constexpr std::string_view kLights = "light";
 using Mesh = MeshDescription;
 constexpr Field kMesh[] = {
     field<&Mesh::topology, &MeshTopology::scheme>("scheme", dirty::kTopology,
+                                                  "Subdivision scheme of the surface; none draws the control mesh.",
                                                   words("none", "catmullClark", "loop", "bilinear")),
     field<&Mesh::topology, &MeshTopology::orientation>("orientation", dirty::kTopology,
+                                                       "Winding of faces as seen from their front.",
                                                        words("rightHanded", "leftHanded")),
-    field<&Mesh::topology, &MeshTopology::faceVertexCounts>("faceVertexCounts", dirty::kTopology),
-    field<&Mesh::topology, &MeshTopology::faceVertexIndices>("faceVertexIndices", dirty::kTopology),
-    field<&Mesh::topology, &MeshTopology::holeIndices>("holeIndices", dirty::kTopology),
-    field<&Mesh::topology, &MeshTopology::invisibleFaces>("invisibleFaces", dirty::kTopology),
-    field<&Mesh::subdivTags, &SubdivTags::interpolateBoundary>("interpolateBoundary", dirty::kSubdivTags,
-                                                               words("none", "edgeOnly", "edgeAndCorner")),
+    field<&Mesh::topology, &MeshTopology::faceVertexCounts>("faceVertexCounts", dirty::kTopology,
+                                                            "The number of vertices of each face."),
+    field<&Mesh::topology, &MeshTopology::faceVertexIndices>(
+        "faceVertexIndices", dirty::kTopology, "The vertices of all faces, one after the other: places in the points."),
+    field<&Mesh::topology, &MeshTopology::holeIndices>("holeIndices", dirty::kTopology,
+                                                       "Faces that are holes of a subdivision surface."),
+    field<&Mesh::topology, &MeshTopology::invisibleFaces>(
+        "invisibleFaces", dirty::kTopology,
+        "Faces that are not drawn. Unlike holes they leave the surface around them as it is."),
+    field<&Mesh::subdivTags, &SubdivTags::interpolateBoundary>(
+        "interpolateBoundary", dirty::kSubdivTags,
+        "Rule of the subdivision surface at its boundary. The default is edgeAndCorner.",
+        words("none", "edgeOnly", "edgeAndCorner")),
     field<&Mesh::subdivTags, &SubdivTags::faceVaryingLinearInterpolation>(
         "faceVaryingLinearInterpolation", dirty::kSubdivTags,
+        "Where faceVarying primvars are interpolated linearly. The default is cornersPlus1.",
         words("all", "none", "boundaries", "cornersOnly", "cornersPlus1", "cornersPlus2")),
-    field<&Mesh::subdivTags, &SubdivTags::creaseMethod>("creaseMethod", dirty::kSubdivTags,
-                                                        words("uniform", "chaikin")),
-    field<&Mesh::subdivTags, &SubdivTags::triangleSubdivision>("triangleSubdivision", dirty::kSubdivTags,
-                                                               words("catmullClark", "smooth")),
-    field<&Mesh::subdivTags, &SubdivTags::creaseIndices>("creaseIndices", dirty::kSubdivTags),
-    field<&Mesh::subdivTags, &SubdivTags::creaseLengths>("creaseLengths", dirty::kSubdivTags),
-    field<&Mesh::subdivTags, &SubdivTags::creaseWeights>("creaseWeights", dirty::kSubdivTags),
-    field<&Mesh::subdivTags, &SubdivTags::cornerIndices>("cornerIndices", dirty::kSubdivTags),
-    field<&Mesh::subdivTags, &SubdivTags::cornerWeights>("cornerWeights", dirty::kSubdivTags),
-    field<&Mesh::displayStyle, &DisplayStyle::refineLevel>("refineLevel", dirty::kDisplayStyle, range(0, 8)),
-    field<&Mesh::transform>("transform", dirty::kTransform),
-    field<&Mesh::transformSamples>("transform:samples", dirty::kTransform),
-    field<&Mesh::visible>("visible", dirty::kVisibility),
-    field<&Mesh::doubleSided>("doubleSided", dirty::kDoubleSided),
+    field<&Mesh::subdivTags, &SubdivTags::creaseMethod>(
+        "creaseMethod", dirty::kSubdivTags, "How the sharpness of creases varies along them. The default is uniform.",
+        words("uniform", "chaikin")),
+    field<&Mesh::subdivTags, &SubdivTags::triangleSubdivision>(
+        "triangleSubdivision", dirty::kSubdivTags,
+        "Weights of Catmull-Clark subdivision at triangles. The default is catmullClark.",
+        words("catmullClark", "smooth")),
+    field<&Mesh::subdivTags, &SubdivTags::creaseIndices>("creaseIndices", dirty::kSubdivTags,
+                                                         "The vertices of all creases, one after the other."),
+    field<&Mesh::subdivTags, &SubdivTags::creaseLengths>("creaseLengths", dirty::kSubdivTags,
+                                                         "The number of vertices of each crease."),
+    field<&Mesh::subdivTags, &SubdivTags::creaseWeights>("creaseWeights", dirty::kSubdivTags,
+                                                         "Sharpness of each crease, or of each of its edges."),
+    field<&Mesh::subdivTags, &SubdivTags::cornerIndices>("cornerIndices", dirty::kSubdivTags,
+                                                         "Vertices that are corners."),
+    field<&Mesh::subdivTags, &SubdivTags::cornerWeights>("cornerWeights", dirty::kSubdivTags,
+                                                         "Sharpness of each corner."),
+    field<&Mesh::displayStyle, &DisplayStyle::refineLevel>("refineLevel", dirty::kDisplayStyle,
+                                                           "Subdivision levels; 0 draws the control mesh.", range(0, 8))
+        .in("levels"),
+    field<&Mesh::transform>(
+        "transform", dirty::kTransform,
+        "Object space to world space, or to the space of the instancer. Setting it takes away its samples."),
+    field<&Mesh::transformSamples>("transform:samples", dirty::kTransform, "Matrices at times, of what moves."),
+    field<&Mesh::visible>("visible", dirty::kVisibility, "False: the mesh is not drawn."),
+    field<&Mesh::doubleSided>("doubleSided", dirty::kDoubleSided,
+                              "False: rays that hit the back of a face pass through."),
     field<&Mesh::cullStyle>(
         "cullStyle", dirty::kCullStyle,
+        "Sides of faces that are not shown. dontCare leaves them to doubleSided; back and front hide them from the "
+        "camera alone; backUnlessDoubleSided and frontUnlessDoubleSided do so where the mesh is single-sided.",
         words("dontCare", "nothing", "back", "front", "backUnlessDoubleSided", "frontUnlessDoubleSided")),
-    field<&Mesh::material>("material", dirty::kMaterialId),
-    field<&Mesh::instancer>("instancer", dirty::kInstancer | dirty::kInstanceIndex),
-    field<&Mesh::renderTag>("renderTag", dirty::kRenderTag),
-    field<&Mesh::categories>("categories", dirty::kCategories),
+    field<&Mesh::material>("material", dirty::kMaterialId,
+                           "Path of a material. Without one the mesh has the default material."),
+    field<&Mesh::instancer>("instancer", dirty::kInstancer | dirty::kInstanceIndex,
+                            "Path of the instancer that draws the mesh."),
+    field<&Mesh::renderTag>("renderTag", dirty::kRenderTag,
+                            "geometry, render, proxy, guide or hidden: passes draw the meshes whose tag they select."),
+    field<&Mesh::categories>("categories", dirty::kCategories,
+                             "Names that the parameters lightLink and shadowLink of lights may give."),
 };
 constexpr Field kInstancer[] = {
-    field<&InstancerDescription::transform>("transform", dirty::kTransform),
-    field<&InstancerDescription::transformSamples>("transform:samples", dirty::kTransform),
-    field<&InstancerDescription::parent>("parent", dirty::kInstancer | dirty::kInstanceIndex),
+    field<&InstancerDescription::transform>("transform", dirty::kTransform,
+                                            "Applies after those of the instances. Setting it takes away its samples."),
+    field<&InstancerDescription::transformSamples>("transform:samples", dirty::kTransform,
+                                                   "Matrices at times, of what moves."),
+    field<&InstancerDescription::parent>("parent", dirty::kInstancer | dirty::kInstanceIndex,
+                                         "Path of the instancer that draws this one."),
 };
 constexpr Field kLight[] = {
-    field<&LightDescription::transform>("transform", dirty::kTransform),
-    field<&LightDescription::visible>("visible", dirty::kVisibility),
+    field<&LightDescription::transform>("transform", dirty::kTransform, "Light space to world space."),
+    field<&LightDescription::visible>("visible", dirty::kVisibility, "False: the light is off."),
 };
 constexpr Field kCamera[] = {
-    field<&CameraDescription::transform>("transform", dirty::kTransform),
-    field<&CameraDescription::transformSamples>("transform:samples", dirty::kTransform),
+    field<&CameraDescription::transform>(
+        "transform", dirty::kTransform,
+        "Camera space to world space. The camera looks along -z, with y up. Setting it takes away its samples."),
+    field<&CameraDescription::transformSamples>("transform:samples", dirty::kTransform,
+                                                "Matrices at times, of what moves."),
 };
 using Settings = RenderSettingsDescription;
 constexpr Field kSettings[] = {
-    field<&Settings::camera>("camera", dirty::kParams),
-    field<&Settings::width>("width", dirty::kParams, range(1, 1 << 20)),
-    field<&Settings::height>("height", dirty::kParams, range(1, 1 << 20)),
-    field<&Settings::pixelAspectRatio>("pixelAspectRatio", dirty::kParams, range(1e-6, 1e6)),
+    field<&Settings::camera>("camera", dirty::kParams, "Path of the camera."),
+    field<&Settings::width>("width", dirty::kParams, "Width of the picture.", range(1, 1 << 20)).in("pixels"),
+    field<&Settings::height>("height", dirty::kParams, "Height of the picture.", range(1, 1 << 20)).in("pixels"),
+    field<&Settings::pixelAspectRatio>("pixelAspectRatio", dirty::kParams, "Width of a pixel over its height.",
+                                       range(1e-6, 1e6)),
     field<&Settings::windowPolicy>("windowPolicy", dirty::kParams,
+                                   "Adapts the camera's film to a picture of another shape.",
                                    words("matchVertically", "matchHorizontally", "fit", "crop", "dontConform")),
-    field<&Settings::crop>("crop", dirty::kParams),
-    field<&Settings::frame>("frame", dirty::kParams),
-    field<&Settings::includedPurposes>("includedPurposes", dirty::kParams),
+    field<&Settings::crop>(
+        "crop", dirty::kParams,
+        "The part of the picture to render: minX, minY, maxX, maxY, y-down, half open. Without it, all of it.")
+        .in("pixels"),
+    field<&Settings::frame>("frame", dirty::kParams, "Number of the frame, in the metadata of files.").in("frames"),
+    field<&Settings::includedPurposes>("includedPurposes", dirty::kParams,
+                                       "Purposes of USD whose meshes are drawn: default, render, proxy, guide."),
 };
 constexpr Field kProduct[] = {
-    field<&RenderProduct::file>("file", dirty::kParams),
-    field<&RenderProduct::dataType>("dataType", dirty::kParams, words("half", "float", "uint8", "uint16")),
-    field<&RenderProduct::colorSpace>("colorSpace", dirty::kParams),
-    field<&RenderProduct::display>("display", dirty::kParams),
-    field<&RenderProduct::view>("view", dirty::kParams),
-    field<&RenderProduct::look>("look", dirty::kParams),
-    field<&RenderProduct::exposure>("exposure", dirty::kParams, range(-64, 64)),
-    field<&RenderProduct::denoise>("denoise", dirty::kParams),
-    field<&RenderProduct::camera>("camera", dirty::kParams),
-    field<&RenderProduct::width>("width", dirty::kParams, range(0, 1 << 20)),
-    field<&RenderProduct::height>("height", dirty::kParams, range(0, 1 << 20)),
-    field<&RenderProduct::disableMotionBlur>("disableMotionBlur", dirty::kParams),
-    field<&RenderProduct::disableDepthOfField>("disableDepthOfField", dirty::kParams),
+    field<&RenderProduct::file>("file", dirty::kParams, "The file to write: .exr, .png, .tif or .jpg."),
+    field<&RenderProduct::dataType>(
+        "dataType", dirty::kParams,
+        "Type of the numbers. The default is half for .exr, else uint8; .jpg takes uint8 alone.",
+        words("half", "float", "uint8", "uint16")),
+    field<&RenderProduct::colorSpace>(
+        "colorSpace", dirty::kParams,
+        "Colour space of a file of scene-referred values. Without it, the rendering space for .exr."),
+    field<&RenderProduct::display>(
+        "display", dirty::kParams,
+        "OpenColorIO display of a file of display values. Without it, the default display for .png, .tif and .jpg."),
+    field<&RenderProduct::view>("view", dirty::kParams,
+                                "OpenColorIO view of the display. Without it, its default view."),
+    field<&RenderProduct::look>("look", dirty::kParams, "OpenColorIO look before the view."),
+    field<&RenderProduct::exposure>("exposure", dirty::kParams, "Exposure of a file of display values.", range(-64, 64))
+        .in("stops"),
+    field<&RenderProduct::denoise>("denoise", dirty::kParams,
+                                   "Denoises the file: an .exr has the denoised layer beside color, others in its "
+                                   "place. Without it, the setting denoise decides."),
+    field<&RenderProduct::camera>("camera", dirty::kParams, "Path of a camera of its own."),
+    field<&RenderProduct::width>("width", dirty::kParams, "A width of its own; 0: that of the settings.",
+                                 range(0, 1 << 20))
+        .in("pixels"),
+    field<&RenderProduct::height>("height", dirty::kParams, "A height of its own; 0: that of the settings.",
+                                  range(0, 1 << 20))
+        .in("pixels"),
+    field<&RenderProduct::disableMotionBlur>("disableMotionBlur", dirty::kParams,
+                                             "True: the scene stands still at the time of the frame."),
+    field<&RenderProduct::disableDepthOfField>("disableDepthOfField", dirty::kParams, "True: the camera is a pinhole."),
 };
-
-std::string unknown(const std::string& name, const std::string& of, std::span<const Field> table,
-                    std::vector<std::string> known) {
-  for (const Field& field : table) known.emplace_back(field.name);
-  const std::string nearest = support::NearestName(name, known);
-  return of + " has no field '" + name + "'" + (nearest.empty() ? "" : "; did you mean '" + nearest + "'?");
-}
 
 /// Samples come after the values that they belong to, and categories after the instances that have them.
 Fields in_order(const Fields& fields) {
@@ -102,49 +154,6 @@ Fields in_order(const Fields& fields) {
   return sorted;
 }
 
-/// Sets the rows and open fields of one kind.
-template <class T, class PutOpen>
-std::string put_all(std::span<const Field> table, const std::string& kind, const std::vector<std::string>& open_names,
-                    const Fields& fields, T* object, const PutOpen& put_one) {
-  for (const auto& [name, value] : in_order(fields)) {
-    Put put = put_row(table, object, name, value);
-    if constexpr (requires { object->transformSamples; })
-      if (name == "transform") object->transformSamples = {};
-    if (!put) put = put_one(name, value);
-    if (!put) return unknown(name, (kind == "instancer" ? "an " : "a ") + kind, table, open_names);
-    if (!put->empty()) return *put;
-  }
-  return {};
-}
-
-std::string fill(const Fields& fields, Mesh* mesh) {
-  const std::string fault =
-      put_all(kMesh, "mesh", {"primvars:points", "primvars:normals", "primvars:st"}, fields, mesh,
-              [&](const std::string& name, const Value& value) { return put_open(mesh, name, value); });
-  return fault.empty() ? finish(mesh) : fault;
-}
-std::string fill(const Fields& fields, InstancerDescription* instancer) {
-  const std::string fault = put_all(
-      kInstancer, "instancer",
-      {"primvars:hydra:instanceTransforms", "primvars:hydra:instanceTranslations", "primvars:hydra:instanceRotations",
-       "primvars:hydra:instanceScales"},
-      fields, instancer, [&](const std::string& name, const Value& value) { return put_open(instancer, name, value); });
-  return fault.empty() ? finish(instancer) : fault;
-}
-std::string fill(const Fields& fields, LightDescription* light) {
-  return put_all(kLight, light->type.str(), LightParameterNames(), fields, light,
-                 [&](const std::string& name, const Value& value) { return put_open(light, name, value); });
-}
-std::string fill(const Fields& fields, CameraDescription* camera) {
-  return put_all(kCamera, "camera", camera_names(), fields, camera,
-                 [&](const std::string& name, const Value& value) { return put_open(camera, name, value); });
-}
-std::string fill(const Fields& fields, Settings* settings) {
-  const std::string fault =
-      put_all(kSettings, "renderSettings prim", setting_names(), fields, settings,
-              [&](const std::string& name, const Value& value) { return put_open(settings, name, value); });
-  return fault.empty() ? finish(*settings) : fault;
-}
 /// The node of that name, else the first one that is a surface, else the first.
 void choose_surface(const Fields& fields, const Path& id, MaterialNetwork* network) {
   Path first, surface;
@@ -161,34 +170,79 @@ void choose_surface(const Fields& fields, const Path& id, MaterialNetwork* netwo
   if (!surface.empty()) network->terminals["surface"] = {surface, "out"};
 }
 
-std::string fill(const Fields& fields, const Path& id, MaterialNetwork* network) {
-  const bool is_new = network->nodes.empty();
-  const bool is_chosen = std::any_of(fields.begin(), fields.end(), [](const auto& f) { return f.first == "surface"; });
-  const std::string fault =
-      put_all({}, "material", {"surface", "displacement"}, fields, network,
-              [&](const std::string& name, const Value& value) { return put_open(network, id, name, value); });
-  if (!fault.empty()) return fault;
-  if (is_new && !is_chosen) choose_surface(fields, id, network);
-  return finish(*network);
+using Kinds = std::tuple<Mesh, InstancerDescription, MaterialNetwork, LightDescription, CameraDescription, Settings>;
+template <class T, class... Types>
+constexpr size_t place_of(const std::tuple<Types...>*) {
+  constexpr bool kIsT[] = {std::is_same_v<T, Types>...};
+  return static_cast<size_t>(std::find(std::begin(kIsT), std::end(kIsT), true) - std::begin(kIsT));
 }
-
-template <class Description, class Store, class... Arguments>
-std::string set_filled(Description description, const Fields& fields, const Store& store,
-                       const Arguments&... arguments) {
-  std::string fault = fill(fields, arguments..., &description);
-  if (fault.empty()) store(std::move(description));
-  return fault;
-}
-
-bool is_light(const Token& kind) {
-  return std::any_of(std::begin(kLightTypes), std::end(kLightTypes),
-                     [&](const char* type) { return kind == Token(type); });
+template <class T>
+const Kind& kind_of() {
+  return kinds()[place_of<T>(static_cast<Kinds*>(nullptr))];
 }
 
 template <class T>
-DirtyBits row_difference(std::span<const Field> table, const T& a, const T& b) {
+std::string unknown(const std::string& name, const T& object) {
+  const Kind& kind = kind_of<T>();
+  std::string label = kind.name;
+  if constexpr (std::is_same_v<T, LightDescription>) label = object.type.str();
+  if constexpr (std::is_same_v<T, Settings>) label += " prim";
+  std::vector<std::string> known = parameter_names(kind.parameters);
+  for (const auto& table : {kind.fields, kind.open})
+    for (const Field& field : table)
+      if (!is_pattern(field.name)) known.emplace_back(field.name);
+  const std::string nearest = support::NearestName(name, known);
+  return (label == "instancer" ? "an " : "a ") + label + " has no field '" + name + "'" +
+         (nearest.empty() ? "" : "; did you mean '" + nearest + "'?");
+}
+
+template <class T>
+Put put_field(const Path& id, const std::string& name, const Value& value, T* object) {
+  if (const Put put = put_row(kind_of<T>().fields, object, name, value)) {
+    if constexpr (requires { object->transformSamples; })
+      if (name == "transform") object->transformSamples = {};
+    return put;
+  }
+  if constexpr (std::is_same_v<T, MaterialNetwork>)
+    return put_open(object, id, name, value);
+  else
+    return put_open(object, name, value);
+}
+
+/// Sets the fields of the prim `id`, or of a camera without an id.
+template <class T>
+std::string fill_fields(const Fields& fields, const Path& id, T* object) {
+  [[maybe_unused]] bool chooses =
+      std::none_of(fields.begin(), fields.end(), [](const auto& field) { return field.first == "surface"; });
+  if constexpr (std::is_same_v<T, MaterialNetwork>) chooses = chooses && object->nodes.empty();
+  for (const auto& [name, value] : in_order(fields)) {
+    const Put put = put_field(id, name, value, object);
+    if (!put) return unknown(name, *object);
+    if (!put->empty()) return *put;
+  }
+  if constexpr (std::is_same_v<T, MaterialNetwork>)
+    if (chooses) choose_surface(fields, id, object);
+  return finish(*object);
+}
+
+/// Calls call(get, set) with the functions of the scene for each kind of prim.
+template <class Call>
+void for_each_kind(const Call& call) {
+  using Scene = RetainedSceneDelegate;
+  call(&Scene::GetMeshes, &Scene::SetMesh);
+  call(&Scene::GetInstancers, &Scene::SetInstancer);
+  call(&Scene::GetMaterials, &Scene::SetMaterial);
+  call(&Scene::GetLights, &Scene::SetLight);
+  call(&Scene::GetCameras, &Scene::SetCamera);
+  call(&Scene::GetAllRenderSettings, &Scene::SetRenderSettings);
+}
+template <class T>
+T description_of(void (RetainedSceneDelegate::*set)(const Path&, T));
+
+template <class T>
+DirtyBits row_difference(const T& a, const T& b) {
   DirtyBits bits = dirty::kClean;
-  for (const Field& field : table)
+  for (const Field& field : kind_of<T>().fields)
     if ((bits & field.dirty) != field.dirty && !field.equal(&a, &b)) bits |= field.dirty;
   return bits;
 }
@@ -196,6 +250,19 @@ DirtyBits row_difference(std::span<const Field> table, const T& a, const T& b) {
 }  // namespace
 
 const std::span<const Field> kProductFields = kProduct;
+
+std::span<const Kind> kinds() {
+  static const std::vector<Kind> all = {
+      // in the order of Kinds
+      {"mesh", kMesh, kOpenOfMeshes, ""},
+      {"instancer", kInstancer, kOpenOfInstancers, ""},
+      {"material", {}, kOpenOfMaterials, "disney_material"},
+      {"light", kLight, {}, "lights"},
+      {"camera", kCamera, {}, "camera"},
+      {"renderSettings", kSettings, kOpenOfSettings, "render_settings"},
+  };
+  return all;
+}
 
 Put put_row(std::span<const Field> table, void* object, std::string_view name, const Value& value) {
   for (const Field& field : table)
@@ -205,88 +272,74 @@ Put put_row(std::span<const Field> table, void* object, std::string_view name, c
 
 void get_rows(std::span<const Field> table, const void* object, const std::string& prefix, Fields* fields) {
   for (const Field& field : table)
-    if (Value value = field.get(field, object); !value.empty())
-      fields->emplace_back(prefix + field.name, std::move(value));
+    if (!field.equal(object, field.defaults())) fields->emplace_back(prefix + field.name, field.get(field, object));
 }
 
 namespace {
-template <class T, class... Arguments>
-Fields all_fields(std::span<const Field> table, const T& object, const Arguments&... arguments) {
+template <class T, class... Id>
+Fields all_fields(const T& object, const Id&... id) {
   Fields fields;
-  get_rows(table, &object, "", &fields);
-  get_open(object, arguments..., &fields);
+  get_rows(kind_of<T>().fields, &object, "", &fields);
+  get_open(object, id..., &fields);
   return fields;
 }
 }  // namespace
 
 Fields GetFields(const MeshDescription& mesh) {
-  return all_fields(kMesh, mesh);
+  return all_fields(mesh);
 }
 Fields GetFields(const InstancerDescription& instancer) {
-  return all_fields(kInstancer, instancer);
+  return all_fields(instancer);
 }
 Fields GetFields(const LightDescription& light) {
-  return all_fields(kLight, light);
+  return all_fields(light);
 }
 Fields GetFields(const CameraDescription& camera) {
-  return all_fields(kCamera, camera);
+  return all_fields(camera);
 }
 Fields GetFields(const RenderSettingsDescription& settings) {
-  return all_fields(kSettings, settings);
+  return all_fields(settings);
 }
 Fields GetFields(const MaterialNetwork& network, const Path& id) {
-  return all_fields({}, network, id);
+  return all_fields(network, id);
 }
 
 SetResult SetPrim(RetainedSceneDelegate* scene, const Path& path, const Token& kind, const Fields& fields) {
   if (path.empty()) return {true, "the path is empty"};
-  if (kind == Token("mesh"))
-    return {true, set_filled(Mesh(), fields, [&](auto made) { scene->SetMesh(path, std::move(made)); })};
-  if (kind == Token("instancer"))
-    return {true,
-            set_filled(InstancerDescription(), fields, [&](auto made) { scene->SetInstancer(path, std::move(made)); })};
-  if (kind == Token("material"))
-    return {true, set_filled(
-                      MaterialNetwork(), fields, [&](auto made) { scene->SetMaterial(path, std::move(made)); }, path)};
-  if (kind == Token("camera"))
-    return {true, set_filled(CameraDescription(), fields, [&](auto made) { scene->SetCamera(path, std::move(made)); })};
-  if (kind == Token("renderSettings"))
-    return {true, set_filled(Settings(), fields, [&](auto made) { scene->SetRenderSettings(path, std::move(made)); })};
-  if (is_light(kind)) {
-    LightDescription light;
-    light.type = kind;
-    return {true, set_filled(light, fields, [&](auto made) { scene->SetLight(path, std::move(made)); })};
-  }
-  std::vector<std::string> kinds = {"mesh", "instancer", "material", "camera", "renderSettings"};
-  kinds.insert(kinds.end(), std::begin(kLightTypes), std::end(kLightTypes));
-  const std::string nearest = support::NearestName(kind.str(), kinds);
-  return {true, "there is no kind of prim '" + kind.str() + "'" +
-                    (nearest.empty() ? "" : "; did you mean '" + nearest + "'?")};
+  std::vector<std::string> known(std::begin(kLightTypes), std::end(kLightTypes));
+  const bool is_light = std::find(known.begin(), known.end(), kind.str()) != known.end();
+  for (const Kind& one : kinds())
+    if (one.name != kLights) known.emplace_back(one.name);
+  const std::string nearest = support::NearestName(kind.str(), known);
+  SetResult result{true, "there is no kind of prim '" + kind.str() + "'" +
+                             (nearest.empty() ? "" : "; did you mean '" + nearest + "'?")};
+  for_each_kind([&](auto, auto set) {
+    using T = decltype(description_of(set));
+    const std::string_view name = kind_of<T>().name;
+    if (name == kLights ? !is_light : name != kind.str()) return;
+    T made{};
+    if constexpr (std::is_same_v<T, LightDescription>) made.type = kind;
+    result.fault = fill_fields(fields, path, &made);
+    if (result.fault.empty()) (scene->*set)(path, std::move(made));
+  });
+  return result;
 }
 
 SetResult EditPrim(RetainedSceneDelegate* scene, const Path& path, const Fields& fields) {
-  const auto held = [&](const auto& map) {
-    const auto found = map.find(path);
-    return found == map.end() ? nullptr : &found->second;
-  };
-  if (const auto* mesh = held(scene->GetMeshes()))
-    return {true, set_filled(*mesh, fields, [&](auto made) { scene->SetMesh(path, std::move(made)); })};
-  if (const auto* instancer = held(scene->GetInstancers()))
-    return {true, set_filled(*instancer, fields, [&](auto made) { scene->SetInstancer(path, std::move(made)); })};
-  if (const auto* network = held(scene->GetMaterials()))
-    return {true, set_filled(
-                      *network, fields, [&](auto made) { scene->SetMaterial(path, std::move(made)); }, path)};
-  if (const auto* light = held(scene->GetLights()))
-    return {true, set_filled(*light, fields, [&](auto made) { scene->SetLight(path, std::move(made)); })};
-  if (const auto* camera = held(scene->GetCameras()))
-    return {true, set_filled(*camera, fields, [&](auto made) { scene->SetCamera(path, std::move(made)); })};
-  if (const auto* settings = held(scene->GetAllRenderSettings()))
-    return {true, set_filled(*settings, fields, [&](auto made) { scene->SetRenderSettings(path, std::move(made)); })};
-  return {false, "there is no prim " + path.str()};
+  SetResult result{false, "there is no prim " + path.str()};
+  for_each_kind([&](auto get, auto set) {
+    const auto& all = (scene->*get)();
+    const auto found = all.find(path);
+    if (result.found || found == all.end()) return;
+    auto made = found->second;
+    result = {true, fill_fields(fields, path, &made)};
+    if (result.fault.empty()) (scene->*set)(path, std::move(made));
+  });
+  return result;
 }
 
 std::string ReadCamera(const Fields& fields, CameraDescription* camera) {
-  return fill(fields, camera);
+  return fill_fields(fields, {}, camera);
 }
 
 namespace {
@@ -309,7 +362,7 @@ bool same_primvars_but(const Mesh& a, const Mesh& b, const Token& left_out) {
 
 // A member that has no row yet marks all.
 DirtyBits difference(const Mesh& a, const Mesh& b) {
-  DirtyBits bits = row_difference(kMesh, a, b);
+  DirtyBits bits = row_difference(a, b);
   if (!(a.topology.geomSubsets == b.topology.geomSubsets) ||
       !(a.topology.invisiblePoints == b.topology.invisiblePoints))
     bits |= dirty::kTopology;
@@ -320,7 +373,7 @@ DirtyBits difference(const Mesh& a, const Mesh& b) {
 }
 
 DirtyBits difference(const InstancerDescription& a, const InstancerDescription& b) {
-  DirtyBits bits = row_difference(kInstancer, a, b);
+  DirtyBits bits = row_difference(a, b);
   if (!(a.primvars == b.primvars) || !(a.primvarSamples == b.primvarSamples)) bits |= dirty::kPrimvar;
   if (!(a.categories == b.categories)) bits |= dirty::kCategories;
   return bits;
@@ -328,12 +381,12 @@ DirtyBits difference(const InstancerDescription& a, const InstancerDescription& 
 
 DirtyBits difference(const LightDescription& a, const LightDescription& b) {
   const bool same = a.parameters == b.parameters;
-  return row_difference(kLight, a, b) | (same ? dirty::kClean : dirty::kParams | dirty::kResource);
+  return row_difference(a, b) | (same ? dirty::kClean : dirty::kParams | dirty::kResource);
 }
 
 DirtyBits difference(const CameraDescription& a, const CameraDescription& b) {
   const bool same = a.parameters == b.parameters;
-  return row_difference(kCamera, a, b) | (same ? dirty::kClean : dirty::kParams | dirty::kResource);
+  return row_difference(a, b) | (same ? dirty::kClean : dirty::kParams | dirty::kResource);
 }
 
 DirtyBits difference(const MaterialNetwork& a, const MaterialNetwork& b) {

@@ -9,7 +9,7 @@
 
 namespace alabaster::hd::host {
 
-/// Names and values, in the order in which they are given. alabaster_types.h lists kinds and their fields.
+/// Names and values, in the order in which they are given. delegate/manual/parameters has a page for each kind.
 using Fields = std::vector<std::pair<std::string, Value>>;
 
 struct SetResult {
@@ -34,6 +34,15 @@ ALABASTER_API Fields GetFields(const MaterialNetwork& network, const Path& id);
 ALABASTER_API std::string ReadCamera(const Fields& fields, CameraDescription* camera);
 /// "" if it is a setting of schemas/render_settings.json and the value fits it; else a sentence.
 ALABASTER_API std::string CheckSetting(const std::string& name, const Value& value);
+
+struct FieldType {
+  int32_t type = ALABASTER_NONE;
+  bool is_array = false;  // of elements of `type`
+  bool operator==(const FieldType&) const = default;
+};
+/// The type of a field's values. Words have type TOKEN. An empty `kind` is all kinds that have the field. NONE: the
+/// field takes values of several types, kinds differ, or none has it.
+ALABASTER_API FieldType TypeOfField(const Token& kind, const std::string& name);
 
 /// The names of all parameters that a light may have.
 ALABASTER_API std::vector<std::string> LightParameterNames();

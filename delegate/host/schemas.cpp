@@ -1,7 +1,6 @@
 #include "delegate/host/schemas.h"
 
 #include <cmath>
-#include <nlohmann/json.hpp>
 #include <sstream>
 
 #include "core/camera/camera.h"
@@ -9,6 +8,8 @@
 #include "core/material/disney_material.h"
 #include "core/session/render_settings.h"
 #include "delegate/host/open_fields.h"
+#include "delegate/host/parameter_pages.h"
+#include "delegate/host/product_writer.h"
 #include "delegate/support/decimal.h"
 
 namespace alabaster::hd::host {
@@ -136,21 +137,6 @@ void add_others(std::span<const OtherParameter> rows, ordered_json* properties) 
     if (row.schema) (*properties)[row.name] = ordered_json::parse(row.schema);
 }
 
-ordered_json properties_of(const std::string& name) {
-  ordered_json properties = ordered_json::object();
-  if (name == "disney_material") add_rows(material_parameters(), DisneyParameters(), &properties);
-  if (name == "render_settings") add_rows(setting_parameters(), RenderSettings(), &properties);
-  if (name == "lights") {
-    add_rows(light_parameters(), alabaster::LightDescription(), &properties);
-    add_others(other_light_parameters(), &properties);
-  }
-  if (name == "camera") {
-    add_rows(camera_parameters(), CameraParameters(), &properties);
-    add_others(other_camera_parameters(), &properties);
-  }
-  return properties;
-}
-
 /// A line of an object: "name": value, on one line.
 std::string line_of(const std::string& indent, const std::string& name, const ordered_json& value, bool last) {
   return indent + ordered_json(name).dump() + ": " + value.dump() + (last ? "\n" : ",\n");
@@ -170,42 +156,63 @@ Reference reference_in(const std::string& line) {
   return is_same ? Reference{table, line.substr(0, name)} : Reference{};
 }
 
+std::string schema_text(const Schema& schema) {
+  const std::string name = schema.name;
+  std::string text = "{\n";
+  text += line_of("  ", "$schema", "http://json-schema.org/draft-07/schema#", false);
+  text += line_of("  ", "$id", name + ".json", false) + line_of("  ", "title", schema.title, false);
+  text += line_of("  ", "description", schema.text, false) + line_of("  ", "type", "object", false);
+  text += line_of("  ", "additionalProperties", false, false) + "  \"properties\": {\n";
+  const ordered_json properties = TableProperties(name);
+  for (auto property = properties.begin(); property != properties.end(); ++property) {
+    text += "    \"" + property.key() + "\": {\n";
+    for (auto part = property->begin(); part != property->end(); ++part)
+      text += line_of("      ", part.key(), *part, std::next(part) == property->end());
+    text += std::next(property) == properties.end() ? "    }\n" : "    },\n";
+  }
+  return text + "  }\n}\n";
+}
+
 }  // namespace
 
-std::vector<std::string> TableSchemas() {
-  std::vector<std::string> names;
-  for (const Schema& schema : kSchemas) names.emplace_back(schema.name);
-  return names;
-}
-
-std::string SchemaOfTable(const std::string& name) {
-  for (const Schema& schema : kSchemas) {
-    if (name != schema.name) continue;
-    std::string text = "{\n";
-    text += line_of("  ", "$schema", "http://json-schema.org/draft-07/schema#", false);
-    text += line_of("  ", "$id", name + ".json", false) + line_of("  ", "title", schema.title, false);
-    text += line_of("  ", "description", schema.text, false) + line_of("  ", "type", "object", false);
-    text += line_of("  ", "additionalProperties", false, false) + "  \"properties\": {\n";
-    const ordered_json properties = properties_of(name);
-    for (auto property = properties.begin(); property != properties.end(); ++property) {
-      text += "    \"" + property.key() + "\": {\n";
-      for (auto part = property->begin(); part != property->end(); ++part)
-        text += line_of("      ", part.key(), *part, std::next(part) == property->end());
-      text += std::next(property) == properties.end() ? "    }\n" : "    },\n";
-    }
-    return text + "  }\n}\n";
+ordered_json TableProperties(const std::string& name) {
+  ordered_json properties = ordered_json::object();
+  if (name == "disney_material") add_rows(material_parameters(), DisneyParameters(), &properties);
+  if (name == "render_settings") add_rows(setting_parameters(), RenderSettings(), &properties);
+  if (name == "lights") {
+    add_rows(light_parameters(), alabaster::LightDescription(), &properties);
+    add_others(other_light_parameters(), &properties);
   }
-  return {};
+  if (name == "camera") {
+    add_rows(camera_parameters(), CameraParameters(), &properties);
+    add_others(other_camera_parameters(), &properties);
+  }
+  return properties;
 }
 
-std::string WithTableReferences(const std::string& text) {
+std::map<std::string, std::string> TableFiles() {
+  std::map<std::string, std::string> files;
+  for (const Schema& schema : kSchemas) files[std::string("schemas/") + schema.name + ".json"] = schema_text(schema);
+  AddParameterPages(&files);
+  return files;
+}
+
+// The list of AOVs begins after a line "enum": [, with the first of them.
+std::string WithTables(const std::string& text) {
   std::vector<std::string> lines;
   std::istringstream stream(text);
   for (std::string line; std::getline(stream, line);) lines.push_back(line);
   std::string out;
+  const std::vector<std::string> aovs = ProductAovs();
   for (size_t i = 0; i < lines.size();) {
+    if (i > 0 && lines[i - 1].ends_with("\"enum\": [") && lines[i].ends_with("\"" + aovs[0] + "\",")) {
+      const std::string indent = lines[i].substr(0, lines[i].find('"'));
+      while (i < lines.size() && lines[i].starts_with(indent + '"')) ++i;
+      for (const std::string& aov : aovs) out += indent + "\"" + aov + (&aov == &aovs.back() ? "\"\n" : "\",\n");
+      continue;
+    }
     const Reference reference = reference_in(lines[i]);
-    const ordered_json properties = properties_of(reference.table);
+    const ordered_json properties = TableProperties(reference.table);
     if (properties.empty()) {
       out += lines[i++] + "\n";
       continue;

@@ -1,21 +1,20 @@
-// schemas/*.json from the tables of parameters.
+// Files that are written from the tables of parameters and fields: schemas, pages of the manual, part of Python's stub.
 #pragma once
 
+#include <map>
 #include <string>
-#include <vector>
 
 #include "delegate/api/export.h"
 
 namespace alabaster::hd::host {
 
-/// The schemas that are made of tables: disney_material, lights, camera, render_settings.
-ALABASTER_API std::vector<std::string> TableSchemas();
+/// The texts of these files, by their paths in the sources: the schemas disney_material, lights, camera and
+/// render_settings, delegate/manual/parameters and delegate/python/alabaster/_fields.pyi.
+ALABASTER_API std::map<std::string, std::string> TableFiles();
 
-/// The text of such a schema, as schemas/NAME.json has it.
-ALABASTER_API std::string SchemaOfTable(const std::string& name);
-
-/// `text`, a schema that is written by hand, with all parameters of each table that it refers to: a run of lines that
-/// are `"NAME": {"$ref": "TABLE.json#/properties/NAME"}` is replaced by the lines of all parameters of the table.
-ALABASTER_API std::string WithTableReferences(const std::string& text);
+/// `text`, a schema that is written by hand, with its list of AOVs, and with all parameters of each table that it
+/// refers to: a run of lines that are `"NAME": {"$ref": "TABLE.json#/properties/NAME"}` is replaced by the lines of all
+/// parameters of the table.
+ALABASTER_API std::string WithTables(const std::string& text);
 
 }  // namespace alabaster::hd::host

@@ -1,25 +1,17 @@
-// The AOVs of files are those that the delegate renders, the schema names and the manual lists.
+// The AOVs of files are those that the delegate renders and the manual lists.
 #include <gtest/gtest.h>
 
 #include <fstream>
 #include <map>
-#include <nlohmann/json.hpp>
 #include <sstream>
 
 #include "core/film/aov.h"
-#include "delegate/description/render_description.h"
+#include "delegate/api/render_delegate.h"
 #include "delegate/host/product_writer.h"
 #include "testenv/support/build_paths.h"
 
 namespace alabaster::hd::host {
 namespace {
-
-TEST(AovNames, AreTheSchemas) {
-  const auto schema = nlohmann::json::parse(description::SchemaText("render_description"));
-  EXPECT_EQ(schema["properties"]["products"]["items"]["properties"]["aovs"]["items"]["anyOf"][0]["enum"]
-                .get<std::vector<std::string>>(),
-            ProductAovs());
-}
 
 TEST(AovNames, AreTheDelegates) {
   const DelegateOptions options;

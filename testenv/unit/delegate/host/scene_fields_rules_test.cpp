@@ -32,6 +32,33 @@ TEST(SceneFields, CategoriesAreOfInstances) {
   EXPECT_NE(beyond.fault.find("has no instance 16777215; there are 3"), std::string::npos) << beyond.fault;
 }
 
+TEST(SceneFields, TypesAreThoseOfTheTables) {
+  const auto type = [](const char* kind, const char* name) { return TypeOfField(Token(kind), name); };
+  const auto array_of = [](int32_t element) { return FieldType{element, true}; };
+  const auto one = [](int32_t of) { return FieldType{of, false}; };
+  EXPECT_EQ(type("mesh", "holeIndices"), array_of(ALABASTER_INT));
+  EXPECT_EQ(type("mesh", "creaseWeights"), array_of(ALABASTER_FLOAT));
+  EXPECT_EQ(type("mesh", "categories"), array_of(ALABASTER_TOKEN));
+  EXPECT_EQ(type("mesh", "cullStyle"), one(ALABASTER_TOKEN));
+  EXPECT_EQ(type("mesh", "primvars:uv:indices"), array_of(ALABASTER_INT));
+  EXPECT_EQ(type("mesh", "subsets:/m/0:faces"), array_of(ALABASTER_INT));
+  for (const char* any : {"primvars:uv", "primvars:indices", "primvars:uv:Faces", "leafCounts", ""})
+    EXPECT_EQ(type("mesh", any), FieldType()) << any;
+  EXPECT_EQ(type("instancer", "primvars:hydra:instanceRotations"), array_of(ALABASTER_QUATERNION));
+  EXPECT_EQ(type("material", "image.type"), one(ALABASTER_TOKEN));
+  EXPECT_EQ(type("material", "surface.baseColor"), FieldType());
+  EXPECT_EQ(type("rectLight", "width"), one(ALABASTER_FLOAT));
+  EXPECT_EQ(type("rectLight", "color"), one(ALABASTER_FLOAT3));
+  EXPECT_EQ(type("domeLight", "texture:file"), one(ALABASTER_STRING));
+  EXPECT_EQ(type("camera", "clipPlanes"), array_of(ALABASTER_FLOAT4));
+  EXPECT_EQ(type("renderSettings", "width"), one(ALABASTER_INT));
+  EXPECT_EQ(type("renderSettings", "crop"), array_of(ALABASTER_INT));
+  EXPECT_EQ(type("renderSettings", "samples"), one(ALABASTER_UINT));
+  EXPECT_EQ(type("", "width"), FieldType());  // lights and render settings differ
+  EXPECT_EQ(type("", "transform"), one(ALABASTER_MATRIX));
+  EXPECT_EQ(type("cloud", "transform"), FieldType());
+}
+
 TEST(SceneFields, InstancersKnowTheirPrimvars) {
   RetainedSceneDelegate scene;
   for (const char* name :

@@ -14,25 +14,46 @@
 namespace alabaster::hd::host {
 namespace {
 
-std::string text_of(const std::string& schema) {
-  std::ifstream file(testing::source_file("schemas/" + schema + ".json"));
+constexpr const char* kDescription = "schemas/render_description.json";
+
+std::string text_of(const std::string& name) {
+  std::ifstream file(testing::source_file(name));
   return {std::istreambuf_iterator<char>(file), {}};
 }
 
-TEST(Schemas, AreThoseOfTheTables) {
-  for (const std::string& name : TableSchemas())
-    EXPECT_TRUE(SchemaOfTable(name) == text_of(name)) << name << ": run 'alabaster schema --write schemas'";
-  const std::string description = text_of("render_description");
-  EXPECT_TRUE(WithTableReferences(description) == description) << "run 'alabaster schema --write schemas'";
+TEST(Schemas, FilesAreThoseOfTheTables) {
+  for (const auto& [name, text] : TableFiles())
+    EXPECT_TRUE(text == text_of(name)) << name << ": run 'alabaster schema --write .'";
+  const std::string description = text_of(kDescription);
+  EXPECT_TRUE(WithTables(description) == description) << "run 'alabaster schema --write .'";
 }
 
-TEST(Schemas, ADescriptionGetsTheParametersThatItLacks) {
-  const std::string description = text_of("render_description");
-  const std::string line = "          \"radius\": {\"$ref\": \"lights.json#/properties/radius\"},\n";
-  std::string lacking = description;
-  ASSERT_NE(lacking.find(line), std::string::npos);
-  lacking.erase(lacking.find(line), line.size());
-  EXPECT_TRUE(WithTableReferences(lacking) == description);
+TEST(Schemas, EveryKindHasAPage) {
+  const auto files = TableFiles();
+  const auto page = [&](const std::string& name) { return files.at("delegate/manual/parameters/" + name + ".md"); };
+  EXPECT_NE(page("mesh").find("| `doubleSided` | bool |  | `true` | none | False: rays"), std::string::npos);
+  EXPECT_NE(page("mesh").find("| `refineLevel` | int | 0 to 8 | `0` | levels |"), std::string::npos);
+  EXPECT_NE(page("mesh").find("| `scheme` | word | none, catmullClark, loop, bilinear | `none` |"), std::string::npos);
+  EXPECT_NE(page("instancer").find("| `prototypes:PATH` | array of int |"), std::string::npos);
+  EXPECT_NE(page("material").find("| `NODE.baseColor` | color or texture |"), std::string::npos);
+  EXPECT_NE(page("light").find("| `texture:file` | text |"), std::string::npos);
+  EXPECT_NE(page("camera").find("| `clipPlanes` | array of float4 |"), std::string::npos);
+  EXPECT_NE(page("render_settings").find("| `width` | int | 1 to 1048576 | `1280` | pixels |"), std::string::npos);
+  EXPECT_NE(page("render_settings").find("| `samples` | int | 1 to 1048576 |"), std::string::npos);
+  EXPECT_NE(page("product").find("| `exposure` | float | -64 to 64 | `0` | stops |"), std::string::npos);
+  EXPECT_NE(files.at("delegate/python/alabaster/_fields.pyi").find("    double_sided: Optional[bool]\n"),
+            std::string::npos);
+}
+
+TEST(Schemas, ADescriptionGetsTheParametersAndAovsThatItLacks) {
+  const std::string description = text_of(kDescription);
+  for (const std::string line :
+       {"          \"radius\": {\"$ref\": \"lights.json#/properties/radius\"},\n", "                    \"Peye\",\n"}) {
+    std::string lacking = description;
+    ASSERT_NE(lacking.find(line), std::string::npos);
+    lacking.erase(lacking.find(line), line.size());
+    EXPECT_TRUE(WithTables(lacking) == description) << line;
+  }
 }
 
 TEST(Schemas, EveryParameterHasItsWords) {

@@ -1,0 +1,193 @@
+#include "delegate/host/parameter_pages.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "delegate/host/open_fields.h"
+
+namespace alabaster::hd::host {
+namespace {
+
+using nlohmann::ordered_json;
+
+constexpr const char* kWritten = "written by `alabaster schema --write`, from the tables of fields and parameters";
+
+constexpr std::string_view kMaterial = "material", kRenderSettings = "renderSettings";
+
+/// A line of a page.
+struct Row {
+  std::string name, type, values, fallback, unit, text;
+};
+
+// Rows of fields ------------------------------------------------------------------------------------
+
+std::string joined(const std::string& left, const char* between, const std::string& right) {
+  return left.empty() || right.empty() ? left + right : left + between + right;
+}
+std::string range_text(const std::string& low, const std::string& high) {
+  if (high.empty()) return low.empty() ? "" : "at least " + low;
+  return low.empty() ? "at most " + high : low + " to " + high;
+}
+std::string end_text(double end) {
+  return std::isinf(end) ? "" : Value(end).to_string();
+}
+
+std::string values_of(const Limits& limits) {
+  std::string words;
+  for (const char* word : limits.words)
+    if (word) words = joined(words, ", ", word);
+  return words.empty() ? range_text(end_text(limits.low), end_text(limits.high)) : words;
+}
+
+std::string type_of(const Field& field) {
+  if (field.type.type == ALABASTER_NONE) return "any";
+  if (field.type.type == ALABASTER_SAMPLES) return "samples";
+  if (field.limits.words[0]) return "word";
+  return (field.type.is_array ? "array of " : "") + std::string(GetTypeInfo(field.type.type).name);
+}
+
+std::string fallback_of(const Field& field) {
+  if (!field.get) return {};
+  const Value value = field.get(field, field.defaults());
+  if (value.type() == ALABASTER_MATRIX) return "identity";
+  if (const auto* names = value.get<Array<Token>>()) {
+    std::string text;
+    for (const Token& name : *names) text = joined(text, ", ", name.str());
+    return text;
+  }
+  if (value.is_array() || value.type() == ALABASTER_SAMPLES || value.empty()) return {};
+  const bool is_text = GetTypeInfo(value.type()).bytes == 0;
+  return is_text ? value.text_or("") : value.to_string();
+}
+
+void add_fields(std::span<const Field> fields, std::vector<Row>* rows) {
+  for (const Field& field : fields)
+    rows->push_back({field.name, type_of(field), values_of(field.limits), fallback_of(field), field.unit, field.text});
+}
+
+// Rows of schemas -----------------------------------------------------------------------------------
+
+std::string type_of(const ordered_json& entry) {
+  const std::string type = entry.at("type");
+  if (type == "array") {
+    const ordered_json& item = entry.at("items");
+    if (item.at("type") == "array") return "array of " + type_of(item);
+    const int count = entry.at("minItems");
+    return count == 3 ? "color" : "float" + std::to_string(count);
+  }
+  if (type == "string") return entry.contains("enum") ? "word" : "text";
+  return type == "boolean" ? "bool" : type == "integer" ? "int" : "float";
+}
+
+std::string values_of(const ordered_json& entry) {
+  if (entry.contains("items")) return values_of(entry["items"]);
+  std::string words;
+  if (entry.contains("enum"))
+    for (const std::string word : entry["enum"]) words = joined(words, ", ", word);
+  if (!words.empty()) return words;
+  const auto end = [&](const char* name) { return entry.contains(name) ? entry[name].dump() : ""; };
+  if (entry.contains("exclusiveMinimum"))
+    return joined("above " + end("exclusiveMinimum"), ", at most ", end("maximum"));
+  return range_text(end("minimum"), end("maximum"));
+}
+
+Row row_of(const std::string& name, const ordered_json& entry) {
+  const bool is_textured = entry.contains("anyOf");
+  const ordered_json& value = is_textured ? entry["anyOf"][0] : entry;
+  Row row{
+      name, type_of(value), values_of(value), entry.at("default").dump(), entry.at("unit"), entry.at("description")};
+  if (is_textured) row.type += " or texture";
+  if (entry["default"].is_string()) row.fallback = entry["default"];
+  std::string lights;
+  if (entry.contains("appliesTo"))
+    for (const std::string light : entry["appliesTo"]) lights = joined(lights, ", ", light);
+  if (!lights.empty()) row.text += " Lights: " + lights + ".";
+  return row;
+}
+
+void add_parameters(const std::string& schema, const std::string& prefix, std::vector<Row>* rows) {
+  const ordered_json properties = TableProperties(schema);
+  for (const auto& [name, entry] : properties.items()) rows->push_back(row_of(prefix + name, entry));
+}
+
+// Pages ---------------------------------------------------------------------------------------------
+
+std::string cell(const std::string& text) {
+  std::string out;
+  for (const char c : text) out += c == '|' ? "\\|" : std::string(1, c);
+  return " " + out + " |";
+}
+std::string code(const std::string& text) {
+  return text.empty() ? text : "`" + text + "`";
+}
+
+std::string page_text(const std::string& title, const std::vector<Row>& rows) {
+  std::string text = "# Fields: " + title + "\n\nThis page is " + kWritten + ".\n\n";
+  text += "| name | type | values | default | unit | meaning |\n| --- | --- | --- | --- | --- | --- |\n";
+  for (const Row& row : rows)
+    text += "|" + cell(code(row.name)) + cell(row.type) + cell(row.values) + cell(code(row.fallback)) + cell(row.unit) +
+            cell(row.text) + "\n";
+  return text;
+}
+
+// Python's stub -------------------------------------------------------------------------------------
+
+/// doubleSided is double_sided.
+std::string python_name(const std::string& name) {
+  std::string out;
+  for (const char c : name)
+    out += std::isupper(static_cast<unsigned char>(c)) ? std::string("_") + char(std::tolower(c)) : std::string(1, c);
+  return out;
+}
+
+std::string literal(const std::string& words) {
+  std::string quoted = "\"";
+  for (const char c : words) quoted += c == ',' ? "\"," : c == ' ' ? " \"" : std::string(1, c);
+  return "Literal[" + quoted + "\"]";
+}
+
+std::string python_type(const Row& row) {
+  if (row.type == "word") return literal(row.values);
+  if (row.type == "array of token") return "Sequence[str]";
+  if (row.type.starts_with("array") || row.type == "matrix") return "_Array";
+  if (row.type == "bool" || row.type == "int") return row.type;
+  return row.type == "float" || row.type == "double" ? "float" : "str";
+}
+
+/// Fields have names of Python, parameters those of their schema. Names with colons are no names of arguments.
+std::string stub_class(std::string name, const std::vector<Row>& fields, const std::vector<Row>& parameters) {
+  name[0] = char(std::toupper(name[0]));
+  std::string text = "\nclass " + name + "(TypedDict, total=False):\n";
+  const auto add = [&](const std::string& argument, const Row& row) {
+    if (argument.find(':') == std::string::npos) text += "    " + argument + ": Optional[" + python_type(row) + "]\n";
+  };
+  for (const Row& row : fields) add(python_name(row.name), row);
+  for (const Row& row : parameters)
+    if (std::none_of(fields.begin(), fields.end(), [&](const Row& field) { return field.name == row.name; }))
+      add(row.name, row);
+  return text;
+}
+
+}  // namespace
+
+void AddParameterPages(std::map<std::string, std::string>* files) {
+  const std::string folder = "delegate/manual/parameters/";
+  std::string stub = "# This file is " + std::string(kWritten) + ".\n";
+  stub += "from typing import Literal, Optional, Sequence, TypedDict\n\nfrom . import _Array\n";
+  for (const Kind& kind : kinds()) {
+    std::vector<Row> rows, parameters;
+    add_fields(kind.fields, &rows);
+    add_parameters(kind.parameters, kind.name == kMaterial ? "NODE." : "", &parameters);
+    if (!kind.fields.empty() && !kind.open.empty()) stub += stub_class(kind.name, rows, parameters);
+    if (kind.name == kRenderSettings) stub += stub_class("settings", {}, parameters);
+    add_fields(kind.open, &rows);
+    rows.insert(rows.end(), parameters.begin(), parameters.end());
+    (*files)[folder + python_name(kind.name) + ".md"] = page_text(kind.name, rows);
+  }
+  std::vector<Row> product;
+  add_fields(kProductFields, &product);
+  (*files)[folder + "product.md"] = page_text("products:N", product);
+  (*files)["delegate/python/alabaster/_fields.pyi"] = stub;
+}
+
+}  // namespace alabaster::hd::host
