@@ -61,7 +61,7 @@ typedef struct AlabasterApi {
   AlabasterStatus (*scene_clear)(AlabasterScene*);
   AlabasterStatus (*remove)(AlabasterScene*, const char* path);
   /* Makes a prim of `kind`, or replaces the one of that path, of whatever kind it is, and finds out what differs.
-     Fields that are not given have their defaults. alabaster_types.h lists kinds and fields. */
+     Fields that are not given have their defaults. alabaster_types.h lists the kinds. */
   AlabasterStatus (*scene_set)(AlabasterScene*, const char* path, const char* kind, const AlabasterParameter* fields,
                                size_t count);
   /* Changes the given fields of a prim, all or none. NOT_FOUND: there is no prim of that path. */
@@ -139,6 +139,11 @@ typedef struct AlabasterApi {
      digest, those in memory are stored. OUTPUT_FAILED: the file is as it was; last_error names the cause. */
   AlabasterStatus (*scene_write)(AlabasterScene*, const char* file, const AlabasterFrame* frame,
                                  const AlabasterParameter* settings, size_t count);
+
+  /* The type of the values that a field takes, and 1 in *is_array if these are arrays of that type. Null as `kind`: the
+     type that the field has in every kind that has it. ALABASTER_NONE: it takes several types, or there is no such
+     field. Any thread, at any time. */
+  AlabasterStatus (*field_type)(const char* kind, const char* name, int32_t* type, int32_t* is_array);
 } AlabasterApi;
 
 /* Null if the library has another version. The table lives as long as the library is loaded. */

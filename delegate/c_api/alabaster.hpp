@@ -208,7 +208,7 @@ inline Scene make_scene(AlabasterReport report = nullptr, void* user = nullptr) 
   return Scene(made);
 }
 
-/// Makes a prim, or replaces the one of that path. alabaster_types.h lists kinds and fields.
+/// Makes a prim, or replaces the one of that path. alabaster_types.h lists the kinds.
 inline void set(const Scene& scene, const std::string& path, const std::string& kind, const Parameters& fields) {
   const auto raw = pass(fields);
   check(api().scene_set(scene.get(), path.c_str(), kind.c_str(), raw.data(), raw.size()));

@@ -88,60 +88,9 @@ typedef void (*AlabasterReport)(void* user, const AlabasterDiagnostic* diagnosti
    be. Parameters of lights, cameras and materials may be out of range: the renderer warns and uses the nearest value.
    Setting transform or a primvar without its samples takes these away.
 
-   mesh
-     faceVertexCounts, faceVertexIndices, holeIndices   int arrays
-     invisibleFaces       int array: not drawn; unlike holes they leave the surface around them as it is
-     scheme               none (default), catmullClark, loop, bilinear
-     orientation          rightHanded (default), leftHanded
-     refineLevel          0 to 8; 0 draws the control mesh
-     primvars:NAME        "points" (float3), "normals" (float3), "st" (float2, v up), ...: delegate/manual/usd.md
-       ...:interpolation  constant, uniform, varying, vertex (default), faceVarying, instance
-       ...:indices        int array; without: not indexed
-       ...:role           color, vector, normal, point, textureCoordinate
-       ...:samples        of points and normals
-     subsets:ID:faces     int array: faces with a material of their own; subsets:ID:material is its path
-     interpolateBoundary  none, edgeOnly, edgeAndCorner (default)
-     faceVaryingLinearInterpolation  all, none, boundaries, cornersOnly, cornersPlus1 (default), cornersPlus2
-     creaseMethod         uniform (default), chaikin
-     triangleSubdivision  catmullClark (default), smooth
-     creaseIndices, creaseLengths, cornerIndices   int arrays
-     creaseWeights, cornerWeights   float arrays; the first per crease or per edge
-     transform            matrix; transform:samples
-     visible, doubleSided bools, true by default; doubleSided false: rays that hit a face's back pass through
-     cullStyle            sides that are not shown: dontCare (default: by doubleSided), nothing, back, front (both hide
-                          them from the camera alone), backUnlessDoubleSided (by doubleSided), frontUnlessDoubleSided
-     material, instancer  paths
-     renderTag            geometry (default), render, proxy, guide or hidden: AlabasterFrame.render_tags
-     categories           array of words: names that lights' parameters lightLink and shadowLink may give
-   instancer: point p of instance i is p * prototype * M * S * R * T * transform * parent...
-     primvars:NAME        hydra:instanceTransforms (matrices), ...Translations (float3), ...Rotations (quaternions),
-                          ...Scales (float3); primvars:NAME:samples
-     prototypes:PATH      int array: the instances of that mesh or inner instancer, as indices into the primvars
-     categories:NAME      int array: the instances that have the category
-     transform, transform:samples; parent (path of an outer instancer)
-   material
-     NODE.type            AlabasterDisney, AlabasterTexture, AlabasterPrimvar, AlabasterDisplacement, UsdPreviewSurface,
-                          ...: delegate/manual/usd.md
-     NODE.INPUT           a value of type ALABASTER_PATH "OTHER.OUTPUT", or an array of these, connects the input; any
-                          other value is its constant, by which connected textures are multiplied. Inputs of
-                          AlabasterDisney: schemas/disney_material.json, and normal, coatNormal and bump, which are
-                          connected. Names of inputs are checked for types that begin with Alabaster, constants for
-                          AlabasterDisney; the renderer warns of others
-     surface              a node's name; by default "surface", else the first AlabasterDisney or UsdPreviewSurface
-     displacement         a node's name
-   rectLight, diskLight, cylinderLight, sphereLight, distantLight, domeLight
-     transform; visible (bool; false: the light is off); parameters: schemas/lights.json; lightLink, shadowLink
-   camera
-     transform, transform:samples; parameters: schemas/camera.json
-   renderSettings
-     camera (path), width, height (1280 x 720), pixelAspectRatio, frame, crop (int array: minX, minY, maxX, maxY in
-     pixels, y-down, half open), includedPurposes (array of words), windowPolicy (matchVertically, matchHorizontally,
-     fit, crop or dontConform)
-     settings             schemas/render_settings.json
-     products:N:FIELD     a file to write, N from 0: file, dataType, colorSpace, display, view, look, exposure, denoise,
-                          camera, width, height, disableMotionBlur, disableDepthOfField: RenderProduct in
-                          delegate/api/scene_types.h
-     products:N:vars:LAYER  the AOV of a layer; products:N:vars:LAYER:dataType: half (default), float, int */
+   Kinds are mesh, instancer, material, camera, renderSettings, rectLight, diskLight, cylinderLight, sphereLight,
+   distantLight and domeLight. Each has a page of fields in delegate/manual/parameters, which is installed as
+   share/doc/alabaster/parameters: name, type, range or words, default, unit and meaning. */
 typedef struct AlabasterRect {
   int32_t min_x, min_y, max_x, max_y; /* pixels, y-down, half open; empty: none */
 } AlabasterRect;

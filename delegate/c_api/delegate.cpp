@@ -1,6 +1,5 @@
 #include <optional>
 
-#include "delegate/c_api/functions.h"
 #include "delegate/c_api/values.h"
 
 namespace alabaster::hd::c_api {
@@ -8,21 +7,19 @@ namespace {
 
 template <class Call>
 AlabasterStatus on_delegate(AlabasterDelegate* handle, const Call& call) {
-  return guarded([&] {
-    const std::shared_ptr<DelegateData> data = required(handle, "delegate").data;
-    const HostLock lock(*data);
-    call(*data);
+  return with_data(handle, "delegate", [&](DelegateData& data) {
+    const HostLock lock(data);
+    call(data);
   });
 }
 
 /// The same, and `tell` with what `call` returns, without the locks: callbacks of two threads may call the library.
 template <class Call, class Tell>
 AlabasterStatus on_delegate(AlabasterDelegate* handle, const Call& call, const Tell& tell) {
-  return guarded([&] {
-    const std::shared_ptr<DelegateData> data = required(handle, "delegate").data;
+  return with_data(handle, "delegate", [&](DelegateData& data) {
     const auto answer = [&] {
-      const HostLock lock(*data);
-      return call(*data);
+      const HostLock lock(data);
+      return call(data);
     }();
     tell(answer);
   });
@@ -36,12 +33,6 @@ AlabasterStatus at_any_time(AlabasterDelegate* handle, const Call& call) {
     data->process.check("the delegate");
     call(*data->delegate);
   });
-}
-
-void visit_value(const char* name, const Value& value, AlabasterVisit visit, void* user) {
-  if (!visit) throw bad_argument("visit is null");
-  const ValueView view(value);
-  visit(user, name, &view.get());
 }
 
 AlabasterProgress progress_of(const host::RecordProgress& from) {
@@ -92,9 +83,6 @@ std::optional<Failure> failure_of(host::RecordStatus status, Reports& reports) {
   }
 }
 
-}  // namespace
-
-namespace {
 void check_settings(const Dictionary& settings) {
   for (const auto& [name, value] : settings) {
     if (name == "ocio" || name == "renderSettingsPrimPath") {  // of the delegate, not of the renderer
@@ -104,7 +92,6 @@ void check_settings(const Dictionary& settings) {
     if (const std::string fault = host::CheckSetting(name, value); !fault.empty()) throw bad_argument(fault);
   }
 }
-}  // namespace
 
 AlabasterStatus delegate_create(const AlabasterDelegateOptions* given, AlabasterScene* scene, AlabasterDelegate** out) {
   return guarded([&] {
@@ -210,7 +197,6 @@ AlabasterStatus progress(AlabasterDelegate* handle, AlabasterProgress* out) {
   });
 }
 
-namespace {
 AlabasterStatus status_of(CommandStatus status) {
   switch (status) {
     case CommandStatus::done:
@@ -226,7 +212,6 @@ AlabasterStatus status_of(CommandStatus status) {
   }
   return ALABASTER_INTERNAL;
 }
-}  // namespace
 
 AlabasterStatus command(AlabasterDelegate* handle, const char* name, const AlabasterParameter* arguments, size_t count,
                         AlabasterVisit visit, void* user) {
@@ -293,6 +278,26 @@ AlabasterStatus record(AlabasterDelegate* handle, const AlabasterRecordOptions* 
       for (const std::string& file : recorded.files) visit_value("file", file, visit, user);
     if (recorded.failure) throw *recorded.failure;
   });
+}
+
+}  // namespace
+
+void add_delegate_functions(AlabasterApi* api) {
+  api->delegate_create = delegate_create;
+  api->delegate_destroy = delegate_destroy;
+  api->show = show;
+  api->set_setting = set_setting;
+  api->get_setting = get_setting;
+  api->get_settings = get_settings;
+  api->aov_format = aov_format;
+  api->stats = stats;
+  api->progress = progress;
+  api->command = command;
+  api->stop = stop;
+  api->restart = restart;
+  api->pause = pause;
+  api->resume = resume;
+  api->record = record;
 }
 
 }  // namespace alabaster::hd::c_api

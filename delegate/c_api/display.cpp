@@ -1,7 +1,6 @@
 // Pixels in the caller's memory, as a screen shows them.
 #include <limits>
 
-#include "delegate/c_api/functions.h"
 #include "delegate/c_api/handles.h"
 #include "delegate/host/display_transform.h"
 
@@ -11,6 +10,7 @@ struct AlabasterDisplay final : alabaster::hd::c_api::Handle {
 };
 
 namespace alabaster::hd::c_api {
+namespace {
 
 AlabasterStatus display_create(const AlabasterDisplayOptions* options, AlabasterDisplay** out) {
   return guarded([&] {
@@ -38,10 +38,9 @@ AlabasterStatus display_set_exposure(AlabasterDisplay* display, double stops) {
 }
 
 AlabasterStatus buffer_show(AlabasterBuffer* handle, AlabasterMemory* out) {
-  return guarded([&] {
-    const std::shared_ptr<BufferData> data = required(handle, "buffer").data;
-    data->owner->process.check("the buffer");
-    RenderBuffer& buffer = *data->buffer;
+  return with_data(handle, "buffer", [&](BufferData& data) {
+    data.owner->process.check("the buffer");
+    RenderBuffer& buffer = *data.buffer;
     AlabasterMemory in = sized(out, "memory");
     if (in.format <= ALABASTER_FORMAT_NONE || in.format > ALABASTER_INT32)
       throw bad_argument("there is no format " + std::to_string(in.format));
@@ -62,6 +61,15 @@ AlabasterStatus buffer_show(AlabasterBuffer* handle, AlabasterMemory* out) {
       throw bad_argument("the memory is null, or row_bytes is less than a row takes");
     throw Failure(ALABASTER_OUT_OF_MEMORY, "the pixels could not be resolved");
   });
+}
+
+}  // namespace
+
+void add_display_functions(AlabasterApi* api) {
+  api->display_create = display_create;
+  api->display_destroy = display_destroy;
+  api->display_set_exposure = display_set_exposure;
+  api->buffer_show = buffer_show;
 }
 
 }  // namespace alabaster::hd::c_api

@@ -68,6 +68,12 @@ struct Handle {
   virtual ~Handle() = default;
   Handle* next = nullptr;
 };
+/// A handle to data that other handles may share.
+template <class Data>
+struct HandleTo : Handle {
+  explicit HandleTo(std::shared_ptr<Data> held) : data(std::move(held)) {}
+  const std::shared_ptr<Data> data;
+};
 void destroy(Handle* handle) noexcept;
 void destroy_put_off() noexcept;
 
@@ -104,6 +110,15 @@ template <class T>
 T& required(T* pointer, const char* name) {
   if (!pointer) throw bad_argument(std::string(name) + " is null");
   return *pointer;
+}
+
+/// Runs `call` with the data of a handle, which lives until it returns. `name` is that of messages.
+template <class AnyHandle, class Call>
+AlabasterStatus with_data(AnyHandle* handle, const char* name, const Call& call) noexcept {
+  return guarded([&] {
+    const auto data = required(handle, name).data;
+    call(*data);
+  });
 }
 
 inline std::string text_or(const char* text, const char* fallback) {
@@ -273,24 +288,26 @@ struct PassData {
   RenderPassState state;  // of the last start
 };
 
+// The functions of the table, by the files that have them.
+void add_scene_functions(AlabasterApi* api);
+void add_delegate_functions(AlabasterApi* api);
+void add_pass_functions(AlabasterApi* api);
+void add_display_functions(AlabasterApi* api);
+
 /// The render settings of that path; of null, the first. Fails if there are none.
 Path settings_path(const host::RetainedSceneDelegate& scene, const char* path);
 
 }  // namespace alabaster::hd::c_api
 
-struct AlabasterScene final : alabaster::hd::c_api::Handle {
-  explicit AlabasterScene(std::shared_ptr<alabaster::hd::c_api::SceneData> held) : data(std::move(held)) {}
-  const std::shared_ptr<alabaster::hd::c_api::SceneData> data;
+struct AlabasterScene final : alabaster::hd::c_api::HandleTo<alabaster::hd::c_api::SceneData> {
+  using HandleTo::HandleTo;
 };
-struct AlabasterDelegate final : alabaster::hd::c_api::Handle {
-  explicit AlabasterDelegate(std::shared_ptr<alabaster::hd::c_api::DelegateData> held) : data(std::move(held)) {}
-  const std::shared_ptr<alabaster::hd::c_api::DelegateData> data;
+struct AlabasterDelegate final : alabaster::hd::c_api::HandleTo<alabaster::hd::c_api::DelegateData> {
+  using HandleTo::HandleTo;
 };
-struct AlabasterBuffer final : alabaster::hd::c_api::Handle {
-  explicit AlabasterBuffer(std::shared_ptr<alabaster::hd::c_api::BufferData> held) : data(std::move(held)) {}
-  const std::shared_ptr<alabaster::hd::c_api::BufferData> data;
+struct AlabasterBuffer final : alabaster::hd::c_api::HandleTo<alabaster::hd::c_api::BufferData> {
+  using HandleTo::HandleTo;
 };
-struct AlabasterPass final : alabaster::hd::c_api::Handle {
-  explicit AlabasterPass(std::shared_ptr<alabaster::hd::c_api::PassData> held) : data(std::move(held)) {}
-  const std::shared_ptr<alabaster::hd::c_api::PassData> data;
+struct AlabasterPass final : alabaster::hd::c_api::HandleTo<alabaster::hd::c_api::PassData> {
+  using HandleTo::HandleTo;
 };

@@ -1,7 +1,6 @@
 #include <limits>
 
 #include "delegate/archive/archive.h"
-#include "delegate/c_api/functions.h"
 #include "delegate/c_api/values.h"
 #include "delegate/host/picker.h"
 #include "delegate/host/snapshot.h"
@@ -100,8 +99,6 @@ void start(PassData& pass, const AlabasterFrame& in, RenderPassState state) {
   pass.bound = std::move(bound);
   pass.state = std::move(state);
 }
-
-}  // namespace
 
 AlabasterStatus pass_create(AlabasterDelegate* handle, AlabasterPass** out) {
   return guarded([&] {
@@ -221,9 +218,7 @@ void buffer_destroy(AlabasterBuffer* buffer) {
 }
 
 AlabasterStatus buffer_resize(AlabasterBuffer* handle, int32_t width, int32_t height, int32_t format) {
-  return guarded([&] {
-    const std::shared_ptr<BufferData> held = required(handle, "buffer").data;
-    BufferData& data = *held;
+  return with_data(handle, "buffer", [&](BufferData& data) {
     const HostLock lock(*data.owner);
     allocate(*data.buffer, width, height, format);
   });
@@ -251,9 +246,7 @@ AlabasterStatus pixels_unmap(AlabasterPixels* pixels) {
 }
 
 AlabasterStatus buffer_read(AlabasterBuffer* handle, void* memory, size_t bytes, int32_t y_down) {
-  return guarded([&] {
-    const std::shared_ptr<BufferData> held = required(handle, "buffer").data;
-    BufferData& data = *held;
+  return with_data(handle, "buffer", [&](BufferData& data) {
     const AlabasterPixels pixels = map_pixels(data);
     if (!pixels.data) throw Failure(ALABASTER_NOT_FOUND, "the buffer has no pixels yet");
     const size_t rows = size_t(pixels.height), row = size_t(pixels.width) * FormatSize(Format(pixels.format));
@@ -265,8 +258,6 @@ AlabasterStatus buffer_read(AlabasterBuffer* handle, void* memory, size_t bytes,
     if (!fits) throw bad_argument("the pixels need " + std::to_string(rows * row) + " bytes");
   });
 }
-
-namespace {
 
 std::vector<host::PickHit> hits_in(PassData& data, const AlabasterRect& rect) {
   const HostLock lock(*data.owner);
@@ -280,12 +271,8 @@ std::vector<host::PickHit> hits_in(PassData& data, const AlabasterRect& rect) {
                     {rect.min_x, rect.min_y, rect.max_x, rect.max_y});
 }
 
-}  // namespace
-
 AlabasterStatus pick(AlabasterPass* handle, const AlabasterRect* rect, AlabasterVisitPick visit, void* user) {
-  return guarded([&] {
-    const std::shared_ptr<PassData> held = required(handle, "pass").data;
-    PassData& data = *held;
+  return with_data(handle, "pass", [&](PassData& data) {
     if (!visit) throw bad_argument("visit is null");
     const AlabasterRect in = required(rect, "rect");
     for (const host::PickHit& hit : hits_in(data, in)) {
@@ -300,9 +287,7 @@ AlabasterStatus pick(AlabasterPass* handle, const AlabasterRect* rect, Alabaster
 }
 
 AlabasterStatus snapshot(AlabasterPass* handle, const char* file) {
-  return guarded([&] {
-    const std::shared_ptr<PassData> held = required(handle, "pass").data;
-    PassData& data = *held;
+  return with_data(handle, "pass", [&](PassData& data) {
     RenderProduct product;
     product.file = &required(file, "file");
     const HostLock lock(*data.owner);
@@ -311,6 +296,26 @@ AlabasterStatus snapshot(AlabasterPass* handle, const char* file) {
     if (!host::WriteSnapshot(*owner.delegate, *data.pass, data.state, product, owner.colors, sink_of(owner.reports)))
       throw Failure(ALABASTER_OUTPUT_FAILED, owner.reports->take_error("the picture could not be written"));
   });
+}
+
+}  // namespace
+
+void add_pass_functions(AlabasterApi* api) {
+  api->pass_create = pass_create;
+  api->pass_destroy = pass_destroy;
+  api->pass_start = pass_start;
+  api->pass_wait = pass_wait;
+  api->pass_state = pass_state;
+  api->frame_size = frame_size;
+  api->scene_write = scene_write;
+  api->buffer_create = buffer_create;
+  api->buffer_destroy = buffer_destroy;
+  api->buffer_resize = buffer_resize;
+  api->buffer_map = buffer_map;
+  api->pixels_unmap = pixels_unmap;
+  api->buffer_read = buffer_read;
+  api->pick = pick;
+  api->snapshot = snapshot;
 }
 
 }  // namespace alabaster::hd::c_api

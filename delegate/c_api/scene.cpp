@@ -1,4 +1,3 @@
-#include "delegate/c_api/functions.h"
 #include "delegate/c_api/values.h"
 #include "delegate/host/scene_fields.h"
 
@@ -7,17 +6,10 @@ namespace {
 
 using host::RetainedSceneDelegate;
 
-/// Runs `call` on the scene and the path, under the scene's lock.
-template <class Call>
-AlabasterStatus on_prim(AlabasterScene* handle, const char* path, const Call& call) {
-  return guarded([&] {
-    const std::shared_ptr<SceneData> data = required(handle, "scene").data;
-    if (required(path, "path") == '\0') throw bad_argument("the path is empty");
-    const SceneLock lock(*data);
-    call(data->scene, Path(path));
-  });
+Path prim_path(const char* path) {
+  if (required(path, "path") == '\0') throw bad_argument("the path is empty");
+  return path;
 }
-
 description::LoadOptions read_options(const AlabasterLoadOptions* given) {
   description::LoadOptions options;
   if (!given) return options;
@@ -55,8 +47,6 @@ std::vector<std::pair<Path, Token>> all_prims(const RetainedSceneDelegate& scene
   return prims;
 }
 
-}  // namespace
-
 AlabasterStatus scene_create(AlabasterReport report, void* user, AlabasterScene** scene) {
   return guarded([&] {
     auto& out = required(scene, "scene");
@@ -72,9 +62,7 @@ void scene_destroy(AlabasterScene* scene) {
 
 AlabasterStatus scene_load(AlabasterScene* handle, const char* file, const AlabasterLoadOptions* options,
                            AlabasterLoaded* loaded) {
-  return guarded([&] {
-    const std::shared_ptr<SceneData> held = required(handle, "scene").data;
-    SceneData& data = *held;
+  return with_data(handle, "scene", [&](SceneData& data) {
     const SceneLock lock(data);
     data.reports->take_error({});
     const auto read = read_options(options);
@@ -93,24 +81,22 @@ AlabasterStatus scene_load(AlabasterScene* handle, const char* file, const Alaba
 }
 
 AlabasterStatus scene_clear(AlabasterScene* handle) {
-  return guarded([&] {
-    const std::shared_ptr<SceneData> held = required(handle, "scene").data;
-    SceneData& data = *held;
+  return with_data(handle, "scene", [](SceneData& data) {
     const SceneLock lock(data);
     for (const auto& prim : all_prims(data.scene)) data.scene.Remove(prim.first);
   });
 }
 
 AlabasterStatus remove_prim(AlabasterScene* handle, const char* path) {
-  return on_prim(handle, path, [](RetainedSceneDelegate& scene, const Path& id) {
-    const auto prims = all_prims(scene);
+  return with_data(handle, "scene", [&](SceneData& data) {
+    const Path id = prim_path(path);
+    const SceneLock lock(data);
+    const auto prims = all_prims(data.scene);
     if (std::none_of(prims.begin(), prims.end(), [&](const auto& prim) { return prim.first == id; }))
       throw Failure(ALABASTER_NOT_FOUND, "there is no prim " + id.str());
-    scene.Remove(id);
+    data.scene.Remove(id);
   });
 }
-
-namespace {
 
 /// Runs call(scene, path, fields) with the fields, whose arrays come back whatever fails.
 template <class Call>
@@ -118,17 +104,15 @@ AlabasterStatus with_fields(AlabasterScene* handle, const char* path, const Para
   return guarded([&] {
     ValueReader reader(&given);
     const std::shared_ptr<SceneData> data = required(handle, "scene").data;
-    if (required(path, "path") == '\0') throw bad_argument("the path is empty");
+    const Path id = prim_path(path);
     const host::Fields fields = reader.fields(given);
     reader.take();
     const SceneLock lock(*data);
-    const host::SetResult result = call(&data->scene, Path(path), fields);
+    const host::SetResult result = call(&data->scene, id, fields);
     if (!result.found) throw Failure(ALABASTER_NOT_FOUND, result.fault);
     if (!result.fault.empty()) throw bad_argument(std::string(path) + ": " + result.fault);
   });
 }
-
-}  // namespace
 
 AlabasterStatus scene_set(AlabasterScene* handle, const char* path, const char* kind, const AlabasterParameter* fields,
                           size_t count) {
@@ -164,20 +148,39 @@ AlabasterStatus scene_set_instances(AlabasterScene* handle, const char* path, co
 }
 
 AlabasterStatus get_prims(AlabasterScene* handle, AlabasterVisit visit, void* user) {
-  return guarded([&] {
-    const std::shared_ptr<SceneData> held = required(handle, "scene").data;
-    SceneData& data = *held;
+  return with_data(handle, "scene", [&](SceneData& data) {
     if (!visit) throw bad_argument("visit is null");
     const auto prims = [&] {  // `visit` may call the library, so it is called without the lock
       const SceneLock lock(data);
       return all_prims(data.scene);
     }();
     for (const auto& [path, type] : prims) {
-      const Value value(type);
-      const ValueView view(value);
-      visit(user, path.str().c_str(), &view.get());
+      visit_value(path.str().c_str(), type, visit, user);
     }
   });
+}
+
+AlabasterStatus field_type(const char* kind, const char* name, int32_t* type, int32_t* is_array) {
+  return guarded_at_any_time([&] {
+    const host::FieldType found = host::TypeOfField(Token(text_or(kind, "")), &required(name, "name"));
+    required(type, "type") = found.type;
+    required(is_array, "is_array") = found.is_array;
+  });
+}
+
+}  // namespace
+
+void add_scene_functions(AlabasterApi* api) {
+  api->scene_create = scene_create;
+  api->scene_destroy = scene_destroy;
+  api->scene_load = scene_load;
+  api->scene_clear = scene_clear;
+  api->remove = remove_prim;
+  api->scene_set = scene_set;
+  api->scene_edit = scene_edit;
+  api->scene_set_instances = scene_set_instances;
+  api->get_prims = get_prims;
+  api->field_type = field_type;
 }
 
 }  // namespace alabaster::hd::c_api

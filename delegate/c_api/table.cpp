@@ -1,4 +1,3 @@
-#include "delegate/c_api/functions.h"
 #include "delegate/c_api/handles.h"
 
 using namespace alabaster::hd;
@@ -14,52 +13,17 @@ static_assert(int(WindowPolicy::matchVertically) == ALABASTER_MATCH_VERTICALLY &
 static_assert(int(Severity::info) == ALABASTER_INFO && int(Severity::error) == ALABASTER_ERROR);
 
 extern "C" const AlabasterApi* alabaster_api(uint32_t version) {
-  static const AlabasterApi api = {sizeof(AlabasterApi),
-                                   ALABASTER_API_VERSION,
-                                   AlabasterVersions(),
-                                   c_api::last_error,
-                                   c_api::scene_create,
-                                   c_api::scene_destroy,
-                                   c_api::scene_load,
-                                   c_api::scene_clear,
-                                   c_api::remove_prim,
-                                   c_api::scene_set,
-                                   c_api::scene_edit,
-                                   c_api::scene_set_instances,
-                                   c_api::get_prims,
-                                   c_api::delegate_create,
-                                   c_api::delegate_destroy,
-                                   c_api::show,
-                                   c_api::set_setting,
-                                   c_api::get_setting,
-                                   c_api::get_settings,
-                                   c_api::aov_format,
-                                   c_api::stats,
-                                   c_api::command,
-                                   c_api::stop,
-                                   c_api::restart,
-                                   c_api::pause,
-                                   c_api::resume,
-                                   c_api::record,
-                                   c_api::pass_create,
-                                   c_api::pass_destroy,
-                                   c_api::pass_start,
-                                   c_api::pass_wait,
-                                   c_api::pass_state,
-                                   c_api::progress,
-                                   c_api::frame_size,
-                                   c_api::buffer_create,
-                                   c_api::buffer_destroy,
-                                   c_api::buffer_resize,
-                                   c_api::buffer_map,
-                                   c_api::pixels_unmap,
-                                   c_api::buffer_read,
-                                   c_api::display_create,
-                                   c_api::display_destroy,
-                                   c_api::display_set_exposure,
-                                   c_api::buffer_show,
-                                   c_api::pick,
-                                   c_api::snapshot,
-                                   c_api::scene_write};
+  static const AlabasterApi api = [] {
+    AlabasterApi made{};
+    made.size = sizeof made;
+    made.version = ALABASTER_API_VERSION;
+    made.versions = AlabasterVersions();
+    made.last_error = c_api::last_error;
+    c_api::add_scene_functions(&made);
+    c_api::add_delegate_functions(&made);
+    c_api::add_pass_functions(&made);
+    c_api::add_display_functions(&made);
+    return made;
+  }();
   return version == ALABASTER_API_VERSION ? &api : nullptr;
 }

@@ -72,13 +72,11 @@ Value read_value(const AlabasterValue& in, std::shared_ptr<const void> owner) {
   return in.is_array ? array_of(in, std::move(owner)) : scalar_of(in);
 }
 
-}  // namespace
-
-namespace {
 std::string name_of(const AlabasterParameter& parameter) {
   if (!parameter.name || !*parameter.name) throw bad_argument("a parameter has no name");
   return parameter.name;
 }
+
 }  // namespace
 
 ValueReader::Loan::~Loan() {
@@ -191,12 +189,14 @@ ValueView::ValueView(const Value& value) {
   }
 }
 
+void visit_value(const char* name, const Value& value, AlabasterVisit visit, void* user) {
+  if (!visit) throw bad_argument("visit is null");
+  const ValueView view(value);
+  visit(user, name, &view.get());
+}
 void visit_dictionary(const Dictionary& values, AlabasterVisit visit, void* user) {
   if (!visit) throw bad_argument("visit is null");
-  for (const auto& [name, value] : values) {
-    const ValueView view(value);
-    visit(user, name.c_str(), &view.get());
-  }
+  for (const auto& [name, value] : values) visit_value(name.c_str(), value, visit, user);
 }
 
 }  // namespace alabaster::hd::c_api

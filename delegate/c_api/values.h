@@ -69,6 +69,8 @@ class ValueView {
   std::vector<AlabasterSample> samples_;
 };
 
+/// Calls `visit` with one value, or with each of a dictionary.
+void visit_value(const char* name, const Value& value, AlabasterVisit visit, void* user);
 void visit_dictionary(const Dictionary& values, AlabasterVisit visit, void* user);
 
 }  // namespace alabaster::hd::c_api

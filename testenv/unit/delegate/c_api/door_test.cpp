@@ -22,6 +22,28 @@ TEST(DoorVersion, NeitherZeroNorALaterVersionIsPromised) {
   EXPECT_EQ(alabaster_api(1)->size, sizeof(AlabasterApi));
 }
 
+TEST(DoorVersion, TheTableHasEveryFunction) {
+  const auto* bytes = reinterpret_cast<const char*>(alabaster_api(1));
+  for (size_t at = offsetof(AlabasterApi, versions); at < sizeof(AlabasterApi); at += sizeof(void*)) {
+    const void* member = nullptr;
+    std::memcpy(&member, bytes + at, sizeof member);
+    EXPECT_NE(member, nullptr) << "member at " << at;
+  }
+}
+
+TEST(DoorFields, HaveTypes) {
+  const AlabasterApi& api = *alabaster_api(1);
+  int32_t type = -1, is_array = -1;
+  EXPECT_EQ(api.field_type("mesh", "holeIndices", &type, &is_array), ALABASTER_OK);
+  EXPECT_EQ(std::pair(type, is_array), std::pair(int32_t(ALABASTER_INT), 1));
+  EXPECT_EQ(api.field_type(nullptr, "transform", &type, &is_array), ALABASTER_OK);
+  EXPECT_EQ(std::pair(type, is_array), std::pair(int32_t(ALABASTER_MATRIX), 0));
+  EXPECT_EQ(api.field_type("mesh", "none", &type, &is_array), ALABASTER_OK);
+  EXPECT_EQ(std::pair(type, is_array), std::pair(int32_t(ALABASTER_NONE), 0));
+  EXPECT_EQ(api.field_type("mesh", nullptr, &type, &is_array), ALABASTER_INVALID_ARGUMENT);
+  EXPECT_EQ(api.field_type("mesh", "scheme", &type, nullptr), ALABASTER_INVALID_ARGUMENT);
+}
+
 // The camera stands to the right; the quad is a proxy below a root.
 TEST_F(Door, AFrameSelectsWhatIsDrawnAndFromWhere) {
   const std::vector<float> plain = render();
