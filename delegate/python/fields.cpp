@@ -5,25 +5,26 @@
 namespace alabaster::python {
 namespace {
 
-bool ends_with_one_of(const std::string& name, std::initializer_list<const char*> ends) {
-  return std::any_of(ends.begin(), ends.end(), [&](const char* end) { return name.ends_with(end); });
-}
+/// Arguments whose fields have other names.
+constexpr std::pair<const char*, const char*> kShortForms[] = {{"points", "primvars:points"},
+                                                               {"counts", "faceVertexCounts"},
+                                                               {"indices", "faceVertexIndices"},
+                                                               {"holes", "holeIndices"},
+                                                               {"motion", "transform:samples"},
+                                                               {"pixel_aspect", "pixelAspectRatio"},
+                                                               {"transforms", "primvars:hydra:instanceTransforms"},
+                                                               {"translations", "primvars:hydra:instanceTranslations"},
+                                                               {"rotations", "primvars:hydra:instanceRotations"},
+                                                               {"scales", "primvars:hydra:instanceScales"}};
+constexpr const char *kPrimvars = "primvars:", *kOfInstances = "primvars:hydra:";
 
-/// The type of the elements of an array field whose name decides it; NONE: its shape does.
-int32_t element_type(const std::string& name) {
-  if (name == "primvars:hydra:instanceRotations") return ALABASTER_QUATERNION;
-  if (name == "primvars:hydra:instanceTransforms") return ALABASTER_MATRIX;
-  if (name == "primvars:points" || name == "primvars:normals" || name == "primvars:hydra:instanceTranslations" ||
-      name == "primvars:hydra:instanceScales")
-    return ALABASTER_FLOAT3;
-  if (name == "creaseWeights" || name == "cornerWeights") return ALABASTER_FLOAT;
-  const bool holds_places = name.starts_with("prototypes:") || name.starts_with("categories:") || name == "crop" ||
-                            (name.starts_with("subsets:") && name.ends_with(":faces")) ||
-                            (name.starts_with("primvars:") && name.ends_with(":indices"));
-  const bool is_plain = name.find_first_of(":.") == std::string::npos;
-  if (holds_places || (is_plain && ends_with_one_of(name, {"Counts", "Indices", "Lengths", "Faces"})))
-    return ALABASTER_INT;
-  return ALABASTER_NONE;
+struct Type {
+  int32_t type = ALABASTER_NONE, is_array = 0;
+};
+Type type_of(const std::string& kind, const std::string& name) {
+  Type found;
+  c_api::check(c_api::api().field_type(kind.c_str(), name.c_str(), &found.type, &found.is_array));
+  return found;
 }
 
 bool is_connection(py::handle value) {
@@ -37,25 +38,8 @@ std::string connection(const py::object& value, const std::string& name) {
   return text(pair[0], name) + "." + text(pair[1], name);
 }
 
-Value field_value(const std::string& name, const py::object& value, const std::string& argument);
-
-Value samples(const std::string& name, const py::object& value, const std::string& argument) {
-  std::vector<std::pair<double, Value>> all;
-  for (const py::object& sample : items(value, argument)) {
-    const std::vector<py::object> pair = items(sample, "each of " + argument);
-    if (pair.size() != 2) throw py::value_error(argument + " is a list of pairs of a time and a value");
-    Value at = name == "transform" ? Value(matrix(pair[1], argument)) : field_value(name, pair[1], argument);
-    all.emplace_back(number(pair[0], "a time of " + argument), std::move(at));
-  }
-  return Value::samples(std::move(all));
-}
-
-Value field_value(const std::string& name, const py::object& value, const std::string& argument) {
-  if (value.is_none()) return {};
-  if (name.ends_with(":samples")) return samples(name.substr(0, name.rfind(':')), value, argument);
-  if (name == "transform") return matrix(value, argument);
-  if (const int32_t type = element_type(name); type != ALABASTER_NONE) return array(type, value, argument);
-  if (name == "categories" || name == "includedPurposes") return Value::tokens(texts(value, argument));
+/// A value of one of several types.
+Value any_value(const std::string& field, const py::object& value, const std::string& argument) {
   if (is_connection(value)) return Value::path(connection(value, argument));
   if (py::isinstance<py::list>(value) && py::len(value) > 0 && is_connection(py::object(value[py::int_(0)]))) {
     std::vector<std::string> all;
@@ -63,14 +47,72 @@ Value field_value(const std::string& name, const py::object& value, const std::s
     return Value::paths(std::move(all));
   }
   const bool is_one = PyUnicode_Check(value.ptr()) || PyBool_Check(value.ptr());
-  if (name.starts_with("primvars:") && !is_one) return array_by_shape(value, argument);
-  return name == "clipPlanes" ? planes(value, argument) : parameter(value, argument);
+  return field.starts_with(kPrimvars) && !is_one ? array_by_shape(value, argument) : parameter(value, argument);
+}
+
+Value scalar_value(int32_t type, const std::string& field, const py::object& value, const std::string& argument) {
+  switch (type) {
+    case ALABASTER_BOOL:
+      return flag(value, argument);
+    case ALABASTER_INT:
+      return whole(value, argument);
+    case ALABASTER_FLOAT:
+    case ALABASTER_DOUBLE:
+      return number(value, argument);
+    case ALABASTER_MATRIX:
+      return matrix(value, argument);
+    case ALABASTER_TOKEN:
+    case ALABASTER_PATH:
+      return text(value, argument);
+    default:
+      return any_value(field, value, argument);
+  }
+}
+
+Value field_value(const std::string& kind, const std::string& field, const py::object& value,
+                  const std::string& argument);
+
+Value samples(const std::string& kind, const std::string& field, const py::object& value, const std::string& argument) {
+  std::vector<std::pair<double, Value>> all;
+  for (const py::object& sample : items(value, argument)) {
+    const std::vector<py::object> pair = items(sample, "each of " + argument);
+    if (pair.size() != 2) throw py::value_error(argument + " is a list of pairs of a time and a value");
+    Value at = field == "transform" ? Value(matrix(pair[1], argument)) : field_value(kind, field, pair[1], argument);
+    all.emplace_back(number(pair[0], "a time of " + argument), std::move(at));
+  }
+  return Value::samples(std::move(all));
+}
+
+Value field_value(const std::string& kind, const std::string& field, const py::object& value,
+                  const std::string& argument) {
+  if (value.is_none()) return {};
+  if (field.ends_with(":samples")) return samples(kind, field.substr(0, field.rfind(':')), value, argument);
+  const auto [type, is_array] = type_of(kind, field);
+  if (!is_array) return scalar_value(type, field, value, argument);
+  if (type == ALABASTER_TOKEN) return Value::tokens(texts(value, argument));
+  return type == ALABASTER_FLOAT4 ? planes(value, argument) : array(type, value, argument);
+}
+
+void add_primvar(const std::string& kind, const std::string& field, const Primvar& primvar, const std::string& argument,
+                 c_api::Parameters* fields) {
+  if (!primvar.motion.is_none() && type_of(kind, field).type == ALABASTER_NONE)
+    throw py::value_error("points, normals and transforms of instances have motion; " + argument + " has none");
+  fields->emplace_back(field, field_value(kind, field, primvar.values, argument));
+  if (!primvar.values.is_none() && !field.starts_with(kOfInstances)) {
+    fields->emplace_back(field + ":interpolation", Value(primvar.interpolation));
+    fields->emplace_back(field + ":role", primvar.role.empty() ? Value() : Value(primvar.role));
+    fields->emplace_back(field + ":indices", array(ALABASTER_INT, primvar.indices, "indices of " + argument));
+  }
+  if (!primvar.motion.is_none())
+    fields->emplace_back(field + ":samples", samples(kind, field, primvar.motion, "motion of " + argument));
 }
 
 }  // namespace
 
 std::string field_name(const std::string& argument) {
   if (argument.find_first_of(":.") != std::string::npos) return argument;
+  for (const auto& [name, field] : kShortForms)
+    if (argument == name) return field;
   std::string name;
   for (size_t i = 0; i < argument.size(); ++i) {
     const bool is_joint = argument[i] == '_' && i > 0 && i + 1 < argument.size();
@@ -79,45 +121,14 @@ std::string field_name(const std::string& argument) {
   return name;
 }
 
-void add_primvar(const std::string& name, const Primvar& primvar, const std::string& argument, bool of_mesh,
-                 c_api::Parameters* fields) {
-  const std::string field = "primvars:" + name;
-  if (!primvar.motion.is_none() && element_type(field) == ALABASTER_NONE)
-    throw py::value_error("points, normals and transforms of instances have motion; " + argument + " has none");
-  fields->emplace_back(field, field_value(field, primvar.values, argument));
-  if (of_mesh && !primvar.values.is_none()) {
-    fields->emplace_back(field + ":interpolation", Value(primvar.interpolation));
-    fields->emplace_back(field + ":role", primvar.role.empty() ? Value() : Value(primvar.role));
-    fields->emplace_back(field + ":indices", array(ALABASTER_INT, primvar.indices, "indices of " + argument));
-  }
-  if (!primvar.motion.is_none())
-    fields->emplace_back(field + ":samples", samples(field, primvar.motion, "motion of " + argument));
-}
-
-void add_field(const std::string& name, const py::object& value, const std::string& argument,
-               c_api::Parameters* fields) {
-  constexpr const char* kPrimvars = "primvars:";
-  if (py::isinstance<Primvar>(value) && name.starts_with(kPrimvars))
-    return add_primvar(name.substr(std::char_traits<char>::length(kPrimvars)),
-                       object_of<Primvar>(value, argument, "a Primvar"), argument, true, fields);
-  fields->emplace_back(name, field_value(name, value, argument));
-}
-
-void add_fields(py::handle values, const std::string& argument, c_api::Parameters* fields) {
-  for (const auto& [name, value] : entries(values, argument)) add_field(field_name(name), value, name, fields);
-}
-
-c_api::Parameters camera_fields(py::handle options) {
-  c_api::Parameters fields;
-  py::object motion = py::none();
-  for (const auto& [name, value] : entries(options, "camera")) {
-    if (name == "motion")
-      motion = value;
+void add_fields(const std::string& kind, py::handle values, const std::string& name, c_api::Parameters* fields) {
+  for (const auto& [argument, value] : entries(values, name)) {
+    const std::string field = field_name(argument);
+    if (py::isinstance<Primvar>(value) && field.starts_with(kPrimvars))
+      add_primvar(kind, field, object_of<Primvar>(value, argument, "a Primvar"), argument, fields);
     else
-      add_field(field_name(name), value, name, &fields);
+      fields->emplace_back(field, field_value(kind, field, value, argument));
   }
-  if (!motion.is_none()) add_field("transform:samples", motion, "motion", &fields);
-  return fields;
 }
 
 }  // namespace alabaster::python

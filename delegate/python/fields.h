@@ -1,26 +1,17 @@
-// Fields of prims (alabaster_types.h) from Python's arguments. Internal to this room.
+// Fields of prims from Python's arguments. Internal to this room.
 #pragma once
 
 #include "delegate/python/objects.h"
 
 namespace alabaster::python {
 
-/// "double_sided" is the field doubleSided; names with a colon or a dot stay as they are.
+/// The field that an argument sets: "double_sided" is doubleSided, and arguments that are short forms have names of
+/// their own ("motion"). Names with a colon or a dot stay as they are.
 std::string field_name(const std::string& argument);
 
-/// Adds the field of that name. A Primvar adds those of its interpolation, indices, role and motion, too. `argument`:
-/// its name in errors.
-void add_field(const std::string& name, const py::object& value, const std::string& argument,
-               c_api::Parameters* fields);
-
-/// Adds a field for each entry.
-void add_fields(py::handle values, const std::string& argument, c_api::Parameters* fields);
-
-/// "primvars:NAME" and its suffixes. `of_mesh`: instancers have no suffix but :samples.
-void add_primvar(const std::string& name, const Primvar& primvar, const std::string& argument, bool of_mesh,
-                 c_api::Parameters* fields);
-
-/// transform, motion, and parameters by name.
-c_api::Parameters camera_fields(py::handle options);
+/// Adds a field for each entry of a dict. The type of a field decides how its value is read, and errors name the
+/// argument. A Primvar adds the fields of its interpolation, indices, role and motion, too. `kind` is empty where the
+/// prim is not known.
+void add_fields(const std::string& kind, py::handle values, const std::string& name, c_api::Parameters* fields);
 
 }  // namespace alabaster::python

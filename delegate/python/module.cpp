@@ -66,83 +66,22 @@ void add_fields_of_prims(py::class_<Scene>& scene) {
   scene
       .def(
           "set",
-          [](Scene& s, const PrimPath& path, const Text& kind, const py::object& names, const py::kwargs& options) {
-            c_api::Parameters fields;
-            if (!names.is_none()) add_fields(names, "fields", &fields);
-            add_fields(options, "fields", &fields);
-            s.set_fields(path, kind, fields);
+          [](Scene& s, const PrimPath& path, const Text& kind, const py::object& fields, const py::kwargs& options) {
+            s.set(path, kind, fields, options);
           },
           py::call_guard<FreeReturned>(), py::arg("path"), py::arg("kind"), py::arg("fields") = py::none(),
           "Makes a prim of any kind, or replaces the one of that path: set('/m', 'mesh', {'primvars:points': points, "
           "'primvars:st:interpolation': 'faceVarying'}, face_vertex_counts=counts, double_sided=False). Fields that "
-          "are not given have their defaults. Kinds are mesh, instancer, material, camera, renderSettings, rectLight, "
-          "sphereLight, distantLight, domeLight, diskLight and cylinderLight; alabaster_types.h lists their fields. As "
-          "an argument, doubleSided is double_sided. A pair of texts is a connection of a material's input. An unknown "
-          "name is an error that "
-          "names the nearest.")
+          "are not given have their defaults. alabaster_types.h lists the kinds, delegate/manual/parameters has a page "
+          "of fields for each. As an argument, doubleSided is double_sided. A pair of texts is a connection of a "
+          "material's input. An unknown name is an error that names the nearest.")
       .def(
           "edit",
-          [](Scene& s, const PrimPath& path, const py::object& names, const py::kwargs& options) {
-            c_api::Parameters fields;
-            if (!names.is_none()) add_fields(names, "fields", &fields);
-            add_fields(options, "fields", &fields);
-            s.edit_fields(path, fields);
+          [](Scene& s, const PrimPath& path, const py::object& fields, const py::kwargs& options) {
+            s.edit(path, fields, options);
           },
           py::call_guard<FreeReturned>(), py::arg("path"), py::arg("fields") = py::none(),
-          "Changes the given fields of a prim: edit('/key', intensity=3). None sets a field's default.");
-}
-
-void add_meshes(py::class_<Scene>& scene) {
-  scene
-      .def(
-          "set_mesh",
-          [](Scene& s, const PrimPath& path, const py::object& points, const py::object& indices,
-             const py::object& counts,
-             const py::kwargs& options) { s.set_mesh(path, points, indices, counts, options); },
-          py::call_guard<FreeReturned>(), py::arg("path"), py::arg("points"), py::arg("indices"),
-          py::arg("counts") = py::none(),
-          "points: (n, 3). indices: the corners of all faces, one after the other, with the size of each face in "
-          "counts; without counts a row is a face, or three numbers are. Options: primvars={'st': array or Primvar}, "
-          "material, transform, motion=[(time, transform), ...], scheme (none, catmullClark, loop, bilinear), "
-          "refine_level, "
-          "instancer, visible, double_sided, cull_style, left_handed, holes, invisible_faces, subsets={material: "
-          "faces}, "
-          "subdiv_tags={'crease_indices': ..., ...}, render_tag, categories (which lights' parameters lightLink and "
-          "shadowLink name). points may be a Primvar.")
-      .def("set_primvar", &Scene::set_primvar, py::call_guard<FreeReturned>(), py::arg("mesh"), py::arg("name"),
-           py::arg("values"), py::arg("interpolation") = "vertex",
-           "Replaces one primvar, points among them. None removes it.")
-      .def(
-          "set_transform",
-          [](Scene& s, const PrimPath& path, const py::object& transform) {
-            s.edit_fields(path, {{"transform", Value(matrix(transform, "transform"))}});
-          },
-          py::arg("path"), py::arg("transform"), "Moves a mesh, light, camera or instancer.")
-      .def(
-          "set_visible",
-          [](Scene& s, const PrimPath& path, bool visible) {
-            s.edit_fields(path, {{"visible", Value(visible)}});
-          },
-          py::arg("path"), py::arg("visible"), "Shows or hides a mesh or light.")
-      .def(
-          "bind_material",
-          [](Scene& s, const PrimPath& mesh, const Text& material) {
-            s.edit_fields(mesh, {{"material", Value(material)}});
-          },
-          py::arg("mesh"), py::arg("material"), "Gives a mesh a material.");
-}
-
-void add_looks(py::class_<Scene>& scene) {
-  scene
-      .def(
-          "set_instancer",
-          [](Scene& s, const PrimPath& path, const py::dict& prototypes, const py::kwargs& options) {
-            s.set_instancer(path, prototypes, options);
-          },
-          py::call_guard<FreeReturned>(), py::arg("path"), py::arg("prototypes"),
-          "prototypes={mesh: indices of its instances}. Options: transforms (n, 4, 4), translations (n, 3), rotations "
-          "(n, 4; the real part first), scales (n, 3), each an array or a Primvar; transform, motion, parent. The "
-          "meshes name the instancer, too.")
+          "Changes the given fields of a prim: edit('/key', intensity=3). None sets a field's default.")
       .def(
           "set_instance_values",
           [](Scene& s, const PrimPath& path, size_t first, const py::kwargs& options) {
@@ -150,50 +89,7 @@ void add_looks(py::class_<Scene>& scene) {
           },
           py::call_guard<FreeReturned>(), py::arg("path"), py::arg("first"),
           "Replaces instances from number first on, in arrays that set_instancer was given: transforms, translations, "
-          "rotations, scales. Costs what it changes.")
-      .def(
-          "set_material",
-          [](Scene& s, const PrimPath& path, const py::object& nodes, const Text& displacement,
-             const py::kwargs& parameters) { s.set_material(path, nodes, displacement, parameters); },
-          py::call_guard<FreeReturned>(), py::arg("path"), py::arg("nodes") = py::none(), py::arg("displacement") = "",
-          "Parameters of schemas/disney_material.json: set_material('/wax', baseColor=(.9, .6, .3)). Or "
-          "nodes={'surface': {'baseColor': ('image', 'rgb')}, 'image': {'type': 'AlabasterTexture', 'file': 'a.png'}}: "
-          "a pair of texts connects an input with a node's output, a list of pairs with the product of several.")
-      .def(
-          "set_light",
-          [](Scene& s, const PrimPath& path, const Text& type, const py::object& transform, bool visible,
-             const py::kwargs& parameters) { s.set_light(path, type, transform, visible, parameters); },
-          py::call_guard<FreeReturned>(), py::arg("path"), py::arg("type"), py::arg("transform") = py::none(),
-          py::arg("visible") = true,
-          "type: rectLight, diskLight, cylinderLight, sphereLight, distantLight or domeLight. Parameters of "
-          "schemas/lights.json: intensity=2, color=(1, .9, .8).")
-      .def(
-          "set_camera",
-          [](Scene& s, const PrimPath& path, const py::object& transform, const py::kwargs& options) {
-            options["transform"] = transform;
-            s.set_camera(path, options);
-          },
-          py::call_guard<FreeReturned>(), py::arg("path"), py::arg("transform") = py::none(),
-          "Looks along -z of its transform. motion=[(time, transform), ...], and parameters of schemas/camera.json.");
-}
-
-void add_settings(py::class_<Scene>& scene) {
-  scene
-      .def(
-          "set_render_settings",
-          [](Scene& s, const PrimPath& path, const py::kwargs& options) { s.set_render_settings(path, options); },
-          py::call_guard<FreeReturned>(), py::arg("path"),
-          "camera, width, height, pixel_aspect, crop=(min_x, min_y, max_x, max_y), frame, and settings by name.")
-      .def(
-          "set_parameter",
-          [](Scene& s, const PrimPath& path, const Text& name, const py::object& value) {
-            c_api::Parameters fields;
-            add_field(name, value, name, &fields);
-            s.edit_fields(path, fields);
-          },
-          py::call_guard<FreeReturned>(), py::arg("path"), py::arg("name"), py::arg("value"),
-          "Changes one parameter of a light, a camera or render settings, or 'node.parameter' of a material "
-          "('surface.roughness').");
+          "rotations, scales. Costs what it changes.");
 }
 
 }  // namespace
@@ -202,9 +98,11 @@ void add_scene(py::module_& module) {
   add_primvar(module);
   py::class_<Scene> scene = add_files(module);
   add_fields_of_prims(scene);
-  add_meshes(scene);
-  add_looks(scene);
-  add_settings(scene);
+  module.def("_shape_of", [](const py::object& values, const Text& name) {
+    py::list shape;
+    for (const size_t length : shape_of(values, name)) shape.append(length);
+    return shape;
+  });
 }
 
 }  // namespace alabaster::python

@@ -17,7 +17,7 @@
 
 #include "delegate/python/answers.h"
 #include "delegate/python/lock.h"
-#include "delegate/python/structs.h"
+#include "delegate/python/values.h"
 
 namespace alabaster::python {
 
@@ -79,19 +79,9 @@ class Scene : public NeverImplicit {
   py::dict load(const py::object& file, const py::dict& options);
   void write(const py::object& file, const py::object& overrides, const py::kwargs& frame);
   py::dict prims();
-  void set_fields(const std::string& path, const std::string& kind, const c_api::Parameters& fields);
-  void edit_fields(const std::string& path, const c_api::Parameters& fields);
-  void set_mesh(const std::string& path, const py::object& points, const py::object& indices, const py::object& counts,
-                const py::dict& options);
-  void set_primvar(const PrimPath& mesh, const Text& name, const py::object& values, const Text& interpolation);
-  void set_instancer(const std::string& path, const py::dict& prototypes, const py::dict& options);
+  void set(const std::string& path, const std::string& kind, const py::object& fields, const py::dict& options);
+  void edit(const std::string& path, const py::object& fields, const py::dict& options);
   void set_instance_values(const std::string& path, size_t first, const py::dict& options);
-  void set_material(const std::string& path, const py::object& nodes, const std::string& displacement,
-                    const py::dict& parameters);
-  void set_light(const std::string& path, const std::string& type, const py::object& transform, bool visible,
-                 const py::dict& parameters);
-  void set_camera(const std::string& path, const py::dict& options);
-  void set_render_settings(const std::string& path, const py::dict& options);
   /// `call(api, scene)`
   template <class Call>
   void run(const Call& call) {
@@ -170,8 +160,8 @@ struct FrameOptions {
   std::vector<std::string> aovs = {"color"};
   int32_t width = 0, height = 0;
   std::string camera, settings;
-  c_api::Parameters free_camera;  // fields, in the place of `camera`; empty: none
-  Tokens render_tags, roots, excluded;
+  c_api::Parameters free_camera;       // fields, in the place of `camera`; empty: none
+  Value render_tags, roots, excluded;  // arrays of tokens; none: those of the render settings or all
   AlabasterRect window{};
   double pixel_aspect = 0;
 

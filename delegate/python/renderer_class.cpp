@@ -230,9 +230,30 @@ py::list Renderer::record(const py::args& files, const Text& settings, const py:
   return told;
 }
 
+/// Pixels, 0 or more.
+int32_t length_of(py::handle value, const std::string& name) {
+  const int32_t length = whole(value, name);
+  if (length < 0)
+    throw py::value_error(name + " is " + std::to_string(length) +
+                          "; it must be at least 1, or 0 for that of the render settings");
+  return length;
+}
+
+/// None: an empty one.
+AlabasterRect rect_of(py::handle value, const std::string& name) {
+  if (value.is_none()) return {};
+  const std::vector<py::object> sides = items(value, name);
+  if (sides.size() != 4) throw py::value_error(name + " must be (min_x, min_y, max_x, max_y)");
+  std::array<int32_t, 4> read{};
+  std::transform(sides.begin(), sides.end(), read.begin(),
+                 [&](const py::object& side) { return whole(side, "each of " + name); });
+  return {read[0], read[1], read[2], read[3]};
+}
+
 void set_camera(FrameChanges& changes, py::handle value) {
   if (PyDict_Check(value.ptr())) {
-    c_api::Parameters fields = camera_fields(value);
+    c_api::Parameters fields;
+    add_fields("camera", value, "camera", &fields);
     if (fields.empty()) fields.emplace_back("transform", Value());  // a camera of defaults
     changes.push_back([fields](FrameOptions& o) { o.camera.clear(), o.free_camera = fields; });
     return;
@@ -248,7 +269,8 @@ bool change_selection(FrameChanges& changes, const std::string& name, py::handle
        {std::pair("render_tags", &FrameOptions::render_tags), std::pair("roots", &FrameOptions::roots),
         std::pair("excluded", &FrameOptions::excluded)})
     if (name == known) {
-      changes.push_back([tokens = Tokens(value, name), held = member](FrameOptions& o) { o.*held = tokens; });
+      const Value selected = value.is_none() ? Value() : Value::tokens(texts(value, name));
+      changes.push_back([selected, held = member](FrameOptions& o) { o.*held = selected; });
       return true;
     }
   return false;

@@ -19,12 +19,6 @@ struct Returned {
 };
 Returned* g_returned = new Returned;  // threads of the library may outlive static objects
 
-/// The type of a buffer's elements. Kind: f real, i signed, u unsigned, 0 no numbers in the machine's order.
-struct Element {
-  char kind = 0;
-  size_t bytes = 0;
-};
-
 /// A view of an object's memory, kept until the library returns it and Python's lock is held.
 class View {
  public:
@@ -61,14 +55,13 @@ class View {
   }
   std::string format_text() const { return view_->format ? view_->format : "B"; }
   size_t numbers() const { return size_t(view_->len) / size_t(view_->itemsize); }
-  std::vector<size_t> shape() const { return {view_->shape, view_->shape + view_->ndim}; }
-  /// Also where the object leaves them out (ctypes does).
-  std::vector<Py_ssize_t> strides() const {
-    if (view_->strides) return {view_->strides, view_->strides + view_->ndim};
-    std::vector<Py_ssize_t> made(size_t(view_->ndim), view_->itemsize);
-    for (size_t axis = made.size(); axis-- > 1;) made[axis - 1] = made[axis] * view_->shape[axis];
-    return made;
+  /// The elements one after the other, C's order.
+  std::vector<char> contiguous() const {
+    std::vector<char> bytes(size_t(view_->len));
+    if (PyBuffer_ToContiguous(bytes.data(), view_, view_->len, 'C') != 0) throw py::error_already_set();
+    return bytes;
   }
+  std::vector<size_t> shape() const { return {view_->shape, view_->shape + view_->ndim}; }
   /// Elements of this kind that the library may read where they lie.
   bool can_be_lent(const Element& as) const {
     const Element own = element();
@@ -103,35 +96,6 @@ double read_half(const char* at) {
   const double sign = bits >> 15 ? -1 : 1;
   if (exponent == 31) return fraction ? std::nan("") : sign * HUGE_VAL;
   return sign * (exponent == 0 ? std::ldexp(fraction, -24) : std::ldexp(1024 + fraction, exponent - 25));
-}
-
-double real_at(const char* at, const Element& element) {
-  if (element.bytes == 2) return read_half(at);
-  return element.bytes == 4 ? double(read_as<float>(at)) : read_as<double>(at);
-}
-
-/// Beyond 63 bits: the largest number, which no array takes either.
-int64_t integer_at(const char* at, const Element& element) {
-  if (element.kind == 'i') switch (element.bytes) {
-      case 1:
-        return read_as<int8_t>(at);
-      case 2:
-        return read_as<int16_t>(at);
-      case 4:
-        return read_as<int32_t>(at);
-      default:
-        return read_as<int64_t>(at);
-    }
-  switch (element.bytes) {
-    case 1:
-      return read_as<uint8_t>(at);
-    case 2:
-      return read_as<uint16_t>(at);
-    case 4:
-      return read_as<uint32_t>(at);
-    default:
-      return int64_t(std::min(read_as<uint64_t>(at), uint64_t(std::numeric_limits<int64_t>::max())));
-  }
 }
 
 /// The numbers of an argument: reals, or whole numbers of 32 bits.
@@ -172,16 +136,8 @@ class Numbers {
                            ") cannot be read; use float16, float32, float64 or int32 in the machine's byte order");
     if (kWhole && element.kind == 'f')
       throw py::type_error(name_ + " must be whole numbers, not float" + std::to_string(8 * element.bytes));
-    read_axis({element, view.shape(), view.strides()}, 0, static_cast<const char*>(view.get().buf));
-  }
-  struct Grid {
-    Element element;
-    std::vector<size_t> shape;
-    std::vector<Py_ssize_t> strides;
-  };
-  void read_axis(const Grid& grid, size_t axis, const char* at) {
-    if (axis == grid.shape.size()) return held.push_back(element_at(at, grid.element));
-    for (size_t i = 0; i < grid.shape[axis]; ++i) read_axis(grid, axis + 1, at + Py_ssize_t(i) * grid.strides[axis]);
+    const std::vector<char> bytes = view.contiguous();
+    for (size_t at = 0; at < bytes.size(); at += element.bytes) held.push_back(element_at(&bytes[at], element));
   }
   T element_at(const char* at, const Element& element) const {
     if constexpr (kWhole) {
@@ -203,28 +159,6 @@ std::vector<T> numbers_of(py::handle values, const std::string& name) {
   Numbers<T> numbers(name);
   numbers.read(values);
   return std::move(numbers.held);
-}
-
-struct ElementType {
-  size_t components;
-  Element of;  // the memory that is lent
-};
-ElementType element_of(int32_t type) {
-  switch (type) {
-    case ALABASTER_INT:
-      return {1, {'i', 4}};
-    case ALABASTER_FLOAT2:
-      return {2, {'f', 4}};
-    case ALABASTER_FLOAT3:
-      return {3, {'f', 4}};
-    case ALABASTER_FLOAT4:
-    case ALABASTER_QUATERNION:
-      return {4, {'f', 4}};
-    case ALABASTER_MATRIX:
-      return {16, {'f', 8}};
-    default:
-      return {1, {'f', 4}};
-  }
 }
 
 std::vector<float> floats(const std::vector<double>& numbers) {
@@ -251,7 +185,56 @@ std::vector<size_t> shape_within(py::handle values, const std::string& name, int
   return shape;
 }
 
+/// By AlabasterType.
+constexpr Elements kElements[] = {{},
+                                  {{'u', 1}, 1},
+                                  {{'i', 4}, 1},
+                                  {{'i', 8}, 1},
+                                  {{'u', 4}, 1},
+                                  {{'f', 4}, 1},
+                                  {{'f', 8}, 1},
+                                  {{'f', 4}, 2},
+                                  {{'f', 4}, 3},
+                                  {{'f', 4}, 4},
+                                  {{'i', 4}, 2},
+                                  {{'i', 4}, 3},
+                                  {{'f', 8}, 3},
+                                  {{'f', 4}, 4},
+                                  {{'f', 8}, 16},
+                                  {},
+                                  {},
+                                  {},
+                                  {},
+                                  {},
+                                  {{'f', 2}, 1},
+                                  {{'f', 2}, 2},
+                                  {{'f', 2}, 3},
+                                  {{'f', 2}, 4},
+                                  {{'f', 8}, 2},
+                                  {{'f', 8}, 4},
+                                  {{'f', 2}, 4},
+                                  {}};
+static_assert(std::size(kElements) == ALABASTER_SAMPLES + 1 && kElements[ALABASTER_MATRIX].components == 16 &&
+              kElements[ALABASTER_FLOAT16].of.bytes == 2 && kElements[ALABASTER_QUATERNION16].components == 4);
+
 }  // namespace
+
+Elements elements_of(int32_t type) {
+  return type < 0 || size_t(type) >= std::size(kElements) ? Elements() : kElements[type];
+}
+
+double real_at(const char* at, const Element& element) {
+  if (element.bytes == 2) return read_half(at);
+  return element.bytes == 4 ? double(read_as<float>(at)) : read_as<double>(at);
+}
+
+int64_t integer_at(const char* at, const Element& element) {
+  uint64_t bits = 0;
+  std::memcpy(&bits, at, element.bytes);
+  const size_t unused = 64 - 8 * element.bytes;
+  if (element.kind == 'i') return int64_t(bits << unused) >> unused;
+  return int64_t(std::min(bits, uint64_t(std::numeric_limits<int64_t>::max())));
+}
 
 void free_returned() {
   std::vector<Py_buffer*> views;
@@ -276,7 +259,7 @@ std::vector<size_t> shape_of(py::handle values, const std::string& name) {
 Value array(int32_t type, py::handle values, const std::string& name) {
   if (values.is_none()) return {};
   if (is_characters(values)) throw wrong_type(name, "numbers", values);
-  const ElementType element = element_of(type);
+  const Elements element = elements_of(type);
   if (View view(values); view && view.can_be_lent(element.of)) {
     const size_t count = count_of(view.numbers(), element.components, name);
     const void* data = view.get().buf;

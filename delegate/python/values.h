@@ -8,6 +8,22 @@ namespace alabaster::python {
 
 using c_api::Value;
 
+/// A number in memory. Kind: f real, i signed, u unsigned, 0 no number in the machine's order.
+struct Element {
+  char kind = 0;
+  size_t bytes = 0;
+};
+/// The elements of a value of a type of the C interface. No components: it has no numbers.
+struct Elements {
+  Element of;
+  size_t components = 0;
+  size_t bytes() const { return of.bytes * components; }
+};
+Elements elements_of(int32_t type);
+double real_at(const char* at, const Element& element);
+/// Beyond 63 bits: the largest number, which no array takes either.
+int64_t integer_at(const char* at, const Element& element);
+
 // `name` is that of the argument, for errors.
 
 /// A parameter: None, bool, int, float, str or path, two to four numbers, a 4 x 4 matrix, or an array.

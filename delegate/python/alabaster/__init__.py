@@ -5,6 +5,12 @@ _check_interpreter()
 
 from ._alabaster import (ArgumentError, Cancelled, Display, Error, NotFoundError, OutputError, Pixels, Primvar, Render, Renderer,
                          RenderError, Scene, SceneError, __version__, versions)
+from ._scene import SceneMethods as _SceneMethods
+
+for _name, _method in vars(_SceneMethods).items():
+    if not _name.startswith("_"):
+        setattr(Scene, _name, _method)
+del _name, _method
 
 __all__ = ["ArgumentError", "Cancelled", "Display", "Error", "NotFoundError", "OutputError", "Pixels", "Primvar", "Render", "Renderer",
            "RenderError", "Scene", "SceneError", "versions"]

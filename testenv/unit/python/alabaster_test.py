@@ -513,12 +513,15 @@ class Documentation(unittest.TestCase):
         typed = {node.name: {f.name if isinstance(f, ast.FunctionDef) else f.target.id for f in node.body
                              if isinstance(f, (ast.FunctionDef, ast.AnnAssign))}
                  for node in stub.body if isinstance(node, ast.ClassDef)}
-        self.assertEqual(set(alabaster.__all__) - {"versions"}, set(typed) - {"Progress", "Loaded", "Setting", "_Buffer"})
+        self.assertEqual(set(alabaster.__all__) - {"versions"}, set(typed) - {"Frame", "Progress", "Loaded", "Setting", "_Buffer"})
+        typed["Scene"] |= set(vars(alabaster._SceneMethods))
         for name in ["Display", "Pixels", "Render", "Renderer", "Scene"]:
             kind = getattr(alabaster, name)
             members = {m for m in vars(kind) if not m.startswith("_")}
             self.assertEqual(members, {m for m in typed[name] if not m.startswith("_")}, name)
             self.assertTrue(inspect.getdoc(kind))
+            for member in members - {"restart", "pause", "resume", "width", "height"}:
+                self.assertTrue(inspect.getdoc(getattr(kind, member)), f"{name}.{member}")
 
     def test_example_of_the_readme(self):
         text = (TOP / "README.md").read_text()
