@@ -27,6 +27,9 @@ struct AccessorView {
   const uint8_t* sparse_indices = nullptr;
   int sparse_index_type = kUnsignedShort;
   const uint8_t* sparse_values = nullptr;  // tightly packed
+  int buffer_view = -1;                    // -1: none
+  bool has_stride = false;                 // its buffer view has a byteStride
+  bool has_bounds = false;                 // min and max are given
 };
 
 /// One integer component at `p`, which need not be aligned.

@@ -15,15 +15,8 @@ constexpr uint64_t kMostZeroBytes = uint64_t(16) << 20;
 // much.
 constexpr uint64_t kMostBoundsBytes = uint64_t(1) << 30;
 
-uint64_t integer_or(const Json& object, const char* name, uint64_t fallback) {
-  const auto found = object.find(name);
-  return found == object.end() ? fallback : found->get<uint64_t>();
-}
-
-// The extension of that name; an empty object if there is none.
-Json find_extension(const Json& object, const char* name) {
-  if (!object.contains("extensions") || !object["extensions"].contains(name)) return Json::object();
-  return object["extensions"][name];
+uint64_t offset_of(const Json& object) {
+  return object.value("byteOffset", uint64_t(0));
 }
 
 class BufferLoader {
@@ -36,7 +29,7 @@ class BufferLoader {
 
   /// Null after an error, and for the place of data that is stored compressed elsewhere (EXT_meshopt_compression).
   Bytes load(const Json& buffer, size_t index) {
-    if (!buffer.contains("uri") && find_extension(buffer, "EXT_meshopt_compression").value("fallback", false))
+    if (!buffer.contains("uri") && at(extension_of(buffer, "EXT_meshopt_compression"), "fallback") == true)
       return nullptr;
     const std::string element = element_name("buffers", index);
     const uint64_t length = buffer["byteLength"].get<uint64_t>();
@@ -116,44 +109,35 @@ size_t component_count(const std::string& type) {
   return type[0] == 'V' ? n : n * n;
 }
 
-class AccessorLoader {
+class AccessorLoader : DocumentCheck {
  public:
-  AccessorLoader(const Json& root, Report& report, Document* document)
-      : root_(root), report_(report), document_(document) {}
+  using DocumentCheck::DocumentCheck;
 
   void run() {
-    if (root_.contains("bufferViews"))
-      for (size_t i = 0; i < root_["bufferViews"].size(); ++i) load_view(root_["bufferViews"][i], i);
-    if (report_.failed() || !root_.contains("accessors")) return;
-    if (root_.contains("meshes"))
-      for (size_t m = 0; m < root_["meshes"].size() && !report_.failed(); ++m)
-        for (size_t p = 0; p < root_["meshes"][m]["primitives"].size() && !report_.failed(); ++p)
-          load_draco(root_["meshes"][m]["primitives"][p], element_name(element_name("meshes", m) + ".primitives", p));
+    for (size_t i = 0; i < list("bufferViews").size(); ++i) load_view(list("bufferViews")[i], i);
+    for (size_t m = 0; m < list("meshes").size(); ++m)
+      for (size_t p = 0; p < list("meshes")[m]["primitives"].size() && !report_.failed(); ++p)
+        load_draco(list("meshes")[m]["primitives"][p], element_name(element_name("meshes", m) + ".primitives", p));
     if (report_.failed()) return;
-    for (size_t i = 0; i < root_["accessors"].size(); ++i) {
-      AccessorView& accessor = document_->accessors.emplace_back();
+    for (size_t i = 0; i < list("accessors").size(); ++i) {
+      AccessorView& accessor = document_.accessors.emplace_back();
       if (const auto bytes = draco_.find(i); bytes != draco_.end()) accessor.data = bytes->second->data();
-      load_accessor(root_["accessors"][i], element_name("accessors", i), &accessor);
+      load_accessor(list("accessors")[i], element_name("accessors", i), &accessor);
     }
   }
 
  private:
   void load_view(const Json& json, size_t index) {
     const std::string element = element_name("bufferViews", index);
-    const Bytes& buffer = document_->buffers[json["buffer"].get<size_t>()];
-    const uint64_t available = root_["buffers"][json["buffer"].get<size_t>()]["byteLength"].get<uint64_t>();
-    View view{nullptr, integer_or(json, "byteOffset", 0), json["byteLength"].get<uint64_t>(),
-              integer_or(json, "byteStride", 0)};
-    if (const Json compressed = find_extension(json, "EXT_meshopt_compression"); !compressed.empty()) {
-      load_meshopt(compressed, element, &view);
-    } else if (!buffer) {
+    View view{nullptr, offset_of(json), json["byteLength"].get<uint64_t>(), json.value("byteStride", uint64_t(0))};
+    if (const Json& compressed = extension_of(json, "EXT_meshopt_compression"); !compressed.empty()) {
+      load_meshopt(compressed, element + ".extensions.EXT_meshopt_compression", &view);
+    } else if (!document_.buffers[json["buffer"].get<size_t>()]) {
       report_.error("bufferView.buffer", element, "lies in a buffer without data; export the file again");
-    } else if (view.offset > available || view.length > available - view.offset) {
+    } else if (!(view.data = bytes_of(json))) {
       report_.error("bufferView.range", element,
-                    "byteOffset + byteLength exceeds the buffer of " + std::to_string(available) +
+                    "byteOffset + byteLength exceeds the buffer of " + length_of(json["buffer"]).dump() +
                         " bytes; export the file again");
-    } else {
-      view.data = buffer->data() + view.offset;
     }
     const std::string stride = std::to_string(view.stride);
     if (view.stride > 0 && (view.stride < 4 || view.stride > 252 || view.stride % 4 != 0))
@@ -164,20 +148,27 @@ class AccessorLoader {
     views_.push_back(view);
   }
 
-  void load_meshopt(const Json& json, const std::string& element, View* view) {
-    const size_t index = json["buffer"].get<size_t>();
-    const uint64_t available = root_["buffers"][index]["byteLength"].get<uint64_t>();
-    const uint64_t offset = integer_or(json, "byteOffset", 0), length = json["byteLength"].get<uint64_t>();
-    const std::string place = element + ".extensions.EXT_meshopt_compression";
-    if (!document_->buffers[index] || offset > available || length > available - offset)
-      return report_.error("bufferView.range", place, "lies outside its buffer; compress the file again");
+  const Json& length_of(const Json& buffer) const { return list("buffers")[buffer.get<size_t>()]["byteLength"]; }
+
+  // The bytes that buffer, byteOffset and byteLength name; null if they do not lie in the buffer.
+  const uint8_t* bytes_of(const Json& json) const {
+    const Bytes& buffer = document_.buffers[json["buffer"].get<size_t>()];
+    const uint64_t available = length_of(json["buffer"]).get<uint64_t>(), offset = offset_of(json);
+    const bool inside = buffer && offset <= available && json["byteLength"].get<uint64_t>() <= available - offset;
+    return inside ? buffer->data() + offset : nullptr;
+  }
+
+  void load_meshopt(const Json& json, const std::string& place, View* view) {
+    const uint8_t* stored = bytes_of(json);
+    const uint64_t length = json["byteLength"].get<uint64_t>();
+    if (!stored) return report_.error("bufferView.range", place, "lies outside its buffer; compress the file again");
     std::string reason;
-    hold_more(&document_->memory,
+    hold_more(&document_.memory,
               std::min(json["count"].get<uint64_t>() * json["byteStride"].get<uint64_t>(), kMostMeshoptGrowth * length),
               place);
-    const Bytes bytes = decode_meshopt(json, {document_->buffers[index]->data() + offset, size_t(length)}, &reason);
+    const Bytes bytes = decode_meshopt(json, {stored, size_t(length)}, &reason);
     if (!bytes) return report_.error("bufferView.meshopt", place, reason);
-    document_->decoded.push_back(bytes);
+    document_.decoded.push_back(bytes);
     if (bytes->size() < view->length)
       return report_.error("bufferView.meshopt", place,
                            "decodes to " + std::to_string(bytes->size()) + " bytes, but the view has " +
@@ -188,12 +179,12 @@ class AccessorLoader {
 
   // Accessors that have data without compression are read as they are.
   void load_draco(const Json& primitive, const std::string& element) {
-    const Json compressed = find_extension(primitive, "KHR_draco_mesh_compression");
+    const Json& compressed = extension_of(primitive, "KHR_draco_mesh_compression");
     if (compressed.empty()) return;
     uint64_t declared = 0;
     bool needed = false;
     const auto add = [&](const Json& index) {
-      const Json& accessor = root_["accessors"][index.get<size_t>()];
+      const Json& accessor = list("accessors")[index.get<size_t>()];
       needed = needed || !accessor.contains("bufferView");
       declared += accessor["count"].get<uint64_t>() * 16;
     };
@@ -202,14 +193,14 @@ class AccessorLoader {
     if (!needed) return;
     const std::string place = element + ".extensions.KHR_draco_mesh_compression";
     const View& view = views_[compressed["bufferView"].get<size_t>()];
-    hold_more(&document_->memory, declared, place);
+    hold_more(&document_.memory, declared, place);
     AccessorBytes accessors;
     std::string reason;
     if (!decode_draco(root_, primitive, {view.data, size_t(view.length)}, &accessors, &reason))
       return report_.error("mesh.draco", place, reason);
     for (const auto& [index, bytes] : accessors) {
-      if (root_["accessors"][index].contains("bufferView") || !draco_.emplace(index, bytes).second) continue;
-      document_->decoded.push_back(bytes);
+      if (list("accessors")[index].contains("bufferView") || !draco_.emplace(index, bytes).second) continue;
+      document_.decoded.push_back(bytes);
     }
   }
 
@@ -219,6 +210,7 @@ class AccessorLoader {
     accessor->count = json["count"].get<size_t>();
     accessor->normalized = json.value("normalized", false);
     accessor->components = component_count(accessor->type);
+    accessor->has_bounds = json.contains("min") && json.contains("max");
     const size_t component = component_size(accessor->component_type);
     if (component == 0)
       return report_.error("accessor.type", element + ".componentType", "is not a glTF type; export the file again");
@@ -240,7 +232,9 @@ class AccessorLoader {
   // data + stride * (count - 1) + size must end inside the view; counts are below 2^31, offsets below 2^53.
   void place(const Json& json, const std::string& element, size_t size, AccessorView* accessor) {
     const View& view = views_[json["bufferView"].get<size_t>()];
-    const uint64_t offset = integer_or(json, "byteOffset", 0);
+    const uint64_t offset = offset_of(json);
+    accessor->buffer_view = json["bufferView"].get<int>();
+    accessor->has_stride = view.stride > 0;
     if (view.stride > 0) {
       if (view.stride < size)
         return report_.error("accessor.stride", element,
@@ -264,8 +258,7 @@ class AccessorLoader {
     const int index_type = indices["componentType"].get<int>();
     const View& index_view = views_[indices["bufferView"].get<size_t>()];
     const View& value_view = views_[values["bufferView"].get<size_t>()];
-    const uint64_t index_offset = integer_or(indices, "byteOffset", 0),
-                   value_offset = integer_or(values, "byteOffset", 0);
+    const uint64_t index_offset = offset_of(indices), value_offset = offset_of(values);
     if (index_type != kUnsignedByte && index_type != kUnsignedShort && index_type != kUnsignedInt)
       return report_.error("accessor.sparse", element + ".indices.componentType",
                            "must be an unsigned integer type; export the file again");
@@ -307,7 +300,7 @@ class AccessorLoader {
       if (json[name].size() != accessor.components)
         return report_.warning("accessor.bounds", element_name(element, name), "has the wrong number of values");
     }
-    if (!json.contains("min") || !json.contains("max") || accessor.type[0] == 'M' || !accessor.data) return;
+    if (!accessor.has_bounds || accessor.type[0] == 'M' || !accessor.data) return;
     bounds_bytes_ += accessor.count * accessor.components * sizeof(float);
     if (bounds_bytes_ > kMostBoundsBytes) return;
     AccessorView plain = accessor;
@@ -324,9 +317,6 @@ class AccessorLoader {
     }
   }
 
-  const Json& root_;
-  Report& report_;
-  Document* document_;
   std::vector<View> views_;
   AccessorBytes draco_;
   uint64_t zero_bytes_ = 0, bounds_bytes_ = 0;
@@ -335,14 +325,14 @@ class AccessorLoader {
 }  // namespace
 
 void load_buffers(const Json& root, const Bytes& binary_chunk, size_t max_bytes, Report& report, Document* document) {
-  if (!root.contains("buffers")) return;
+  const Json& buffers = at(root, "buffers");
   BufferLoader loader(binary_chunk, max_bytes, report, document);
-  for (size_t i = 0; i < root["buffers"].size(); ++i) document->buffers.push_back(loader.load(root["buffers"][i], i));
-  for (const auto& [file, bytes] : loader.files()) document->files.push_back(file);
+  for (size_t i = 0; i < buffers.size(); ++i) document->buffers.push_back(loader.load(buffers[i], i));
+  for (const auto& [file, bytes] : loader.files()) document->summary.files.push_back(file);
 }
 
 void load_accessors(const Json& root, Report& report, Document* document) {
-  AccessorLoader(root, report, document).run();
+  AccessorLoader(root, document, report).run();
 }
 
 }  // namespace alabaster::hd::gltf

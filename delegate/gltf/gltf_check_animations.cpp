@@ -5,15 +5,13 @@
 #include <set>
 
 #include "delegate/gltf/gltf_document.h"
-#include "delegate/gltf/gltf_morph.h"
 
 namespace alabaster::hd::gltf {
 namespace {
 
-class AnimationCheck {
+class AnimationCheck : DocumentCheck {
  public:
-  AnimationCheck(const Json& root, Document& document, Report& report)
-      : root_(root), document_(document), report_(report) {}
+  using DocumentCheck::DocumentCheck;
 
   // Removes channels that change nothing. Returns the time of the last key.
   double run(Json& animation, const std::string& element, bool used) {
@@ -50,7 +48,7 @@ class AnimationCheck {
 
   // The last time; 0 after a fault.
   double check_times(const Json& index, const std::string& place) {
-    const AccessorView& view = document_.accessors[index.get<size_t>()];
+    const AccessorView& view = accessor(index);
     const auto [last, is_new] = last_time_.try_emplace(index.get<size_t>(), 0);
     if (!is_new) return last->second;
     if (view.type != "SCALAR" || view.component_type != kFloat) return fault(place, "must be scalars of floats");
@@ -78,7 +76,7 @@ class AnimationCheck {
     if (path != "translation" && path != "rotation" && path != "scale" && path != "weights")
       return left_out("'" + path.substr(0, 60) + "' cannot be animated; the channel is ignored");
     if (!target.contains("node")) return left_out("has no node; the channel is ignored");
-    const Json& node = root_["nodes"][target["node"].get<size_t>()];
+    const Json& node = list("nodes")[target["node"].get<size_t>()];
     const std::string name = element_name("nodes", target["node"].get<size_t>());
     if (path != "weights" && node.contains("matrix"))
       return left_out(name + " has a matrix, which cannot be animated; the channel is ignored");
@@ -88,7 +86,7 @@ class AnimationCheck {
   }
 
   size_t targets_of(const Json& node) const {
-    return node.contains("mesh") ? target_count(root_["meshes"][node["mesh"].get<size_t>()]) : 0;
+    return node.contains("mesh") ? target_count(list("meshes")[node["mesh"].get<size_t>()]) : 0;
   }
 
   bool check_channel(const Json& animation, const Json& channel, const std::string& place) {
@@ -97,8 +95,8 @@ class AnimationCheck {
       return fault(place + ".sampler",
                    std::to_string(index) + " is out of range: the animation has " + std::to_string(count));
     const Json& sampler = animation["samplers"][index];
-    const AccessorView& times = document_.accessors[sampler["input"].get<size_t>()];
-    const AccessorView& values = document_.accessors[sampler["output"].get<size_t>()];
+    const AccessorView &times = accessor(sampler["input"]), &values = accessor(sampler["output"]);
+    const bool spline = sampler.value("interpolation", "LINEAR") == "CUBICSPLINE";
     const std::string path = channel["target"]["path"], output = place + " (sampler " + std::to_string(index) + ")";
     const bool weights = path == "weights", rotation = path == "rotation";
     const bool integers = (weights || rotation) && values.normalized && component_size(values.component_type) < 4;
@@ -106,12 +104,12 @@ class AnimationCheck {
     if (values.type != type || (values.component_type != kFloat && !integers))
       return fault(output, "the values of " + path + " must be " + type + " of floats" +
                                (weights || rotation ? " or normalized integers" : ""));
-    const size_t each = (sampler.value("interpolation", "LINEAR") == "CUBICSPLINE" ? 3 : 1) *
-                        (weights ? targets_of(root_["nodes"][channel["target"]["node"].get<size_t>()]) : 1);
+    const size_t each =
+        (spline ? 3 : 1) * (weights ? targets_of(list("nodes")[channel["target"]["node"].get<size_t>()]) : 1);
     if (values.count != times.count * each)
       return fault(output, "has " + std::to_string(times.count) + " times and " + std::to_string(values.count) +
                                " values, not " + std::to_string(times.count * each));
-    if (sampler.value("interpolation", "LINEAR") == "CUBICSPLINE" && times.count < 2)
+    if (spline && times.count < 2)
       report_.warning("animation", output, "a spline needs two keys; the value of the only one is held");
     if (!checked_values_.insert(&values).second) return true;
     count_bytes(values, output);
@@ -120,9 +118,6 @@ class AnimationCheck {
     return true;
   }
 
-  const Json& root_;
-  Document& document_;
-  Report& report_;
   bool used_ = false;
   std::map<size_t, double> last_time_;  // by accessor
   std::set<const AccessorView*> checked_values_;
@@ -133,10 +128,10 @@ class AnimationCheck {
 void check_animations(Json& root, Report& report, Document* document) {
   if (!root.contains("animations")) return;
   Json animations = std::move(root["animations"]), used = Json::array();
-  AnimationCheck check(root, *document, report);
+  AnimationCheck check(root, document, report);
   for (size_t a = 0; a < animations.size() && !report.failed(); ++a) {
     const bool is_used = int(a) == document->animation;
-    document->animations[a].seconds = check.run(animations[a], element_name("animations", a), is_used);
+    document->summary.animations[a].seconds = check.run(animations[a], element_name("animations", a), is_used);
     if (is_used) used.push_back(std::move(animations[a]));
   }
   root["animations"] = std::move(used);

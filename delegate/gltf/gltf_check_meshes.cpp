@@ -7,7 +7,6 @@
 #include <set>
 
 #include "delegate/gltf/gltf_document.h"
-#include "delegate/gltf/gltf_morph.h"
 
 namespace alabaster::hd::gltf {
 namespace {
@@ -42,45 +41,40 @@ std::optional<Semantic> find_semantic(const std::string& attribute) {
   return {};
 }
 
-// `object`[name] if it exists and is an integer. Extensions that are not read are not checked either.
-int integer_or(const Json& object, const char* name, int fallback) {
-  const auto found = object.find(name);
-  return found != object.end() && found->is_number_integer() ? found->get<int>() : fallback;
-}
-
+// Extensions that are not read are not checked either.
 void collect_texture_sets(const Json& value, std::set<int>* sets) {
   if (!value.is_object()) return;
   for (const auto& [name, child] : value.items()) {
-    if (name.size() > 7 && name.compare(name.size() - 7, 7, "Texture") == 0 && child.is_object()) {
-      int set = integer_or(child, "texCoord", 0);
-      if (child.contains("extensions") && child["extensions"].contains("KHR_texture_transform") &&
-          child["extensions"]["KHR_texture_transform"].is_object())
-        set = integer_or(child["extensions"]["KHR_texture_transform"], "texCoord", set);
-      sets->insert(set);
+    if (name.size() > 7 && name.ends_with("Texture") && child.is_object()) {
+      const Json &own = at(child, "texCoord"), &moved = at(extension_of(child, "KHR_texture_transform"), "texCoord");
+      sets->insert(moved.is_number_integer() ? moved.get<int>() : own.is_number_integer() ? own.get<int>() : 0);
     } else if (name != "extras") {
       collect_texture_sets(child, sets);
     }
   }
 }
 
-class MeshCheck {
+// The mappings of KHR_materials_variants.
+const Json& mappings_of(const Json& primitive) {
+  return at(extension_of(primitive, "KHR_materials_variants"), "mappings");
+}
+
+class MeshCheck : DocumentCheck {
  public:
-  MeshCheck(const Json& root, const Document& document, Report& report)
-      : root_(root), document_(document), report_(report), index_max_(document.accessors.size()) {
-    if (root.contains("extensionsRequired"))
-      for (const Json& name : root["extensionsRequired"]) quantized_ |= name == "KHR_mesh_quantization";
-    copies_.assign(root["meshes"].size(), 0);
-    if (root.contains("nodes"))
-      for (const Json& node : root["nodes"])
-        if (node.contains("mesh") && (node.contains("skin") || node.contains("weights")))
-          ++copies_[node["mesh"].get<size_t>()];
+  MeshCheck(const Json& root, Document* document, Report& report)
+      : DocumentCheck(root, document, report), index_max_(document->accessors.size()) {
+    for (const Json& name : list("extensionsRequired")) quantized_ |= name == "KHR_mesh_quantization";
+    copies_.assign(list("meshes").size(), 0);
+    for (const Json& node : list("nodes"))
+      if (node.contains("mesh") && (node.contains("skin") || node.contains("weights")))
+        ++copies_[node["mesh"].get<size_t>()];
   }
 
   /// Bytes of all meshes when decoded.
   double run() {
     double total_bytes = 0;
-    for (size_t m = 0; m < root_["meshes"].size(); ++m) {
-      const Json& mesh = root_["meshes"][m];
+    for (size_t m = 0; m < list("meshes").size(); ++m) {
+      const Json& mesh = list("meshes")[m];
       const std::string element = element_name("meshes", m);
       for (size_t p = 0; p < mesh["primitives"].size() && !report_.failed(); ++p)
         check_primitive(mesh["primitives"][p], element_name(element + ".primitives", p));
@@ -93,12 +87,10 @@ class MeshCheck {
   }
 
  private:
-  const AccessorView& accessor(const Json& index) const { return document_.accessors[index.get<size_t>()]; }
-
   void check_primitive(const Json& primitive, const std::string& element) {
     const Json& attributes = primitive["attributes"];
     const AccessorView* first = nullptr;
-    std::map<size_t, size_t> views;  // buffer view -> attributes in it
+    std::map<int, size_t> views;  // buffer views without a stride -> attributes in them
     for (const auto& [name, index] : attributes.items()) {
       const AccessorView& view = accessor(index);
       const std::string place = element_name(element + ".attributes", name);
@@ -109,17 +101,18 @@ class MeshCheck {
                       "has " + std::to_string(view.count) + " elements, but other attributes have " +
                           std::to_string(first->count) + "; export the file again");
       if (find_semantic(name)) decoded_bytes_ += view.count * view.components * sizeof(float);
-      const Json& json = root_["accessors"][index.get<size_t>()];
-      if (json.contains("bufferView")) ++views[json["bufferView"].get<size_t>()];
+      if (view.buffer_view >= 0 && !view.has_stride) ++views[view.buffer_view];
     }
     for (const auto& [view, users] : views)
-      if (users > 1 && !root_["bufferViews"][view].contains("byteStride"))
-        report_.warning("bufferView.stride", element_name("bufferViews", view),
+      if (users > 1)
+        report_.warning("bufferView.stride", element_name("bufferViews", size_t(view)),
                         "is shared by several attributes but has no byteStride");
     if (!attributes.contains("POSITION")) {
       report_.warning("mesh.points", element + ".attributes", "has no POSITION; the primitive is not drawn");
     } else if (!report_.failed()) {
-      check_positions(attributes["POSITION"], element + ".attributes.POSITION");
+      const AccessorView& positions = accessor(attributes["POSITION"]);
+      check_bounds(positions, element + ".attributes.POSITION");
+      check_finite(positions, element + ".attributes.POSITION");
     }
     check_targets(primitive, first, element);
     if (primitive.contains("indices") && first && !report_.failed())
@@ -130,9 +123,9 @@ class MeshCheck {
   }
 
   void check_targets(const Json& primitive, const AccessorView* first, const std::string& element) {
-    if (!primitive.contains("targets") || !first) return;
-    for (size_t t = 0; t < primitive["targets"].size(); ++t)
-      for (const auto& [name, index] : primitive["targets"][t].items()) {
+    const Json& targets = at(primitive, "targets");
+    for (size_t t = 0; t < targets.size() && first; ++t)
+      for (const auto& [name, index] : targets[t].items()) {
         const AccessorView& view = accessor(index);
         const std::string place = element_name(element_name(element + ".targets", t), name);
         if (!primitive["attributes"].contains(name)) {
@@ -143,7 +136,7 @@ class MeshCheck {
                             std::to_string(first->count) + " vertices; export the file again");
         }
         check_attribute(name, view, place, true);
-        if (name == "POSITION") check_bounds(index, place);
+        if (name == "POSITION") check_bounds(view, place);
         check_finite(view, place);
         if (find_semantic(name)) decoded_bytes_ += view.count * view.components * sizeof(float);
       }
@@ -152,7 +145,7 @@ class MeshCheck {
   void check_target_counts(const Json& mesh, const std::string& element) {
     const size_t targets = target_count(mesh);
     for (const Json& primitive : mesh["primitives"])
-      if (primitive_target_count(primitive) != targets)
+      if (at(primitive, "targets").size() != targets)
         return report_.warning("mesh.targets", element + ".primitives",
                                "have different numbers of morph targets; weights are taken in the order of each");
     if (mesh.contains("weights") && mesh["weights"].size() != targets)
@@ -162,9 +155,8 @@ class MeshCheck {
   }
 
   void check_variants(const Json& primitive, const std::string& element) {
-    if (!primitive.contains("extensions") || !primitive["extensions"].contains("KHR_materials_variants")) return;
     std::set<size_t> seen;
-    for (const Json& mapping : primitive["extensions"]["KHR_materials_variants"]["mappings"])
+    for (const Json& mapping : mappings_of(primitive))
       for (const Json& variant : mapping["variants"])
         if (!seen.insert(variant.get<size_t>()).second)
           report_.warning("mesh.variants", element, "maps variant " + variant.dump() + " twice");
@@ -222,16 +214,8 @@ class MeshCheck {
     }
   }
 
-  void check_positions(const Json& index, const std::string& place) {
-    const AccessorView& view = accessor(index);
-    check_bounds(index, place);
-    check_finite(view, place);
-  }
-
-  void check_bounds(const Json& index, const std::string& place) {
-    const Json& json = root_["accessors"][index.get<size_t>()];
-    if (!json.contains("min") || !json.contains("max"))
-      report_.warning("mesh.bounds", place, "the accessor lacks min and max, which glTF requires");
+  void check_bounds(const AccessorView& view, const std::string& place) {
+    if (!view.has_bounds) report_.warning("mesh.bounds", place, "the accessor lacks min and max, which glTF requires");
   }
 
   void check_finite(const AccessorView& view, const std::string& place) {
@@ -247,8 +231,7 @@ class MeshCheck {
                                   view.component_type != kUnsignedInt))
       return report_.error("mesh.indices", place, "must be scalars of an unsigned integer type; export the file again");
     if (view.normalized) report_.warning("mesh.indices", place, "must not be normalized; ignored");
-    const Json& json = root_["accessors"][index.get<size_t>()];
-    if (json.contains("bufferView") && root_["bufferViews"][json["bufferView"].get<size_t>()].contains("byteStride"))
+    if (view.has_stride)
       report_.warning("mesh.indices", place, "the buffer view of indices must not have a byteStride");
     auto& largest = index_max_[index.get<size_t>()];
     if (!largest) {
@@ -274,12 +257,10 @@ class MeshCheck {
   void check_texture_sets(const Json& primitive, const std::string& element) {
     std::set<size_t> materials;
     if (primitive.contains("material")) materials.insert(primitive["material"].get<size_t>());
-    if (primitive.contains("extensions") && primitive["extensions"].contains("KHR_materials_variants"))
-      for (const Json& mapping : primitive["extensions"]["KHR_materials_variants"]["mappings"])
-        materials.insert(mapping["material"].get<size_t>());
+    for (const Json& mapping : mappings_of(primitive)) materials.insert(mapping["material"].get<size_t>());
     for (const size_t material : materials) {
       const auto [sets, is_new] = texture_sets_.try_emplace(material);
-      if (is_new) collect_texture_sets(root_["materials"][material], &sets->second);
+      if (is_new) collect_texture_sets(list("materials")[material], &sets->second);
       for (const int set : sets->second)
         if (!primitive["attributes"].contains("TEXCOORD_" + std::to_string(set)))
           report_.warning("mesh.texcoord", element,
@@ -288,9 +269,6 @@ class MeshCheck {
     }
   }
 
-  const Json& root_;
-  const Document& document_;
-  Report& report_;
   std::vector<std::optional<uint32_t>> index_max_;  // by accessor
   std::set<const AccessorView*> checked_;
   std::map<size_t, std::set<int>> texture_sets_;  // by material
@@ -301,12 +279,16 @@ class MeshCheck {
 
 }  // namespace
 
+size_t target_count(const Json& mesh) {
+  const Json& primitives = mesh["primitives"];
+  return primitives.empty() ? 0 : at(primitives[0], "targets").size();
+}
+
 // Reading a mesh takes its vectors beside its arrays.
 void check_meshes(const Json& root, Report& report, Document* document) {
-  if (!root.contains("meshes")) return;
   constexpr double kMost = 0x1p60;
-  document->geometry_bytes = static_cast<size_t>(std::min(MeshCheck(root, *document, report).run(), kMost));
-  hold_more(&document->memory, 2 * document->geometry_bytes, "the geometry of its meshes");
+  document->summary.memory_bytes = static_cast<size_t>(std::min(MeshCheck(root, document, report).run(), kMost));
+  hold_more(&document->memory, 2 * document->summary.memory_bytes, "the geometry of its meshes");
 }
 
 }  // namespace alabaster::hd::gltf

@@ -1,88 +1,143 @@
-// Checks what nodes do to meshes: skins, morph weights (glTF 2.0, section 3.7.3) and instances
-// (EXT_mesh_gpu_instancing).
+// Nodes, scenes, cameras and lights (glTF 2.0, sections 3.5, 3.10; KHR_lights_punctual), and what nodes do to meshes:
+// skins, morph weights (section 3.7.3) and instances (EXT_mesh_gpu_instancing).
+#include <algorithm>
+#include <cmath>
 #include <map>
 
 #include "delegate/gltf/gltf_document.h"
-#include "delegate/gltf/gltf_morph.h"
 
 namespace alabaster::hd::gltf {
 namespace {
 
-class NodeMeshCheck {
+class NodeCheck : DocumentCheck {
  public:
-  NodeMeshCheck(const Json& root, const Document& document, Report& report)
-      : root_(root), document_(document), report_(report) {}
+  using DocumentCheck::DocumentCheck;
 
-  /// The number of instances.
-  size_t run() {
-    if (root_.contains("skins"))
-      for (size_t s = 0; s < root_["skins"].size(); ++s) check_skin(root_["skins"][s], element_name("skins", s));
-    if (!root_.contains("nodes")) return 0;
-    for (size_t n = 0; n < root_["nodes"].size() && !report_.failed(); ++n) {
-      const Json& node = root_["nodes"][n];
-      const std::string element = element_name("nodes", n);
-      const bool instanced = node.contains("extensions") && node["extensions"].contains("EXT_mesh_gpu_instancing");
-      if (instanced)
-        check_instances(node["extensions"]["EXT_mesh_gpu_instancing"]["attributes"],
-                        element + ".extensions.EXT_mesh_gpu_instancing.attributes");
-      if (instanced && !node.contains("mesh"))
-        report_.warning("node.instances", element, "has instances but no mesh; nothing is drawn");
-      if (!node.contains("mesh")) continue;
-      check_weights(node, element);
-      if (node.contains("skin")) check_skinned(node, element);
-      if (node.contains("skin") && instanced)
-        report_.warning("node.instances", element,
-                        "has a skin, which places the mesh, and instances, which are ignored; remove one");
+  void run() {
+    check_trees();
+    for (size_t n = 0; n < nodes().size(); ++n) {
+      check_transform(nodes()[n], element_name("nodes", n));
+      if (nodes()[n].contains("skin") && !nodes()[n].contains("mesh"))
+        report_.warning("node.skin", element_name("nodes", n), "has a skin but no mesh");
     }
-    return instances_;
+    if (report_.failed()) return;
+    check_scenes();
+    for (size_t c = 0; c < list("cameras").size(); ++c) check_camera(list("cameras")[c], element_name("cameras", c));
+    check_lights();
+    if (report_.failed()) return;
+    for (size_t s = 0; s < list("skins").size(); ++s) check_skin(list("skins")[s], element_name("skins", s));
+    for (size_t n = 0; n < nodes().size() && !report_.failed(); ++n)
+      check_mesh_of(nodes()[n], element_name("nodes", n));
+    hold_more(&document_.memory, instances_ * sizeof(Matrix4d), std::to_string(instances_) + " instances of nodes");
   }
 
  private:
-  const AccessorView& accessor(const Json& index) const { return document_.accessors[index.get<size_t>()]; }
+  const Json& nodes() const { return list("nodes"); }
 
-  // The number of its tree for every node. Nodes have one parent at most, and no node is its own ancestor.
-  std::vector<size_t> find_trees() const {
-    const Json& nodes = root_["nodes"];
-    std::vector<char> is_child(nodes.size(), 0);
-    for (const Json& node : nodes)
-      for (const Json& child : node.value("children", Json::array())) is_child[child.get<size_t>()] = 1;
-    std::vector<size_t> trees(nodes.size()), open;
-    for (size_t root = 0; root < nodes.size(); ++root) {
-      if (is_child[root]) continue;
-      open.push_back(root);
+  // Each node has at most one parent and no node is its own ancestor. Not recursive: chains may be long.
+  void check_trees() {
+    std::vector<int64_t>& parents = document_.parents;
+    parents.assign(nodes().size(), -1);
+    for (size_t n = 0; n < nodes().size(); ++n)
+      for (const Json& child : at(nodes()[n], "children")) {
+        int64_t& parent = parents[child.get<size_t>()];
+        if (parent >= 0 && parent != int64_t(n))
+          report_.error("node.parents", element_name("nodes", child.get<size_t>()),
+                        "is a child of nodes[" + std::to_string(parent) + "] and of nodes[" + std::to_string(n) +
+                            "]; nodes must form trees, so duplicate the node");
+        parent = int64_t(n);
+      }
+    if (report_.failed()) return;
+    // Each node has at most one parent, so one that is not reached from a root lies on or below a cycle.
+    trees_.assign(nodes().size(), -1);
+    std::vector<size_t> open;
+    for (size_t root = 0; root < nodes().size(); ++root) {
+      if (parents[root] < 0) open.push_back(root);
       while (!open.empty()) {
         const size_t n = open.back();
         open.pop_back();
-        trees[n] = root;
-        if (nodes[n].contains("children"))
-          for (const Json& child : nodes[n]["children"])
-            if (trees[child.get<size_t>()] != root) open.push_back(child.get<size_t>());
+        if (trees_[n] >= 0) continue;  // a child listed twice
+        trees_[n] = int64_t(root);
+        for (const Json& child : at(nodes()[n], "children")) open.push_back(child.get<size_t>());
       }
     }
-    return trees;
+    if (const auto lost = std::find(trees_.begin(), trees_.end(), -1); lost != trees_.end())
+      report_.error("node.cycle", element_name("nodes", size_t(lost - trees_.begin())),
+                    "is its own descendant; break the cycle");
+  }
+
+  void check_transform(const Json& node, const std::string& element) {
+    if (node.contains("matrix")) {
+      const auto m = node["matrix"].get<std::vector<double>>();
+      if (node.contains("translation") || node.contains("rotation") || node.contains("scale"))
+        report_.warning("node.transform", element,
+                        "has a matrix and translation, rotation or scale; the matrix is used");
+      const double determinant = m[0] * (m[5] * m[10] - m[6] * m[9]) - m[4] * (m[1] * m[10] - m[2] * m[9]) +
+                                 m[8] * (m[1] * m[6] - m[2] * m[5]);
+      if (m[3] != 0 || m[7] != 0 || m[11] != 0 || m[15] != 1)
+        report_.warning("node.transform", element + ".matrix", "the last row is not 0 0 0 1; it is replaced by that");
+      if (determinant == 0)
+        report_.warning("node.transform", element + ".matrix", "is singular, so everything below it is flat");
+    }
+    double length2 = 0;
+    for (const Json& value : at(node, "rotation")) length2 += value.get<double>() * value.get<double>();
+    if (node.contains("rotation") && !(std::abs(length2 - 1) < 1e-3))
+      report_.warning("node.rotation", element + ".rotation", "is not a unit quaternion and is normalized");
+  }
+
+  void check_scenes() {
+    for (size_t s = 0; s < list("scenes").size(); ++s)
+      for (const Json& node : at(list("scenes")[s], "nodes"))
+        if (document_.parents[node.get<size_t>()] >= 0)
+          report_.warning("scene.root", element_name("scenes", s),
+                          "nodes[" + node.dump() + "] is not a root but the child of another node");
+  }
+
+  void check_camera(const Json& camera, const std::string& element) {
+    const std::string type = camera["type"].get<std::string>();
+    const Json& lens = at(camera, type);
+    if (lens.is_null())
+      return report_.error("camera", element_name(element, type), "is required and missing; export the file again");
+    if (camera.contains("perspective") && camera.contains("orthographic"))
+      report_.warning("camera", element, "has two projections; the one named by type is used");
+    if (lens.contains("zfar") && lens["zfar"].get<double>() <= lens["znear"].get<double>())
+      report_.warning("camera", element + ".zfar", "is not greater than znear; no far plane is used");
+    for (const char* size : {"xmag", "ymag"})
+      if (type == "orthographic" && lens[size].get<double>() <= 0)
+        report_.warning("camera", element_name(element, size), "must be positive; the absolute value is used");
+  }
+
+  void check_lights() {
+    const Json& lights = at(extension_of(root_, "KHR_lights_punctual"), "lights");
+    if (std::any_of(lights.begin(), lights.end(), [](const Json& light) { return light.contains("range"); }))
+      report_.info("light", "extensions.KHR_lights_punctual",
+                   "range is not used: light falls with the square of the distance, however far");
+    for (size_t l = 0; l < lights.size(); ++l) {
+      if (lights[l]["type"] != "spot") continue;
+      const std::string element = element_name("extensions.KHR_lights_punctual.lights", l) + ".spot";
+      const Json& spot = at(lights[l], "spot");
+      if (spot.is_null())
+        report_.error("light", element, "is required and missing; export the file again");
+      else if (spot.value("innerConeAngle", 0.0) >= spot.value("outerConeAngle", 0.7853981633974483))
+        report_.warning("light", element, "innerConeAngle must be smaller than outerConeAngle; the edge is sharp");
+    }
   }
 
   void check_skin(const Json& skin, const std::string& element) {
-    if (trees_.empty() && root_.contains("nodes")) trees_ = find_trees();
-    std::optional<size_t> tree;
-    if (skin.contains("skeleton")) tree = trees_[skin["skeleton"].get<size_t>()];
-    for (const Json& joint : skin["joints"])
-      if (tree && trees_[joint.get<size_t>()] != *tree) {
-        report_.warning("skin.root", element, "its joints and its skeleton have no common root");
-        break;
-      } else {
-        tree = trees_[joint.get<size_t>()];
-      }
+    const auto tree_of = [&](const Json& node) { return trees_[node.get<size_t>()]; };
+    const Json& joints = skin["joints"];
+    int64_t tree = skin.contains("skeleton") ? tree_of(skin["skeleton"]) : joints.empty() ? -1 : tree_of(joints[0]);
+    if (std::any_of(joints.begin(), joints.end(), [&](const Json& joint) { return tree_of(joint) != tree; }))
+      report_.warning("skin.root", element, "its joints and its skeleton have no common root");
     if (!skin.contains("inverseBindMatrices")) return;
     const AccessorView& view = accessor(skin["inverseBindMatrices"]);
     const std::string place = element + ".inverseBindMatrices";
-    const size_t joints = skin["joints"].size();
     if (view.type != "MAT4" || view.component_type != kFloat)
       return report_.error("skin.matrices", place, "must be MAT4 of floats; export the file again");
-    if (view.count < joints)
+    if (view.count < joints.size())
       return report_.error("skin.matrices", place,
                            "has " + std::to_string(view.count) + " matrices, but the skin has " +
-                               std::to_string(joints) + " joints; export the file again");
+                               std::to_string(joints.size()) + " joints; export the file again");
     if (const auto matrix = first_not_finite(view))
       return report_.error("skin.matrices", place,
                            "matrix " + std::to_string(*matrix) + " is not of finite numbers; export the file again");
@@ -94,16 +149,37 @@ class NodeMeshCheck {
             "the last row of matrix " + std::to_string(i / 16) + " is not 0 0 0 1; it is replaced by that");
   }
 
+  void check_mesh_of(const Json& node, const std::string& element) {
+    const Json& instancing = extension_of(node, "EXT_mesh_gpu_instancing");
+    const bool instanced = !instancing.is_null();
+    if (instanced)
+      check_instances(instancing["attributes"], element + ".extensions.EXT_mesh_gpu_instancing.attributes");
+    if (instanced && !node.contains("mesh"))
+      report_.warning("node.instances", element, "has instances but no mesh; nothing is drawn");
+    if (!node.contains("mesh")) return;
+    const size_t targets = target_count(list("meshes")[node["mesh"].get<size_t>()]),
+                 weights = at(node, "weights").size();
+    if (node.contains("weights") && weights != targets)
+      report_.warning("node.weights", element + ".weights",
+                      std::to_string(weights) + " are given, but the mesh has " + std::to_string(targets) +
+                          " morph targets; missing ones are 0");
+    if (!node.contains("skin")) return;
+    check_skinned(node, element);
+    if (instanced)
+      report_.warning("node.instances", element,
+                      "has a skin, which places the mesh, and instances, which are ignored; remove one");
+  }
+
   void check_skinned(const Json& node, const std::string& element) {
-    const size_t joints = root_["skins"][node["skin"].get<size_t>()]["joints"].size();
-    const std::string mesh = element_name("meshes", node["mesh"].get<size_t>());
-    const Json& primitives = root_["meshes"][node["mesh"].get<size_t>()]["primitives"];
+    const size_t skin = node["skin"].get<size_t>(), mesh = node["mesh"].get<size_t>();
+    const size_t joints = list("skins")[skin]["joints"].size();
+    const Json& primitives = list("meshes")[mesh]["primitives"];
     if (joints == 0)
-      return report_.error("skin.joints", element_name("skins", node["skin"].get<size_t>()),
+      return report_.error("skin.joints", element_name("skins", skin),
                            "has no joints; remove the skin from " + element);
     for (size_t p = 0; p < primitives.size(); ++p) {
       const Json& attributes = primitives[p]["attributes"];
-      const std::string place = element_name(mesh + ".primitives", p) + ".attributes";
+      const std::string place = element_name(element_name("meshes", mesh) + ".primitives", p) + ".attributes";
       if (!attributes.contains("JOINTS_0") || !attributes.contains("WEIGHTS_0"))
         report_.warning("skin.attributes", place,
                         "lack JOINTS_0 or WEIGHTS_0, so the skin of " + element + " does not move the primitive");
@@ -136,15 +212,6 @@ class NodeMeshCheck {
                         "; export the file again");
   }
 
-  void check_weights(const Json& node, const std::string& element) {
-    if (!node.contains("weights")) return;
-    const size_t targets = target_count(root_["meshes"][node["mesh"].get<size_t>()]);
-    if (node["weights"].size() != targets)
-      report_.warning("node.weights", element + ".weights",
-                      std::to_string(node["weights"].size()) + " are given, but the mesh has " +
-                          std::to_string(targets) + " morph targets; missing ones are 0");
-  }
-
   void check_instances(const Json& attributes, const std::string& element) {
     std::optional<size_t> count;
     for (const auto& [name, index] : attributes.items()) {
@@ -167,19 +234,15 @@ class NodeMeshCheck {
     instances_ += count.value_or(0);
   }
 
-  const Json& root_;
-  const Document& document_;
-  Report& report_;
   std::map<std::pair<size_t, size_t>, std::pair<size_t, size_t>> largest_joint_;  // and its vertex, by accessors
-  std::vector<size_t> trees_;
+  std::vector<int64_t> trees_;                                                    // the root of each node's tree
   uint64_t instances_ = 0;
 };
 
 }  // namespace
 
-void check_node_meshes(const Json& root, Report& report, Document* document) {
-  const size_t instances = NodeMeshCheck(root, *document, report).run();
-  hold_more(&document->memory, instances * sizeof(Matrix4d), std::to_string(instances) + " instances of nodes");
+void check_nodes(const Json& root, Report& report, Document* document) {
+  NodeCheck(root, document, report).run();
 }
 
 }  // namespace alabaster::hd::gltf

@@ -9,8 +9,7 @@ namespace {
 
 std::vector<std::string> names_in(const Json& object, const char* array) {
   std::vector<std::string> names;
-  if (object.contains(array))
-    for (const Json& entry : object[array]) names.push_back(entry.value("name", std::string()));
+  for (const Json& entry : at(object, array)) names.push_back(entry.value("name", std::string()));
   return names;
 }
 
@@ -35,22 +34,34 @@ int find(const std::string& kind, const std::string& wanted, const std::vector<s
 }  // namespace
 
 void choose(const Json& root, const GltfOptions& options, Report& report, Document* document) {
-  document->scenes = names_in(root, "scenes");
-  for (std::string& name : names_in(root, "animations")) document->animations.push_back({std::move(name), 0});
-  if (root.contains("extensions") && root["extensions"].contains("KHR_materials_variants"))
-    document->variants = names_in(root["extensions"]["KHR_materials_variants"], "variants");
+  GltfSummary& has = document->summary;
+  has.scenes = names_in(root, "scenes");
+  for (std::string& name : names_in(root, "animations")) has.animations.push_back({std::move(name), 0});
+  has.variants = names_in(extension_of(root, "KHR_materials_variants"), "variants");
   if (!options.scene.empty()) {
-    document->scene = find("scene", options.scene, document->scenes, report);
-  } else if (!document->scenes.empty()) {
+    document->scene = find("scene", options.scene, has.scenes, report);
+  } else if (!has.scenes.empty()) {
     document->scene = root.value("scene", 0);
   }
-  if (!options.variant.empty()) document->variant = find("variant", options.variant, document->variants, report);
+  if (!options.variant.empty()) document->variant = find("variant", options.variant, has.variants, report);
   if (!options.animation.empty()) {
     document->animation = find("animation", options.animation, names_in(root, "animations"), report);
-  } else if (options.time && !document->animations.empty()) {
+  } else if (options.time && !has.animations.empty()) {
     document->animation = 0;
   }
   document->is_choice_wrong = report.failed();
+}
+
+void apply_variant(Json& root, size_t variant) {
+  for (size_t m = 0; m < at(root, "meshes").size(); ++m)
+    for (Json& primitive : root["meshes"][m]["primitives"]) {
+      const Json& mappings = at(extension_of(primitive, "KHR_materials_variants"), "mappings");
+      const auto has_variant = [&](const Json& mapping) {
+        return std::find(mapping["variants"].begin(), mapping["variants"].end(), variant) != mapping["variants"].end();
+      };
+      const auto found = std::find_if(mappings.begin(), mappings.end(), has_variant);
+      if (found != mappings.end()) primitive["material"] = (*found)["material"];
+    }
 }
 
 }  // namespace alabaster::hd::gltf

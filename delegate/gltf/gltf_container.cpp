@@ -119,6 +119,12 @@ bool read_glb(const std::vector<uint8_t>& file, MemoryReservation* memory, Repor
 
 }  // namespace
 
+const Json& at(const Json& object, std::string_view name) {
+  static const Json kNone;
+  const auto found = object.find(name);
+  return found == object.end() ? kNone : *found;
+}
+
 Bytes read_file(const FileToRead& file, MemoryReservation* memory, std::string* reason) {
   const InputFile input(file.name, file.within);
   *reason = input.reason();

@@ -14,6 +14,12 @@ namespace alabaster::hd::gltf {
 using Json = nlohmann::json;
 using Bytes = std::shared_ptr<const std::vector<uint8_t>>;
 
+/// The member of that name; null if `object` is no object, or lacks it.
+const Json& at(const Json& object, std::string_view name);
+inline const Json& extension_of(const Json& object, std::string_view name) {
+  return at(at(object, "extensions"), name);
+}
+
 struct Container {
   Json root;
   bool is_glb = false;

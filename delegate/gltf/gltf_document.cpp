@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cstdio>
 #include <filesystem>
+#include <set>
 
 #include "core/files/real_path.h"
 #include "delegate/gltf/gltf_schema.h"
@@ -12,10 +13,9 @@ namespace alabaster::hd::gltf {
 namespace {
 
 void check_version(const Json& root, Report& report) {
-  const Json& asset = root["asset"];
   for (const char* name : {"version", "minVersion"}) {
-    if (!asset.contains(name)) continue;
-    const std::string version = asset[name].get<std::string>();
+    if (!root["asset"].contains(name)) continue;
+    const std::string version = root["asset"][name].get<std::string>();
     int major = 0, minor = 0, length = 0;
     const bool parsed = std::sscanf(version.c_str(), "%4d.%4d%n", &major, &minor, &length) == 2;
     const std::string element = element_name("asset", name);
@@ -30,15 +30,14 @@ void check_version(const Json& root, Report& report) {
 
 void read_extension_lists(const Json& root, Report& report, Document* document) {
   const auto read = [&](const char* name, std::vector<std::string>* names) {
-    if (root.contains(name)) *names = root[name].get<std::vector<std::string>>();
-    std::sort(names->begin(), names->end());
-    names->erase(std::unique(names->begin(), names->end()), names->end());
+    const std::set<std::string> all = root.value(name, std::set<std::string>());
+    names->assign(all.begin(), all.end());
   };
-  read("extensionsUsed", &document->extensionsUsed);
-  read("extensionsRequired", &document->extensionsRequired);
-  for (const std::string& name : document->extensionsUsed) {
+  read("extensionsUsed", &document->summary.extensionsUsed);
+  read("extensionsRequired", &document->summary.extensionsRequired);
+  for (const std::string& name : document->summary.extensionsUsed) {
     if (reads_extension(name)) continue;
-    document->extensionsIgnored.push_back(name);
+    document->summary.extensionsIgnored.push_back(name);
     report.warning("extension.ignored", "extensionsUsed", name + " is not supported and is ignored");
   }
 }
@@ -82,16 +81,15 @@ bool read_document(const std::string& file, const GltfOptions& options, Report& 
   load_accessors(root, report, document);
   if (report.failed()) return false;
   check_meshes(root, report, document);
-  check_scene(root, report);
+  check_nodes(root, report, document);
   if (report.failed()) return false;
-  check_node_meshes(root, report, document);
   check_animations(root, report, document);
   if (report.failed()) return false;
-  choose_images(&root);
   load_images(root, max_bytes, report, document);
   choose_image_light(root, report, document);
-  check_materials(root, report);
   read_extension_lists(root, report, document);
+  if (document->variant >= 0) apply_variant(root, size_t(document->variant));
+  if (root.contains("materials")) document->materials = std::move(root["materials"]);
   return !report.failed() && parse_model(root, report, document);
 }
 

@@ -24,20 +24,18 @@ struct ImageLight {
 struct Document {
   std::string file;
   UriBase base;
-  tinygltf::Model model;           // without images and buffers; of the animations only the one that is used
-  std::vector<Bytes> buffers;      // null: its data is stored compressed
-  std::vector<Bytes> decoded;      // from compressed buffer views and primitives
-  std::vector<std::string> files;  // that were read
+  tinygltf::Model model;  // without materials, images and buffers; of the animations only the one that is used
+  Json materials = Json::array();
+  std::vector<Bytes> buffers;  // null: its data is stored compressed
+  std::vector<Bytes> decoded;  // from compressed buffer views and primitives
   std::vector<AccessorView> accessors;
   std::vector<AssetPath> images;  // not usable without `resolved` and `bytes` (reported)
-  std::vector<std::string> extensionsUsed, extensionsRequired, extensionsIgnored;
-  std::vector<std::string> scenes, variants;  // names
-  std::vector<GltfAnimation> animations;
+  std::vector<int64_t> parents;   // of the nodes; -1: none
   std::optional<ImageLight> image_light;
   int scene = -1, variant = -1, animation = -1;  // that GltfOptions choose; -1: none
   MemoryReservation memory;                      // of all that is read, and of what it becomes
-  size_t geometry_bytes = 0;                     // of meshes, decoded
   bool is_choice_wrong = false;                  // GltfOptions name a scene, animation or variant that it lacks
+  GltfSummary summary;                           // without prims
 };
 
 /// False if an error was reported; the document must not be used then. Throws MemoryRefused.
@@ -53,21 +51,36 @@ void load_buffers(const Json& root, const Bytes& binary_chunk, size_t max_bytes,
 void load_accessors(const Json& root, Report& report, Document* document);
 /// Checks attributes against their semantics and each other, and indices against vertex counts.
 void check_meshes(const Json& root, Report& report, Document* document);
-/// Checks node trees, transforms, scenes, cameras and lights.
-void check_scene(const Json& root, Report& report);
-/// Checks skins, morph weights and instances of nodes.
-void check_node_meshes(const Json& root, Report& report, Document* document);
+/// Checks node trees, transforms, scenes, cameras and lights; then skins, morph weights and instances of nodes.
+void check_nodes(const Json& root, Report& report, Document* document);
 /// Checks animations, and removes those that are not used and channels that change nothing.
 void check_animations(Json& root, Report& report, Document* document);
 /// Gives every texture the source that is used: EXT_texture_webp's, else its own, else KHR_texture_basisu's, which is
-/// then refused as an image.
-void choose_images(Json* root);
-/// Finds every image's bytes or file. An image that cannot be used is a warning; the renderer refuses it where it is
-/// used.
-void load_images(const Json& root, size_t max_bytes, Report& report, Document* document);
+/// then refused as an image. Finds every image's bytes or file. An image that cannot be used is a warning; the renderer
+/// refuses it where it is used. Reports textures and samplers that cannot work.
+void load_images(Json& root, size_t max_bytes, Report& report, Document* document);
 /// Finds the image-based light of the scene that is used.
 void choose_image_light(const Json& root, Report& report, Document* document);
-/// Reports textures and samplers that cannot work.
-void check_materials(const Json& root, Report& report);
+/// Gives every primitive that has a material for the document's variant that material.
+void apply_variant(Json& root, size_t variant);
+
+/// The base of classes that check a document.
+class DocumentCheck {
+ public:
+  DocumentCheck(const Json& root, Document* document, Report& report)
+      : root_(root), document_(*document), report_(report) {}
+
+ protected:
+  /// A list of the document; null if there is none.
+  const Json& list(const char* name) const { return at(root_, name); }
+  const AccessorView& accessor(const Json& index) const { return document_.accessors[index.get<size_t>()]; }
+
+  const Json& root_;
+  Document& document_;
+  Report& report_;
+};
+
+/// The morph targets of a mesh, which all of its primitives should have; 0 if it has no primitives.
+size_t target_count(const Json& mesh);
 
 }  // namespace alabaster::hd::gltf

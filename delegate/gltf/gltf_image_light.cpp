@@ -142,27 +142,27 @@ host::LightDescription translate_image_light(Document* document, const Matrix4d&
 }
 
 void choose_image_light(const Json& root, Report& report, Document* document) {
-  if (document->scene < 0 || !root.contains("scenes")) return;
-  const Json& extensions = root["scenes"][size_t(document->scene)].value("extensions", Json::object());
-  if (!extensions.contains("EXT_lights_image_based")) return;
-  const auto index = extensions["EXT_lights_image_based"]["light"].get<size_t>();
-  const Json& light = root["extensions"]["EXT_lights_image_based"]["lights"][index];
+  if (document->scene < 0) return;
+  const Json& use = extension_of(root["scenes"][size_t(document->scene)], "EXT_lights_image_based");
+  if (use.is_null()) return;
   ImageLight chosen;
-  chosen.index = index;
-  chosen.element = element_name("extensions.EXT_lights_image_based.lights", index);
+  chosen.index = use["light"].get<size_t>();
+  const Json& light = extension_of(root, "EXT_lights_image_based")["lights"][chosen.index];
+  chosen.element = element_name("extensions.EXT_lights_image_based.lights", chosen.index);
   chosen.name = light.value("name", std::string());
-  chosen.intensity = std::max(light.value("intensity", 1.0), 0.0);
+  chosen.intensity = light.value("intensity", 1.0);
   chosen.rotation = light.value("rotation", chosen.rotation);
   chosen.face_size = light["specularImageSize"].get<size_t>();
   const std::string element = chosen.element + ".specularImages";
-  const Json faces = light.value("specularImages", Json());
-  if (!faces.is_array() || faces.empty() || !faces[0].is_array() || faces[0].size() != 6)
+  const Json& levels = at(light, "specularImages");
+  if (!levels.is_array() || levels.empty() || !levels[0].is_array() || levels[0].size() != 6)
     return report.error("light.image", element, "must be an array of arrays of six images; export the file again");
   for (size_t f = 0; f < 6; ++f) {
-    if (!faces[0][f].is_number_unsigned() || faces[0][f].get<size_t>() >= document->images.size())
+    const Json& face = levels[0][f];
+    if (!face.is_number_unsigned() || face.get<size_t>() >= document->images.size())
       return report.error("light.image", element_name(element + "[0]", f),
                           "must be an index into images; export the file again");
-    chosen.faces[f] = faces[0][f].get<size_t>();
+    chosen.faces[f] = face.get<size_t>();
   }
   document->image_light = std::move(chosen);
 }

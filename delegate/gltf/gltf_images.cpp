@@ -31,12 +31,11 @@ const char* kind_fault(const uint8_t* data, size_t size) {
   return "is neither PNG nor JPEG nor WebP, convert the image";
 }
 
-class ImageLoader {
+class ImageLoader : DocumentCheck {
  public:
-  ImageLoader(const Json& root, size_t max_bytes, Report& report, Document& document)
-      : root_(root), left_(max_bytes), report_(report), document_(document) {
-    if (root.contains("extensionsUsed"))
-      for (const Json& name : root["extensionsUsed"]) allows_webp_ |= name == "EXT_texture_webp";
+  ImageLoader(const Json& root, size_t max_bytes, Report& report, Document* document)
+      : DocumentCheck(root, document, report), left_(max_bytes) {
+    for (const Json& name : list("extensionsUsed")) allows_webp_ |= name == "EXT_texture_webp";
   }
 
   AssetPath load(const Json& image, size_t index) {
@@ -48,7 +47,7 @@ class ImageLoader {
     }
     if (image.contains("bufferView")) {
       const auto view = image["bufferView"].get<size_t>();
-      return once(&views_[view], [&] { return from_view(root_["bufferViews"][view]); });
+      return once(&views_[view], [&] { return from_view(list("bufferViews")[view]); });
     }
     const auto& uri = image["uri"].get_ref<const std::string&>();
     return is_data_uri(uri) ? once(&data_[uri], [&] { return from_data(uri); }) : from_file(uri);
@@ -121,10 +120,7 @@ class ImageLoader {
     if (fault) report_.warning("image", element_, fault);
   }
 
-  const Json& root_;
   size_t left_;
-  Report& report_;
-  Document& document_;
   bool allows_webp_ = false;
   std::string element_, name_;  // of the image that is loaded
   // The images so far, by buffer view and by data URI; those without bytes cannot be used.
@@ -132,40 +128,35 @@ class ImageLoader {
   std::map<std::string_view, AssetPath> data_;
 };
 
-}  // namespace
+void choose_source(Json* texture) {
+  const Json& webp = at(extension_of(*texture, "EXT_texture_webp"), "source");
+  const Json& basisu = at(extension_of(*texture, "KHR_texture_basisu"), "source");
+  const Json& own = at(*texture, "source");
+  if (const Json source = !webp.is_null() ? webp : !own.is_null() ? own : basisu; !source.is_null())
+    (*texture)["source"] = source;
+}
 
-void choose_images(Json* root) {
-  if (!root->contains("textures")) return;
-  for (Json& texture : (*root)["textures"]) {
-    if (!texture.contains("extensions")) continue;
-    const auto source = [&](const char* extension) {
-      return texture["extensions"].value(extension, Json::object()).value("source", Json());
-    };
-    if (const Json webp = source("EXT_texture_webp"); !webp.is_null()) texture["source"] = webp;
-    if (const Json basisu = source("KHR_texture_basisu"); !basisu.is_null() && !texture.contains("source"))
-      texture["source"] = basisu;
+void check_sampler(const Json& sampler, const std::string& element, Report& report) {
+  for (const char* name : {"wrapS", "wrapT"}) {
+    const int wrap = sampler.value(name, TINYGLTF_TEXTURE_WRAP_REPEAT);
+    if (wrap != TINYGLTF_TEXTURE_WRAP_REPEAT && wrap != TINYGLTF_TEXTURE_WRAP_CLAMP_TO_EDGE &&
+        wrap != TINYGLTF_TEXTURE_WRAP_MIRRORED_REPEAT)
+      report.warning("sampler", element_name(element, name), "is unknown; repeat is used");
   }
 }
 
-void load_images(const Json& root, size_t max_bytes, Report& report, Document* document) {
-  if (!root.contains("images")) return;
-  ImageLoader loader(root, max_bytes, report, *document);
-  for (size_t i = 0; i < root["images"].size(); ++i) document->images.push_back(loader.load(root["images"][i], i));
-}
+}  // namespace
 
-void check_materials(const Json& root, Report& report) {
-  if (root.contains("textures"))
-    for (size_t t = 0; t < root["textures"].size(); ++t)
-      if (!root["textures"][t].contains("source"))
-        report.warning("texture", element_name("textures", t), "has no usable image, so it is left out");
-  if (!root.contains("samplers")) return;
-  for (size_t s = 0; s < root["samplers"].size(); ++s)
-    for (const char* name : {"wrapS", "wrapT"}) {
-      const int wrap = root["samplers"][s].value(name, TINYGLTF_TEXTURE_WRAP_REPEAT);
-      if (wrap != TINYGLTF_TEXTURE_WRAP_REPEAT && wrap != TINYGLTF_TEXTURE_WRAP_CLAMP_TO_EDGE &&
-          wrap != TINYGLTF_TEXTURE_WRAP_MIRRORED_REPEAT)
-        report.warning("sampler", element_name(element_name("samplers", s), name), "is unknown; repeat is used");
-    }
+void load_images(Json& root, size_t max_bytes, Report& report, Document* document) {
+  const Json &images = at(root, "images"), &samplers = at(root, "samplers");
+  ImageLoader loader(root, max_bytes, report, document);
+  for (size_t i = 0; i < images.size(); ++i) document->images.push_back(loader.load(images[i], i));
+  for (size_t t = 0; t < at(root, "textures").size(); ++t) {
+    choose_source(&root["textures"][t]);
+    if (!root["textures"][t].contains("source"))
+      report.warning("texture", element_name("textures", t), "has no usable image, so it is left out");
+  }
+  for (size_t s = 0; s < samplers.size(); ++s) check_sampler(samplers[s], element_name("samplers", s), report);
 }
 
 }  // namespace alabaster::hd::gltf

@@ -42,10 +42,9 @@ host::LightDescription translate_light(const tinygltf::Light& light, const Matri
   host::LightDescription description;
   description.transform = transform;
   auto& parameters = description.parameters;
-  Vec3f color(1);
-  for (size_t c = 0; c < 3 && light.color.size() == 3; ++c) color[int(c)] = std::max(float(light.color[c]), 0.0f);
-  parameters["color"] = color;
-  parameters["intensity"] = float(std::max(light.intensity, 0.0));
+  parameters["color"] =
+      light.color.size() == 3 ? Vec3f(float(light.color[0]), float(light.color[1]), float(light.color[2])) : Vec3f(1);
+  parameters["intensity"] = float(light.intensity);
   if (light.type == "directional") {
     description.type = "distantLight";
     parameters["angle"] = 0.0f;

@@ -1,5 +1,7 @@
 #include "delegate/gltf/gltf_material_builder.h"
 
+#include "delegate/gltf/gltf_material.h"
+
 namespace alabaster::hd::gltf {
 namespace {
 
@@ -8,20 +10,49 @@ Token wrap_token(int wrap) {
   return wrap == TINYGLTF_TEXTURE_WRAP_MIRRORED_REPEAT ? "mirror" : "repeat";
 }
 
-float number_at(const tinygltf::Value& transform, const char* name, int index, double fallback) {
-  return float(transform.Has(name) ? transform.Get(name).Get(index).GetNumberAsDouble() : fallback);
+void set_transform(const Json& transform, MaterialNode* node) {
+  const auto pair = [&](const char* name, float fallback) {
+    const Json& v = at(transform, name);
+    return v.is_null() ? Vec2f(fallback) : Vec2f(v[0].get<float>(), v[1].get<float>());
+  };
+  node->parameters["stOffset"] = pair("offset", 0);
+  node->parameters["stScale"] = pair("scale", 1);
+  if (transform.contains("rotation")) node->parameters["stRotation"] = transform["rotation"].get<float>();
 }
 
-void set_transform(const tinygltf::Value& transform, MaterialNode* node) {
-  node->parameters["stOffset"] = Vec2f(number_at(transform, "offset", 0, 0), number_at(transform, "offset", 1, 0));
-  node->parameters["stScale"] = Vec2f(number_at(transform, "scale", 0, 1), number_at(transform, "scale", 1, 1));
-  if (transform.Has("rotation")) node->parameters["stRotation"] = float(transform.Get("rotation").GetNumberAsDouble());
+const MaterialRow& row_of(std::string_view layer, std::string_view factor) {
+  const auto rows = material_rows();
+  return *std::find_if(rows.begin(), rows.end(), [&](const MaterialRow& row) {
+    return row.factor && layer == row.layer && factor == row.factor;
+  });
+}
+
+double number_in(const Json& layer, const MaterialRow& row) {
+  return layer.is_null() ? row.fallback : layer.value(row.factor, row.fallback);
+}
+
+Vec3f color_in(const Json& layer, const MaterialRow& row) {
+  Vec3f color{float(row.fallback)};
+  if (const Json& components = at(layer, row.factor); !components.is_null())
+    for (int c = 0; c < 3; ++c) color[c] = components[size_t(c)].get<float>();
+  return color;
 }
 
 }  // namespace
 
+TextureUse texture_in(const Json& object, const char* name) {
+  const Json& info = at(object, name);
+  if (info.is_null()) return {};
+  TextureUse use{info["index"].get<int>(), info.value("texCoord", 0), info.value("scale", 1.0)};
+  const Json& transform = extension_of(info, "KHR_texture_transform");
+  if (transform.is_null()) return use;
+  use.transform = &transform;
+  use.coordinates = transform.value("texCoord", use.coordinates);
+  return use;
+}
+
 std::vector<VertexColors> find_vertex_colors(const Document& document) {
-  std::vector<VertexColors> found(document.model.materials.size());
+  std::vector<VertexColors> found(document.materials.size());
   for (const tinygltf::Mesh& mesh : document.model.meshes)
     for (const tinygltf::Primitive& primitive : mesh.primitives) {
       const auto color = primitive.attributes.find("COLOR_0");
@@ -33,23 +64,52 @@ std::vector<VertexColors> find_vertex_colors(const Document& document) {
   return found;
 }
 
-Reading normal_reading(double scale) {
-  const float s = float(scale);
-  return {"rgb", "raw", {2 * s, 2 * s, 2, 1}, {-s, -s, -1, 0}};
-}
-
-MaterialBuilder::MaterialBuilder(const Document& document, const tinygltf::Material& material, const Path& id,
-                                 std::string element, Report& report)
+MaterialBuilder::MaterialBuilder(const Document& document, const Json& material, const Path& id, std::string element,
+                                 Report& report)
     : document_(document), material_(material), id_(id), element_(std::move(element)), report_(report) {
   surface_.nodeTypeId = "AlabasterDisney";
 }
 
-Vec3f MaterialBuilder::color(const char* name) const {
+const Json& MaterialBuilder::layer(std::string_view name) const {
+  if (name.empty()) return material_;
+  return name == kCore ? at(material_, kCore) : extension_of(material_, name.data());
+}
+
+double MaterialBuilder::number(const char* of_layer, std::string_view factor) const {
+  return number_in(layer(of_layer), row_of(of_layer, factor));
+}
+
+Vec3f MaterialBuilder::color(const char* of_layer, std::string_view factor) const {
+  return color_in(layer(of_layer), row_of(of_layer, factor));
+}
+
+bool MaterialBuilder::has_weight(const char* of_layer) const {
+  if (!has(of_layer)) return false;
+  const auto rows = material_rows();
+  const auto row = std::find_if(rows.begin(), rows.end(),
+                                [&](const MaterialRow& one) { return std::string_view(one.layer) == of_layer; });
+  return row->kind == FactorKind::number ? number_in(layer(of_layer), *row) != 0
+                                         : color_in(layer(of_layer), *row) != Vec3f(0);
+}
+
+void MaterialBuilder::emit(const char* of_layer) {
+  const Json& values = layer(of_layer);
+  for (const MaterialRow& row : material_rows()) {
+    if (!row.parameter || std::string_view(row.layer) != of_layer) continue;
+    if (row.kind == FactorKind::number)
+      set(row.parameter, number_in(values, row));
+    else
+      set(row.parameter, color_in(values, row));
+    if (row.texture) connect(row.parameter, texture_in(values, row.texture), row.reading);
+  }
+}
+
+Vec3f MaterialBuilder::color_set(const char* name) const {
   const auto found = surface_.parameters.find(name);
   return found == surface_.parameters.end() ? Vec3f(1) : found->second.get_or(Vec3f(1));
 }
 
-double MaterialBuilder::number(const char* name, double fallback) const {
+double MaterialBuilder::number_set(const char* name, double fallback) const {
   const auto found = surface_.parameters.find(name);
   return found == surface_.parameters.end() ? fallback : found->second.number_or(fallback);
 }
@@ -88,6 +148,11 @@ void MaterialBuilder::connect(const char* input, const TextureUse& use, const Re
   if (use.index >= 0) connect_node(input, input, texture_node(use, reading), reading.output);
 }
 
+void MaterialBuilder::connect_normal(const char* input, const TextureUse& use) {
+  const float s = float(use.scale);
+  connect(input, use, {"rgb", "raw", {2 * s, 2 * s, 2, 1}, {-s, -s, -1, 0}});
+}
+
 void MaterialBuilder::connect_primvar(const char* input, const char* primvar, const char* output) {
   MaterialNode node;
   node.nodeTypeId = "AlabasterPrimvar";
@@ -96,21 +161,11 @@ void MaterialBuilder::connect_primvar(const char* input, const char* primvar, co
 }
 
 void MaterialBuilder::square(const char* input) {
-  set(input, color(input) * color(input));
+  set(input, color_set(input) * color_set(input));
   const auto found = surface_.inputConnections.find(input);
   if (found == surface_.inputConnections.end()) return;
   std::vector<MaterialConnection>& connections = found->second;
   for (size_t i = 0, n = connections.size(); i < n; ++i) connections.push_back(MaterialConnection(connections[i]));
-}
-
-void MaterialBuilder::warn(const char* code, const std::string& place, const std::string& text) const {
-  report_.warning(code, element_name(element_, place), text);
-}
-void MaterialBuilder::inform(const char* code, const std::string& place, const std::string& text) const {
-  report_.info(code, element_name(element_, place), text);
-}
-void MaterialBuilder::error(const char* code, const std::string& place, const std::string& text) const {
-  report_.error(code, element_name(element_, place), text);
 }
 
 MaterialNetwork MaterialBuilder::finish() {

@@ -158,7 +158,8 @@ std::optional<host::MeshDescription> translate_primitive(const Document& documen
   host::MeshDescription mesh;
   SkinnedVertices vertices = read_vertices(document, primitive, shape);
   const std::vector<Primvar> primvars = read_primvars(document, primitive, shape.weights);
-  mesh.doubleSided = primitive.material >= 0 && document.model.materials[size_t(primitive.material)].doubleSided;
+  mesh.doubleSided =
+      primitive.material >= 0 && document.materials[size_t(primitive.material)].value("doubleSided", false);
   if (vertices.mirrored) mesh.topology.orientation = "leftHanded";
   if (primitive.extensions.contains("FB_ngon_encoding") && mode == TINYGLTF_MODE_TRIANGLES) {
     const auto rest = to_vectors<Vec3f>(read_attribute(document, primitive, "POSITION", {}));

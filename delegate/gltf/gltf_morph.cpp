@@ -32,13 +32,4 @@ std::vector<double> morph_weights(const tinygltf::Node& node, const tinygltf::Me
   return any ? weights : std::vector<double>();
 }
 
-size_t primitive_target_count(const Json& primitive) {
-  return primitive.contains("targets") ? primitive["targets"].size() : 0;
-}
-
-size_t target_count(const Json& mesh) {
-  const Json& primitives = mesh["primitives"];
-  return primitives.empty() ? 0 : primitive_target_count(primitives[0]);
-}
-
 }  // namespace alabaster::hd::gltf

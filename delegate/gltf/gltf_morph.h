@@ -19,9 +19,4 @@ VertexAttribute read_attribute(const Document& document, const tinygltf::Primiti
 /// The weights of a node's morph targets: the node's own, else the mesh's. Empty if all are zero.
 std::vector<double> morph_weights(const tinygltf::Node& node, const tinygltf::Mesh& mesh);
 
-/// The morph targets of a mesh, which all of its primitives should have; 0 if it has no primitives.
-size_t target_count(const Json& mesh);
-/// Those of a primitive.
-size_t primitive_target_count(const Json& primitive);
-
 }  // namespace alabaster::hd::gltf

@@ -26,24 +26,17 @@ bool is_visible(const tinygltf::Node& node) {
   return extension->second.Get("visible").Get<bool>();
 }
 
-std::vector<char> child_marks(const tinygltf::Model& model) {
-  std::vector<char> is_child(model.nodes.size(), 0);
-  for (const tinygltf::Node& node : model.nodes)
-    for (const int c : node.children) is_child[size_t(c)] = 1;
-  return is_child;
-}
-
 // Without a scene, every root of the document.
-std::vector<size_t> roots_of(const tinygltf::Model& model, int scene) {
-  const std::vector<char> is_child = child_marks(model);
+std::vector<size_t> roots_of(const Document& document, int scene) {
   std::vector<size_t> roots, others;
   if (scene < 0) {
-    for (size_t n = 0; n < model.nodes.size(); ++n)
-      if (!is_child[n]) roots.push_back(n);
+    for (size_t n = 0; n < document.parents.size(); ++n)
+      if (document.parents[n] < 0) roots.push_back(n);
     return roots;
   }
   // Child nodes that a scene lists come last: they are used only if their parents are not in the scene.
-  for (const int n : model.scenes[size_t(scene)].nodes) (is_child[size_t(n)] ? others : roots).push_back(size_t(n));
+  for (const int n : document.model.scenes[size_t(scene)].nodes)
+    (document.parents[size_t(n)] < 0 ? roots : others).push_back(size_t(n));
   roots.insert(roots.end(), others.begin(), others.end());
   return roots;
 }
@@ -69,17 +62,17 @@ Matrix4d trs_matrix(const Vec3d& translation, const double rotation[4], const Ve
 }
 
 // Not recursive: chains may be long.
-NodeTree::NodeTree(const tinygltf::Model& model, int scene, const Matrix4d& root) : model_(model), root_(root) {
-  const std::vector<char> animated = animated_transforms(model);
-  std::vector<char> visited(model.nodes.size(), 0);
+NodeTree::NodeTree(const Document& document, int scene, const Matrix4d& root) : model_(document.model), root_(root) {
+  const std::vector<char> animated = animated_transforms(model_);
+  std::vector<char> visited(model_.nodes.size(), 0);
   std::vector<PlacedNode> open;
-  for (const size_t first : roots_of(model, scene)) {
+  for (const size_t first : roots_of(document, scene)) {
     open.push_back({first, {}, true, {}, false});
     while (!open.empty()) {
       PlacedNode node = open.back();
       open.pop_back();
       if (std::exchange(visited[node.index], 1)) continue;
-      const tinygltf::Node& authored = model.nodes[node.index];
+      const tinygltf::Node& authored = model_.nodes[node.index];
       node.world = world_of(node);
       node.visible = node.visible && is_visible(authored);
       node.moves = node.moves || animated[node.index];

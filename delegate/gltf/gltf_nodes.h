@@ -23,8 +23,8 @@ Matrix4d trs_matrix(const Vec3d& translation, const double rotation[4], const Ve
 class NodeTree {
  public:
   /// The nodes of `scene`; of the whole document if it is negative. `root` is applied after the transforms of all
-  /// nodes. The model must outlive the tree.
-  NodeTree(const tinygltf::Model& model, int scene, const Matrix4d& root);
+  /// nodes. The document must outlive the tree.
+  NodeTree(const Document& document, int scene, const Matrix4d& root);
 
   const std::vector<PlacedNode>& nodes() const { return nodes_; }
   /// Computes the world transforms of the nodes that move again, from the model's nodes as they are now.

@@ -24,12 +24,11 @@ class Report {
   void info(const std::string& code, const std::string& element, const std::string& text) {
     send(Severity::info, code, element, text);
   }
+  void send(Severity severity, const std::string& code, const std::string& element, const std::string& text);
   void finish();
   bool failed() const { return counts_[int(Severity::error)] > 0; }
 
  private:
-  void send(Severity severity, const std::string& code, const std::string& element, const std::string& text);
-
   std::string file_;
   DiagnosticSink sink_;
   size_t counts_[3] = {0, 0, 0};

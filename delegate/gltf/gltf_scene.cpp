@@ -11,7 +11,6 @@
 #include "delegate/gltf/gltf_motion.h"
 #include "delegate/gltf/gltf_names.h"
 #include "delegate/gltf/gltf_translation.h"
-#include "delegate/gltf/gltf_variants.h"
 
 namespace alabaster::hd::gltf {
 namespace {
@@ -41,16 +40,6 @@ std::vector<Path> placed_paths(const GltfPrims& prims) {
   for (const auto& [id, mesh] : prims.meshes) paths.push_back(id);
   for (const auto& [id, instancer] : prims.instancers) paths.push_back(id);
   return paths;
-}
-
-void summarize(const Document& document, GltfSummary* summary) {
-  summary->files = document.files;
-  summary->extensionsUsed = document.extensionsUsed;
-  summary->extensionsRequired = document.extensionsRequired;
-  summary->extensionsIgnored = document.extensionsIgnored;
-  summary->scenes = document.scenes;
-  summary->variants = document.variants;
-  summary->animations = document.animations;
 }
 
 void hand_over(GltfPrims&& prims, host::RetainedSceneDelegate* scene, GltfSummary* summary) {
@@ -83,11 +72,9 @@ struct GltfSource::Open {
   std::vector<Path> posed;  // meshes and instancers of the last pose
 
   bool load(const std::string& file, host::RetainedSceneDelegate* scene, Report& report, GltfSummary* summary) {
-    document.files.push_back(file);
+    document.summary.files.push_back(file);
     if (!read_document(file, options, report, &document)) return false;
-    summarize(document, summary);
     animation = NodeAnimation(document);
-    if (document.variant >= 0) apply_variant(size_t(document.variant), &document.model);
     animation.apply(options.time.value_or(0), &document.model);
     translator.emplace(document, options);
     GltfPrims prims = translator->still_prims(report);
@@ -97,14 +84,14 @@ struct GltfSource::Open {
           translate_image_light(&document, options.transform, report);
     }
     if (samples_shutter() && translator->deforms())
-      hold_more(&document.memory, kShutterSamples * document.geometry_bytes, "the geometry over the shutter");
+      hold_more(&document.memory, kShutterSamples * document.summary.memory_bytes, "the geometry over the shutter");
     GltfPrims moving = pose(options.time.value_or(0), report);
     if (report.failed()) return false;
     prims.meshes.merge(moving.meshes);
     prims.instancers.merge(moving.instancers);
     prims.lights.merge(moving.lights);
     prims.cameras.merge(moving.cameras);
-    summary->memory_bytes = document.geometry_bytes;
+    *summary = std::move(document.summary);
     if (prims.meshes.empty()) report.warning("scene.empty", "", "the scene has nothing to draw");
     hand_over(std::move(prims), scene, summary);
     close_what_stands_still();

@@ -30,7 +30,10 @@ const Schema& accessor_schema() {
 
 const Schema& mesh_schema() {
   static const Schema mapping{{reference("material", "materials", true),
-                               {.name = "variants", .kind = Kind::references, .required = true, .target = "variants"}},
+                               {.name = "variants",
+                                .kind = Kind::references,
+                                .required = true,
+                                .target = "extensions.KHR_materials_variants.variants"}},
                               {}};
   static const Schema variants{{objects("mappings", mapping, true)}, {}};
   static const Schema draco{{reference("bufferView", "bufferViews", true), object("attributes", kMarker, true)}, {}};
@@ -48,7 +51,7 @@ const Schema& mesh_schema() {
 }
 
 const Schema& node_schema() {
-  static const Schema light{{reference("light", "lights", true)}, {}};
+  static const Schema light{{reference("light", "extensions.KHR_lights_punctual.lights", true)}, {}};
   static const Schema visibility{{{.name = "visible", .kind = Kind::boolean}}, {}};
   static const Schema instancing{
       {{.name = "attributes", .kind = Kind::reference_map, .required = true, .target = "accessors"}}, {}};
@@ -141,7 +144,7 @@ const Schema& document_schema() {
   static const Schema other_source{{reference("source", "images")}, {}};
   static const Schema texture{{text("name"), reference("sampler", "samplers"), reference("source", "images")},
                               {object("EXT_texture_webp", other_source), object("KHR_texture_basisu", other_source)}};
-  static const Schema image_light{{reference("light", "imageLights", true)}, {}};
+  static const Schema image_light{{reference("light", "extensions.EXT_lights_image_based.lights", true)}, {}};
   static const Schema scene{{text("name"), {.name = "nodes", .kind = Kind::references, .target = "nodes"}},
                             {object("EXT_lights_image_based", image_light)}};
   static const Schema skin{{text("name"),
@@ -162,36 +165,33 @@ const Schema& document_schema() {
   return schema;
 }
 
-bool reads_extension(const std::string& name) {
-  static const std::set<std::string> names = {"ALAB_materials_disney",
-                                              "EXT_lights_image_based",
-                                              "EXT_mesh_gpu_instancing",
-                                              "EXT_meshopt_compression",
-                                              "EXT_texture_webp",
-                                              "FB_ngon_encoding",
-                                              "KHR_draco_mesh_compression",
-                                              "KHR_lights_punctual",
-                                              "KHR_materials_anisotropy",
-                                              "KHR_materials_clearcoat",
-                                              "KHR_materials_diffuse_transmission",
-                                              "KHR_materials_dispersion",
-                                              "KHR_materials_emissive_strength",
-                                              "KHR_materials_ior",
-                                              "KHR_materials_iridescence",
-                                              "KHR_materials_pbrSpecularGlossiness",
-                                              "KHR_materials_sheen",
-                                              "KHR_materials_specular",
-                                              "KHR_materials_transmission",
-                                              "KHR_materials_unlit",
-                                              "KHR_materials_variants",
-                                              "KHR_materials_volume",
-                                              "KHR_materials_volume_scatter",
-                                              "KHR_mesh_quantization",
-                                              "KHR_node_visibility",
-                                              "KHR_texture_transform",
-                                              "KHR_xmp",  // metadata: the picture has nothing of it
-                                              "KHR_xmp_json_ld"};
+namespace {
+
+void add_extension_names(const Schema& schema, std::set<std::string>* names) {
+  for (const Property& extension : schema.extensions) {
+    names->insert(extension.name);
+    add_extension_names(*extension.schema, names);
+  }
+  for (const Property& property : schema.properties)
+    if (property.schema) add_extension_names(*property.schema, names);
+}
+
+}  // namespace
+
+bool knows_extension(const std::string& name) {
+  static const std::set<std::string> names = [] {
+    std::set<std::string> all;
+    add_extension_names(document_schema(), &all);
+    return all;
+  }();
   return names.contains(name);
+}
+
+bool reads_extension(const std::string& name) {
+  // Those that have no place of their own: KHR_xmp is metadata, of which the picture has nothing.
+  static const std::set<std::string> anywhere = {"KHR_mesh_quantization", "KHR_xmp", "KHR_xmp_json_ld"};
+  static const std::set<std::string> refused = {"KHR_animation_pointer", "KHR_texture_basisu"};
+  return anywhere.contains(name) || (knows_extension(name) && !refused.contains(name));
 }
 
 }  // namespace alabaster::hd::gltf

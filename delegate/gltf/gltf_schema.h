@@ -20,7 +20,7 @@ struct Property {
   double maximum = std::numeric_limits<double>::infinity();
   size_t min_items = 1, max_items = std::numeric_limits<size_t>::max();
   bool harmless = false;         // a value out of range is only a warning; the nearest legal one is used
-  const char* target = nullptr;  // the array that references refer to, or the choices of a text, "|a|b|c|"
+  const char* target = nullptr;  // the array that references refer to ("meshes"), or the choices of a text, "|a|b|c|"
   const Schema* schema = nullptr;
 };
 
@@ -31,11 +31,14 @@ struct Schema {
 
 const Schema& document_schema();
 
+/// True for extensions that have a place in the schema.
+bool knows_extension(const std::string& name);
 /// True for extensions that affect the picture; all others are listed in `extensionsIgnored`.
 bool reads_extension(const std::string& name);
 
 /// Checks structure, types, ranges and every reference of the document's own arrays. Integral floats ("2.0") become
-/// integers. Fatal faults are errors; empty arrays, misplaced or undeclared extensions are warnings.
+/// integers, and harmless values out of range the nearest legal ones. Fatal faults are errors; empty arrays, misplaced
+/// or undeclared extensions are warnings.
 void check_structure(Json& root, Report& report);
 
 }  // namespace alabaster::hd::gltf

@@ -1,4 +1,7 @@
+#include <limits>
+
 #include "core/material/disney_material.h"
+#include "delegate/gltf/gltf_material_table.h"
 #include "delegate/gltf/gltf_schema_parts.h"
 
 namespace alabaster::hd::gltf {
@@ -38,81 +41,86 @@ const Schema& disney_schema() {
   return schema;
 }
 
-std::vector<Property> reflection_extensions() {
-  static const Schema ior{{factor("ior", 0, kInfinity)}, {}};
-  static const Schema specular{{factor("specularFactor", 0, 1), texture("specularTexture"),
-                                color("specularColorFactor", kInfinity), texture("specularColorTexture")},
-                               {}};
-  static const Schema clearcoat{
-      {factor("clearcoatFactor", 0, 1), texture("clearcoatTexture"), factor("clearcoatRoughnessFactor", 0, 1),
-       texture("clearcoatRoughnessTexture"), texture("clearcoatNormalTexture")},
-      {}};
-  static const Schema sheen{{color("sheenColorFactor", 1), texture("sheenColorTexture"),
-                             factor("sheenRoughnessFactor", 0, 1), texture("sheenRoughnessTexture")},
-                            {}};
-  static const Schema anisotropy{{factor("anisotropyStrength", 0, 1),
-                                  {.name = "anisotropyRotation", .kind = Kind::number},
-                                  texture("anisotropyTexture")},
-                                 {}};
-  static const Schema iridescence{
-      {factor("iridescenceFactor", 0, 1), texture("iridescenceTexture"), factor("iridescenceIor", 1, kInfinity),
-       factor("iridescenceThicknessMinimum", 0, kInfinity), factor("iridescenceThicknessMaximum", 0, kInfinity),
-       texture("iridescenceThicknessTexture")},
-      {}};
-  static const Schema glossiness{{color("diffuseFactor", 1, 4), texture("diffuseTexture"), color("specularFactor", 1),
-                                  factor("glossinessFactor", 0, 1), texture("specularGlossinessTexture")},
-                                 {}};
-  return {object("KHR_materials_ior", ior),
-          object("KHR_materials_specular", specular),
-          object("KHR_materials_clearcoat", clearcoat),
-          object("KHR_materials_sheen", sheen),
-          object("KHR_materials_anisotropy", anisotropy),
-          object("KHR_materials_iridescence", iridescence),
-          object("KHR_materials_pbrSpecularGlossiness", glossiness)};
+Property factor_of(const MaterialRow& row) {
+  if (row.kind == FactorKind::number) return factor(row.factor, row.low, row.high);
+  return color(row.factor, row.high, row.kind == FactorKind::color ? 3 : 4);
 }
 
-std::vector<Property> other_extensions() {
-  static const Schema strength{{factor("emissiveStrength", 0, kInfinity)}, {}};
-  static const Schema transmission{{factor("transmissionFactor", 0, 1), texture("transmissionTexture")}, {}};
-  static const Schema volume{
-      {factor("thicknessFactor", 0, kInfinity), texture("thicknessTexture"),
-       factor("attenuationDistance", std::numeric_limits<double>::min(), kInfinity), color("attenuationColor", 1)},
-      {}};
-  static const Schema scatter{{color("multiscatterColor", 1), color("multiscatterColorFactor", 1),
-                               texture("multiscatterColorTexture"), factor("scatterAnisotropy", -1, 1)},
-                              {}};
-  static const Schema diffuse{{factor("diffuseTransmissionFactor", 0, 1), texture("diffuseTransmissionTexture"),
-                               color("diffuseTransmissionColorFactor", 1), texture("diffuseTransmissionColorTexture")},
-                              {}};
-  static const Schema dispersion{{factor("dispersion", 0, kInfinity)}, {}};
-  return {object("KHR_materials_emissive_strength", strength),
-          object("KHR_materials_transmission", transmission),
-          object("KHR_materials_volume", volume),
-          object("KHR_materials_volume_scatter", scatter),
-          object("KHR_materials_diffuse_transmission", diffuse),
-          object("KHR_materials_dispersion", dispersion),
-          object("KHR_materials_unlit", kMarker),
-          object("ALAB_materials_disney", disney_schema())};
+std::vector<Property> properties_of(std::string_view layer) {
+  std::vector<Property> properties;
+  for (const MaterialRow& row : material_rows()) {
+    if (layer != row.layer) continue;
+    if (row.factor) properties.push_back(factor_of(row));
+    const auto is_same = [&](const Property& known) { return std::string_view(known.name) == row.texture; };
+    if (row.texture && std::none_of(properties.begin(), properties.end(), is_same))
+      properties.push_back(texture(row.texture));
+  }
+  return properties;
 }
 
 }  // namespace
 
+std::span<const MaterialRow> material_rows() {
+  constexpr double kLimit = std::numeric_limits<float>::max(), kTiny = std::numeric_limits<double>::min();
+  constexpr FactorKind number = FactorKind::number, color = FactorKind::color, color_alpha = FactorKind::color_alpha;
+  const Reading colors = color_reading(), alpha = alpha_reading(), red = number_reading("r"),
+                green = number_reading("g"), blue = number_reading("b");
+  static const MaterialRow rows[] = {
+      {"", "emissiveFactor", color, 0, 1, 0, "emissiveTexture"},
+      {"", "alphaCutoff", number, 0, kLimit, 0.5},
+      {"", nullptr, number, 0, 0, 0, "normalTexture"},
+      {"", nullptr, number, 0, 0, 0, "occlusionTexture"},
+      {kCore, "baseColorFactor", color_alpha, 0, 1, 1, "baseColorTexture"},
+      {kCore, "metallicFactor", number, 0, 1, 1, "metallicRoughnessTexture", "metallic", blue},
+      {kCore, "roughnessFactor", number, 0, 1, 1, "metallicRoughnessTexture", "roughness", green},
+      {kGlossiness, "diffuseFactor", color_alpha, 0, 1, 1, "diffuseTexture"},
+      {kGlossiness, "specularFactor", color, 0, 1, 1, "specularGlossinessTexture"},
+      {kGlossiness, "glossinessFactor", number, 0, 1, 1},
+      {kEmissiveStrength, "emissiveStrength", number, 0, kLimit, 1},
+      {kIor, "ior", number, 0, 1e3, 1.5},
+      {kSpecular, "specularFactor", number, 0, 1, 1, "specularTexture", "specular", alpha},
+      {kSpecular, "specularColorFactor", color, 0, kLimit, 1, "specularColorTexture", "specularColor", colors},
+      {kAnisotropy, "anisotropyStrength", number, 0, 1, 0, "anisotropyTexture"},
+      {kAnisotropy, "anisotropyRotation", number, -kLimit, kLimit},
+      {kClearcoat, "clearcoatFactor", number, 0, 1, 0, "clearcoatTexture", "coat", red},
+      {kClearcoat, "clearcoatRoughnessFactor", number, 0, 1, 0, "clearcoatRoughnessTexture", "coatRoughness", green},
+      {kClearcoat, nullptr, number, 0, 0, 0, "clearcoatNormalTexture"},
+      {kSheen, "sheenColorFactor", color, 0, 1, 0, "sheenColorTexture", "sheenColor", colors},
+      {kSheen, "sheenRoughnessFactor", number, 0, 1, 0, "sheenRoughnessTexture", "sheenRoughness", alpha},
+      {kIridescence, "iridescenceFactor", number, 0, 1, 0, "iridescenceTexture", "iridescence", red},
+      {kIridescence, "iridescenceIor", number, 1, 4, 1.3, nullptr, "iridescenceIor"},
+      {kIridescence, "iridescenceThicknessMinimum", number, 0, kLimit, 100},
+      {kIridescence, "iridescenceThicknessMaximum", number, 0, kLimit, 400, "iridescenceThicknessTexture"},
+      {kTransmission, "transmissionFactor", number, 0, 1, 0, "transmissionTexture", "specTrans", red},
+      {kDiffuse, "diffuseTransmissionFactor", number, 0, 1, 0, "diffuseTransmissionTexture", "diffTrans", alpha},
+      {kDiffuse, "diffuseTransmissionColorFactor", color, 0, 1, 1, "diffuseTransmissionColorTexture", "diffTransColor",
+       colors},
+      {kVolume, "thicknessFactor", number, 0, kLimit, 0, "thicknessTexture"},
+      {kVolume, "attenuationDistance", number, kTiny, kLimit},
+      {kVolume, "attenuationColor", color, 0, 1, 1},
+      {kScatter, "multiscatterColor", color},
+      {kScatter, "multiscatterColorFactor", color, 0, 1, 0, "multiscatterColorTexture"},
+      {kScatter, "scatterAnisotropy", number, -1, 1},
+      {kDispersion, "dispersion", number, 0, 20},
+  };
+  return rows;
+}
+
 const Schema& material_schema() {
-  static const Schema pbr{{color("baseColorFactor", 1, 4), texture("baseColorTexture"), factor("metallicFactor", 0, 1),
-                           factor("roughnessFactor", 0, 1), texture("metallicRoughnessTexture")},
-                          {}};
+  static const Schema core{properties_of(kCore), {}};
+  static const std::map<std::string_view, Schema> layers = [] {
+    std::map<std::string_view, Schema> made;
+    for (const MaterialRow& row : material_rows())
+      if (std::string_view(row.layer).starts_with("KHR_")) made[row.layer].properties = properties_of(row.layer);
+    return made;
+  }();
   static const Schema schema = [] {
-    Schema made{{text("name"),
-                 object("pbrMetallicRoughness", pbr),
-                 texture("normalTexture"),
-                 texture("occlusionTexture"),
-                 texture("emissiveTexture"),
-                 color("emissiveFactor", 1),
-                 text("alphaMode", "|OPAQUE|MASK|BLEND|"),
-                 factor("alphaCutoff", 0, kInfinity),
-                 {.name = "doubleSided", .kind = Kind::boolean}},
-                reflection_extensions()};
-    for (const Property& extension : other_extensions()) made.extensions.push_back(extension);
+    Schema made{properties_of(""), {object(kUnlit, kMarker), object(kDisney, disney_schema())}};
+    for (const auto& [layer, of_layer] : layers) made.extensions.push_back(object(layer.data(), of_layer));
+    made.properties.push_back(text("name"));
+    made.properties.push_back(object(kCore, core));
+    made.properties.push_back(text("alphaMode", "|OPAQUE|MASK|BLEND|"));
+    made.properties.push_back({.name = "doubleSided", .kind = Kind::boolean});
     return made;
   }();
   return schema;

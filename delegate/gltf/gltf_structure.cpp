@@ -1,6 +1,6 @@
 // Checks a document against its schema (gltf_schema.cpp).
+#include <algorithm>
 #include <cmath>
-#include <map>
 #include <set>
 
 #include "delegate/gltf/gltf_schema.h"
@@ -8,17 +8,9 @@
 namespace alabaster::hd::gltf {
 namespace {
 
-void collect_extension_names(const Schema& schema, std::set<std::string>* names) {
-  for (const Property& extension : schema.extensions) names->insert(extension.name);
-  for (const Property& property : schema.properties)
-    if (property.schema) collect_extension_names(*property.schema, names);
-}
-
 class StructureCheck {
  public:
-  StructureCheck(Json& root, Report& report) : root_(root), report_(report) {
-    collect_extension_names(document_schema(), &known_extensions_);
-  }
+  StructureCheck(Json& root, Report& report) : root_(root), report_(report) {}
 
   void run() {
     check_declarations("extensionsUsed", &declared_);
@@ -42,10 +34,9 @@ class StructureCheck {
   }
 
   void check_declarations(const char* name, std::set<std::string>* names) {
-    const auto found = root_.find(name);
-    if (found == root_.end()) return;
-    if (!found->is_array()) return error(name, "must be an array of extension names");
-    for (const Json& entry : *found) {
+    const Json& list = at(root_, name);
+    if (!list.is_array() && root_.contains(name)) return error(name, "must be an array of extension names");
+    for (const Json& entry : list) {
       if (!entry.is_string()) return error(name, "must be an array of extension names");
       if (!names->insert(entry.get<std::string>()).second)
         report_.warning("structure.duplicate", name, entry.get<std::string>() + " is listed twice; remove one");
@@ -79,7 +70,7 @@ class StructureCheck {
         error(place, "must be an object");
       } else if (property) {
         check_object(value, place, *property->schema);
-      } else if (known_extensions_.contains(name)) {
+      } else if (knows_extension(name)) {
         report_.warning("extension.misplaced", place, "the extension does not belong here and is ignored; move it");
       }
     }
@@ -127,8 +118,9 @@ class StructureCheck {
     if (!integral) value = number;  // tinygltf keeps the integers of extensions in 32 bits
     if (number >= property.minimum && number <= property.maximum) return;
     const std::string text = value.dump() + " is out of range";
-    if (property.harmless) return report_.warning("value.range", element, text + "; the nearest legal value is used");
-    report_.error("value.range", element, text + "; correct the value");
+    if (!property.harmless) return report_.error("value.range", element, text + "; correct the value");
+    report_.warning("value.range", element, text + "; the nearest legal value is used");
+    value = std::clamp(number, property.minimum, property.maximum);
   }
 
   void check_text(const Json& value, const std::string& element, const Property& property) {
@@ -182,7 +174,7 @@ class StructureCheck {
       error(element, "must be an index into " + target);
       return false;
     }
-    const size_t size = target_size(target);
+    const size_t size = array_at(target).size();
     if (value.is_number_unsigned() ? value.get<uint64_t>() < size
                                    : value.get<int64_t>() >= 0 && uint64_t(value.get<int64_t>()) < size)
       return true;
@@ -192,28 +184,20 @@ class StructureCheck {
     return false;
   }
 
-  size_t target_size(const std::string& target) const {
-    static const std::map<std::string, std::pair<const char*, const char*>> in_extensions = {
-        {"lights", {"KHR_lights_punctual", "lights"}},
-        {"imageLights", {"EXT_lights_image_based", "lights"}},
-        {"variants", {"KHR_materials_variants", "variants"}}};
-    const Json* array = nullptr;
-    if (const auto extended = in_extensions.find(target); extended != in_extensions.end()) {
-      const auto [extension, name] = extended->second;
-      const auto extensions = root_.find("extensions");
-      if (extensions == root_.end() || !extensions->is_object()) return 0;
-      const auto found = extensions->find(extension);
-      if (found == extensions->end() || !found->is_object() || !found->contains(name)) return 0;
-      array = &(*found)[name];
-    } else if (root_.contains(target)) {
-      array = &root_[target];
+  // `place`: "extensions.KHR_lights_punctual.lights". Null without an array there.
+  const Json& array_at(std::string_view place) const {
+    const Json* found = &root_;
+    for (size_t begin = 0, end = 0; end != std::string_view::npos; begin = end + 1) {
+      end = place.find('.', begin);
+      found = &at(*found, place.substr(begin, end - begin));
     }
-    return array && array->is_array() ? array->size() : 0;
+    static const Json kNone;
+    return found->is_array() ? *found : kNone;
   }
 
   Json& root_;
   Report& report_;
-  std::set<std::string> known_extensions_, declared_, used_;
+  std::set<std::string> declared_, used_;
 };
 
 }  // namespace

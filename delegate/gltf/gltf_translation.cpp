@@ -29,11 +29,12 @@ SceneTranslator::SceneTranslator(const Document& document, const GltfOptions& op
       model_(document.model),
       options_(options),
       root_(root_of(document, options)),
-      tree_(document.model, document.scene, options.transform) {
-  for (size_t m = 0; m < model_.materials.size(); ++m)
-    material_paths_.push_back(root_.append("materials").append(prim_name(m, model_.materials[m].name)));
+      tree_(document, document.scene, options.transform) {
+  for (size_t m = 0; m < document.materials.size(); ++m)
+    material_paths_.push_back(
+        root_.append("materials").append(prim_name(m, document.materials[m].value("name", std::string()))));
   if (!model_.skins.empty()) {
-    all_nodes_.emplace(model_, -1, Matrix4d());
+    all_nodes_.emplace(document, -1, Matrix4d());
     places_.resize(model_.nodes.size());
     for (size_t i = 0; i < all_nodes_->nodes().size(); ++i) places_[all_nodes_->nodes()[i].index] = i;
   }
@@ -84,7 +85,7 @@ bool SceneTranslator::deforms() const {
 GltfPrims SceneTranslator::still_prims(Report& report) {
   GltfPrims prims;
   const std::vector<VertexColors> vertex_colors = find_vertex_colors(document_);
-  for (size_t m = 0; m < model_.materials.size(); ++m)
+  for (size_t m = 0; m < document_.materials.size(); ++m)
     prims.materials[material_paths_[m]] =
         translate_material(document_, m, vertex_colors[m], material_paths_[m], report);
   add_views(false, &prims);

@@ -12,7 +12,7 @@ using Json = nlohmann::json;
 
 constexpr bool kKeepText = false;  // of extras and extensions
 
-// Some functions have more parameters in tinygltf 2.9 than in 2.7.
+// ParseMesh has more parameters in tinygltf 2.9 than in 2.7.
 template <class T>
 bool parse_mesh(T* mesh, Model* model, std::string* errors, const Json& json) {
   if constexpr (requires { ParseMesh(mesh, model, errors, json, kKeepText); }) {
@@ -20,16 +20,6 @@ bool parse_mesh(T* mesh, Model* model, std::string* errors, const Json& json) {
   } else {
     std::string warnings;
     return ParseMesh(mesh, model, errors, &warnings, json, kKeepText, {});
-  }
-}
-
-template <class T>
-bool parse_material(T* material, std::string* errors, const Json& json) {
-  if constexpr (requires { ParseMaterial(material, errors, json, kKeepText); }) {
-    return ParseMaterial(material, errors, json, kKeepText);
-  } else {
-    std::string warnings;
-    return ParseMaterial(material, errors, &warnings, json, kKeepText, {});
   }
 }
 
@@ -69,8 +59,6 @@ bool parse_checked(const Json& root, Model* model, std::string* errors) {
          all("nodes", &model->nodes, ParseNode) &&
          parse_all(root, "scenes", &model->scenes,
                    [&](Scene* scene, const Json& json) { return parse_scene(scene, errors, json); }) &&
-         parse_all(root, "materials", &model->materials,
-                   [&](Material* material, const Json& json) { return parse_material(material, errors, json); }) &&
          parse_all(
              root, "textures", &model->textures,
              [&](Texture* texture, const Json& json) { return ParseTexture(texture, errors, json, kKeepText, ""); }) &&

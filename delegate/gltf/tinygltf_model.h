@@ -13,7 +13,7 @@
 
 namespace tinygltf {
 
-/// Adds the meshes, nodes, scenes, materials, textures, animations, skins, samplers, cameras and lights of a document
+/// Adds the meshes, nodes, scenes, textures, animations, skins, samplers, cameras and lights of a document
 /// whose indices and types have been checked. False and `errors` if tinygltf refuses it.
 bool parse_checked(const nlohmann::json& root, Model* model, std::string* errors);
 

@@ -138,6 +138,19 @@ TEST(GltfInstancing, AttributesThatDoNotAgreeAreRefused) {
 }
 
 // Nodes 0 and 1 stand in scenes of their own; 2 in none.
+// The report says that the nearest legal value is used.
+TEST(GltfLights, ColorsOutOfRangeAreTheNearestLegalOnes) {
+  GltfBuilder b;
+  b.triangle();
+  b.json["extensionsUsed"] = {"KHR_lights_punctual"};
+  b.json["extensions"]["KHR_lights_punctual"]["lights"] = {{{"type", "point"}, {"color", {2, -1, 0.5}}}};
+  b.node()["extensions"]["KHR_lights_punctual"]["light"] = 0;
+  const Loaded loaded = b.load();
+  EXPECT_TRUE(loaded.says(Severity::warning, "lights[0].color[0] 2.0 is out of range")) << loaded.said();
+  ASSERT_EQ(loaded.scene->GetLights().size(), 1u);
+  EXPECT_EQ(loaded.scene->GetLights().begin()->second.parameters.at("color"), Value(Vec3f(1, 0, 0.5f)));
+}
+
 TEST(GltfScenes, AreChosenByNameAndIndex) {
   GltfBuilder b;
   b.triangle();

@@ -70,6 +70,25 @@ TEST(GltfMaterial, EveryDamageIsReportedWithItsPlace) {
   }
 }
 
+// A parameter of the surface has a smaller range than the extension, which is reported as well.
+TEST(GltfMaterial, ValuesBeyondTheSurfacesRangeAreTheNearestLegalOnes) {
+  struct Case {
+    const char *layer, *content, *parameter;
+    double taken;
+  };
+  const Case kCases[] = {
+      {"KHR_materials_ior", R"({"ior": 2000})", "ior", 1000},
+      {"KHR_materials_iridescence", R"({"iridescenceFactor": 1, "iridescenceIor": 9})", "iridescenceIor", 4},
+      {"KHR_materials_clearcoat", R"({"clearcoatFactor": 7})", "coat", 1},
+  };
+  for (const Case& one : kCases) {
+    const Loaded loaded = load_material(extension(one.layer, one.content));
+    EXPECT_TRUE(loaded.says(Severity::warning, "is out of range; the nearest legal value is used"))
+        << one.content << loaded.said();
+    EXPECT_EQ(number(surface_of(loaded), one.parameter), one.taken) << one.content;
+  }
+}
+
 // A mask of cutoff 0 leaves nothing out, and one above 1 everything.
 TEST(GltfMaterial, CutoffsBeyondTheRangeOfAlpha) {
   const auto opacity = [](const char* cutoff) {
