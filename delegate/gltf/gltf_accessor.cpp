@@ -73,17 +73,21 @@ uint32_t read_index(const uint8_t* p, int component_type) {
   return load<uint32_t>(p);
 }
 
-std::vector<float> read_floats(const AccessorView& accessor) {
-  std::vector<float> values(accessor.count * accessor.components, 0.0f);
-  const size_t size = component_size(accessor.component_type);
-  const auto read_element = [&](size_t element, const uint8_t* from) {
-    for (size_t c = 0; c < accessor.components; ++c)
-      values[element * accessor.components + c] =
-          component_to_float(from + c * size, accessor.component_type, accessor.normalized);
+std::vector<float> read_floats(const AccessorView& accessor, const std::vector<uint32_t>& wanted) {
+  const size_t n = accessor.components, size = component_size(accessor.component_type);
+  std::vector<float> values((wanted.empty() ? accessor.count : wanted.size()) * n, 0.0f);
+  const auto read_element = [&](size_t to, const uint8_t* from) {
+    for (size_t c = 0; c < n; ++c)
+      values[to * n + c] = component_to_float(from + c * size, accessor.component_type, accessor.normalized);
   };
   if (accessor.data)
-    for (size_t i = 0; i < accessor.count; ++i) read_element(i, accessor.data + i * accessor.stride);
-  for_each_sparse(accessor, read_element);
+    for (size_t i = 0; i < values.size() / n; ++i)
+      read_element(i, accessor.data + (wanted.empty() ? i : wanted[i]) * accessor.stride);
+  for_each_sparse(accessor, [&](size_t element, const uint8_t* from) {
+    if (wanted.empty()) return read_element(element, from);
+    const auto found = std::lower_bound(wanted.begin(), wanted.end(), element);
+    if (found != wanted.end() && *found == element) read_element(size_t(found - wanted.begin()), from);
+  });
   return values;
 }
 

@@ -35,9 +35,9 @@ struct AccessorView {
 /// One integer component at `p`, which need not be aligned.
 uint32_t read_index(const uint8_t* p, int component_type);
 
-/// All elements, with components interleaved, normalized integers mapped to [0,1] or [-1,1] (glTF 2.0, section
-/// 3.6.2.2), and sparse values applied. No matrices but MAT4 of floats.
-std::vector<float> read_floats(const AccessorView& accessor);
+/// The elements that `wanted` lists, which rise, all if it is empty: components interleaved, normalized integers mapped
+/// to [0,1] or [-1,1] (glTF 2.0, section 3.6.2.2), and sparse values applied. No matrices but MAT4 of floats.
+std::vector<float> read_floats(const AccessorView& accessor, const std::vector<uint32_t>& wanted = {});
 
 /// The first element that is not finite; empty if all are.
 std::optional<size_t> first_not_finite(const AccessorView& accessor);

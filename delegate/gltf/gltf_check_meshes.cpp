@@ -100,7 +100,7 @@ class MeshCheck : DocumentCheck {
         report_.error("mesh.count", place,
                       "has " + std::to_string(view.count) + " elements, but other attributes have " +
                           std::to_string(first->count) + "; export the file again");
-      if (find_semantic(name)) decoded_bytes_ += view.count * view.components * sizeof(float);
+      if (find_semantic(name)) decoded_bytes_ += bytes_used(primitive, view);
       if (view.buffer_view >= 0 && !view.has_stride) ++views[view.buffer_view];
     }
     for (const auto& [view, users] : views)
@@ -122,6 +122,13 @@ class MeshCheck : DocumentCheck {
     check_variants(primitive, element);
   }
 
+  // At most, decoded: vertices that the indices leave out are not read.
+  size_t bytes_used(const Json& primitive, const AccessorView& view) const {
+    const Json& indices = at(primitive, "indices");
+    const size_t most = indices.is_null() ? view.count : accessor(indices).count;
+    return std::min(view.count, most) * view.components * sizeof(float);
+  }
+
   void check_targets(const Json& primitive, const AccessorView* first, const std::string& element) {
     const Json& targets = at(primitive, "targets");
     for (size_t t = 0; t < targets.size() && first; ++t)
@@ -138,7 +145,7 @@ class MeshCheck : DocumentCheck {
         check_attribute(name, view, place, true);
         if (name == "POSITION") check_bounds(view, place);
         check_finite(view, place);
-        if (find_semantic(name)) decoded_bytes_ += view.count * view.components * sizeof(float);
+        if (find_semantic(name)) decoded_bytes_ += bytes_used(primitive, view);
       }
   }
 

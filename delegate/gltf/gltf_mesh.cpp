@@ -6,9 +6,8 @@
 #include <numeric>
 
 #include "delegate/gltf/gltf_material.h"
-#include "delegate/gltf/gltf_morph.h"
 #include "delegate/gltf/gltf_ngon_encoding.h"
-#include "delegate/gltf/gltf_skin.h"
+#include "delegate/gltf/gltf_vertices.h"
 
 namespace alabaster::hd::gltf {
 namespace {
@@ -41,19 +40,18 @@ struct Primvar {
 };
 
 // Texture coordinates and colours.
-std::vector<Primvar> read_primvars(const Document& document, const tinygltf::Primitive& primitive,
-                                   const std::vector<double>& weights) {
+std::vector<Primvar> read_primvars(const VertexReader& reader) {
   std::vector<Primvar> primvars;
   constexpr std::string_view kSet = "TEXCOORD_";
-  for (const auto& [name, index] : primitive.attributes) {  // the sets may have gaps, though glTF allows none
+  for (const auto& [name, index] : reader.primitive.attributes) {  // the sets may have gaps, though glTF allows none
     if (!name.starts_with(kSet) || name.size() > kSet.size() + 3) continue;
     const int set = std::atoi(name.c_str() + kSet.size());
     if (set < 0 || name != std::string(kSet) + std::to_string(set)) continue;
-    VertexAttribute st = read_attribute(document, primitive, name, weights);
+    VertexAttribute st = reader.read(name);
     for (size_t i = 1; i < st.values.size(); i += 2) st.values[i] = 1 - st.values[i];
     primvars.push_back({uv_set_name(set), "textureCoordinate", std::move(st)});
   }
-  const VertexAttribute colors = read_attribute(document, primitive, "COLOR_0", weights);
+  const VertexAttribute colors = reader.read("COLOR_0");
   VertexAttribute rgb{{}, 3}, opacity{{}, 1};
   for (size_t i = 0; i < colors.values.size(); ++i)
     (i % colors.components < 3 ? rgb : opacity).values.push_back(std::clamp(colors.values[i], 0.0f, 1.0f));
@@ -62,17 +60,33 @@ std::vector<Primvar> read_primvars(const Document& document, const tinygltf::Pri
   return primvars;
 }
 
-SkinnedVertices read_vertices(const Document& document, const tinygltf::Primitive& primitive,
-                              const PrimitiveShape& shape) {
-  const auto read = [&](const char* name) { return read_attribute(document, primitive, name, shape.weights); };
+SkinnedVertices read_vertices(const VertexReader& reader, const std::vector<Matrix4d>& joint_matrices) {
   SkinnedVertices vertices;
-  vertices.points = to_vectors<Vec3f>(read("POSITION"));
-  vertices.normals = to_vectors<Vec3f>(read("NORMAL"));
-  if (!vertices.normals.empty()) vertices.tangents = to_vectors<Vec4f>(read("TANGENT"));
-  if (!shape.joint_matrices.empty() && follows_skin(primitive))
-    skin_vertices(document, primitive, shape.joint_matrices, &vertices);
+  vertices.points = to_vectors<Vec3f>(reader.read("POSITION"));
+  vertices.normals = to_vectors<Vec3f>(reader.read("NORMAL"));
+  if (!vertices.normals.empty()) vertices.tangents = to_vectors<Vec4f>(reader.read("TANGENT"));
+  if (!joint_matrices.empty() && follows_skin(reader.primitive)) skin_vertices(reader, joint_matrices, &vertices);
   for (Vec3f& n : vertices.normals) n = std::isfinite(n.length2()) ? n.normalized() : Vec3f(0);
   return vertices;
+}
+
+// The vertices that the triangles use, which then refer to these; empty if they use all `count` of them.
+std::vector<uint32_t> take_used(size_t count, std::vector<uint32_t>* triangles) {
+  std::vector<uint32_t> used;
+  if (triangles->size() < count) {  // many primitives may share a large array
+    used = *triangles;
+    std::sort(used.begin(), used.end());
+    used.erase(std::unique(used.begin(), used.end()), used.end());
+  } else {
+    std::vector<char> is_used(count, 0);
+    for (const uint32_t vertex : *triangles) is_used[vertex] = 1;
+    if (std::find(is_used.begin(), is_used.end(), 0) == is_used.end()) return {};
+    for (uint32_t v = 0; v < count; ++v)
+      if (is_used[v]) used.push_back(v);
+  }
+  for (uint32_t& vertex : *triangles)
+    vertex = uint32_t(std::lower_bound(used.begin(), used.end(), vertex) - used.begin());
+  return used;
 }
 
 // The polygons and seams are those of the mesh at rest, so that no pose changes them.
@@ -119,10 +133,6 @@ void set_triangles(SkinnedVertices vertices, const std::vector<Primvar>& primvar
 
 }  // namespace
 
-bool follows_skin(const tinygltf::Primitive& primitive) {
-  return primitive.attributes.contains("JOINTS_0") && primitive.attributes.contains("WEIGHTS_0");
-}
-
 std::vector<uint32_t> triangle_list(const std::vector<uint32_t>& indices, int mode) {
   const size_t n = indices.size();
   if (mode == TINYGLTF_MODE_TRIANGLES) return {indices.begin(), indices.begin() + std::ptrdiff_t(n / 3 * 3)};
@@ -149,20 +159,22 @@ std::optional<host::MeshDescription> translate_primitive(const Document& documen
   }
   const auto positions = primitive.attributes.find("POSITION");
   if (positions == primitive.attributes.end()) return {};  // reported by check_meshes
-  std::vector<uint32_t> indices(document.accessors[size_t(positions->second)].count);
+  const size_t count = document.accessors[size_t(positions->second)].count;
+  std::vector<uint32_t> indices(count);
   std::iota(indices.begin(), indices.end(), 0u);
   if (primitive.indices >= 0) indices = read_indices(document.accessors[size_t(primitive.indices)]);
-  const std::vector<uint32_t> triangles = triangle_list(indices, mode);
+  std::vector<uint32_t> triangles = triangle_list(indices, mode);
   if (triangles.empty()) return {};  // reported by check_meshes
 
+  const VertexReader reader{document, primitive, take_used(count, &triangles), shape.weights};
   host::MeshDescription mesh;
-  SkinnedVertices vertices = read_vertices(document, primitive, shape);
-  const std::vector<Primvar> primvars = read_primvars(document, primitive, shape.weights);
+  SkinnedVertices vertices = read_vertices(reader, shape.joint_matrices);
+  const std::vector<Primvar> primvars = read_primvars(reader);
   mesh.doubleSided =
       primitive.material >= 0 && document.materials[size_t(primitive.material)].value("doubleSided", false);
   if (vertices.mirrored) mesh.topology.orientation = "leftHanded";
   if (primitive.extensions.contains("FB_ngon_encoding") && mode == TINYGLTF_MODE_TRIANGLES) {
-    const auto rest = to_vectors<Vec3f>(read_attribute(document, primitive, "POSITION", {}));
+    const auto rest = to_vectors<Vec3f>(reader.read_at_rest("POSITION"));
     mesh.displayStyle.refineLevel = shape.refine_level;
     if (!set_cage({rest, vertices.points, triangles}, primvars, element, report, &mesh)) return {};
     return mesh;

@@ -15,11 +15,8 @@ struct PrimitiveShape {
   std::vector<Matrix4d> joint_matrices;  // of the skin; empty: none
 };
 
-/// True if a skin places the primitive: it has influences of joints.
-bool follows_skin(const tinygltf::Primitive& primitive);
-
 /// The primitive's topology and primvars, morphed and skinned, without transform, material path and instancer. Empty if
-/// it has no triangles (reported).
+/// it has no triangles (reported). Points that no triangle uses are left out.
 ///
 /// Primvars: points, normals, tangents (Vec4f: the fourth number is the sign of the bitangent), st, st1, st2, ... (v
 /// upwards), displayColor (linear) and displayOpacity. Primitives with FB_ngon_encoding become catmullClark cages,

@@ -9,7 +9,6 @@
 #include "delegate/gltf/gltf_animation.h"
 #include "delegate/gltf/gltf_image_light.h"
 #include "delegate/gltf/gltf_motion.h"
-#include "delegate/gltf/gltf_names.h"
 #include "delegate/gltf/gltf_translation.h"
 
 namespace alabaster::hd::gltf {
@@ -43,23 +42,18 @@ std::vector<Path> placed_paths(const GltfPrims& prims) {
 }
 
 void hand_over(GltfPrims&& prims, host::RetainedSceneDelegate* scene, GltfSummary* summary) {
-  for (auto& [id, material] : prims.materials) {
-    summary->materials.push_back(id);
-    scene->SetMaterial(id, std::move(material));
-  }
-  for (auto& [id, instancer] : prims.instancers) scene->SetInstancer(id, std::move(instancer));
-  for (auto& [id, mesh] : prims.meshes) {
-    summary->meshes.push_back(id);
-    scene->SetMesh(id, std::move(mesh));
-  }
-  for (auto& [id, light] : prims.lights) {
-    summary->lights.push_back(id);
-    scene->SetLight(id, std::move(light));
-  }
-  for (auto& [id, camera] : prims.cameras) {
-    summary->cameras.push_back(id);
-    scene->SetCamera(id, std::move(camera));
-  }
+  const auto add = [scene](auto& all, auto set, std::vector<Path>* paths) {
+    for (auto& [id, prim] : all) {
+      if (paths) paths->push_back(id);
+      (scene->*set)(id, std::move(prim));
+    }
+  };
+  using Scene = host::RetainedSceneDelegate;
+  add(prims.materials, &Scene::SetMaterial, &summary->materials);
+  add(prims.instancers, &Scene::SetInstancer, nullptr);
+  add(prims.meshes, &Scene::SetMesh, &summary->meshes);
+  add(prims.lights, &Scene::SetLight, &summary->lights);
+  add(prims.cameras, &Scene::SetCamera, &summary->cameras);
 }
 
 }  // namespace

@@ -7,18 +7,37 @@
 #include "delegate/gltf/gltf_light_camera.h"
 #include "delegate/gltf/gltf_material.h"
 #include "delegate/gltf/gltf_mesh.h"
-#include "delegate/gltf/gltf_morph.h"
-#include "delegate/gltf/gltf_names.h"
-#include "delegate/gltf/gltf_skin.h"
+#include "delegate/gltf/gltf_vertices.h"
 
 namespace alabaster::hd::gltf {
 namespace {
+
+constexpr size_t kLongestName = 120;
 
 void append_bytes(const void* data, size_t bytes, std::string* key) {
   key->append(static_cast<const char*>(data), bytes);
 }
 
+/// `text` with every character that a path must not have replaced by '_'.
+std::string clean_name(const std::string& text) {
+  std::string name = text;
+  if (name.size() > kLongestName) {
+    size_t end = kLongestName;  // not inside a UTF-8 sequence
+    while (end > 0 && (static_cast<unsigned char>(name[end]) & 0xc0) == 0x80) --end;
+    name.resize(end);
+  }
+  for (char& c : name)
+    if (c == '/' || static_cast<unsigned char>(c) <= ' ' || c == 0x7f) c = '_';
+  return name;
+}
+
 }  // namespace
+
+std::string prim_name(size_t index, const std::string& name) {
+  std::string text = std::to_string(index);
+  if (!name.empty()) text.append("_").append(clean_name(name));
+  return text;
+}
 
 Path root_of(const Document& document, const GltfOptions& options) {
   return options.root.append("gltf").append(clean_name(std::filesystem::path(document.file).stem().string()));

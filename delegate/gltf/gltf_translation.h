@@ -6,6 +6,8 @@
 
 namespace alabaster::hd::gltf {
 
+/// The name of a prim, "3_name" or "3": unique within its array and without '/', blanks and control characters.
+std::string prim_name(size_t index, const std::string& name);
 /// The path below which the prims of a document lie.
 Path root_of(const Document& document, const GltfOptions& options);
 

@@ -87,7 +87,10 @@ std::optional<DataUri> decode_data_uri(std::string_view uri, std::string* reason
   }
   std::transform(type.begin(), type.end(), type.begin(), [](unsigned char c) { return char(std::tolower(c)); });
   DataUri data{type, {}};
-  if (!decode_base64(uri.substr(comma + 1), &data.bytes)) {
+  std::string_view payload = uri.substr(comma + 1);
+  std::string decoded;
+  if (payload.find('%') != std::string_view::npos && percent_decode(payload, &decoded)) payload = decoded;
+  if (!decode_base64(payload, &data.bytes)) {
     *reason = "the data URI's payload is not base64; encode the data again";
     return {};
   }

@@ -138,6 +138,29 @@ TEST(GltfInstancing, AttributesThatDoNotAgreeAreRefused) {
 }
 
 // Nodes 0 and 1 stand in scenes of their own; 2 in none.
+// Exporters give all primitives of a mesh one array of vertices.
+TEST(GltfGeometry, PrimitivesHaveOnlyThePointsThatTheirTrianglesUse) {
+  GltfBuilder b;
+  constexpr size_t kVertices = 3000;
+  std::vector<float> points, colors;
+  for (size_t v = 0; v < kVertices; ++v) {
+    points.insert(points.end(), {float(v), float(v % 7), 0});
+    colors.insert(colors.end(), {float(v) / float(kVertices), 0, 0});
+  }
+  b.attribute<float>("POSITION", points, "VEC3");
+  b.attribute<float>("COLOR_0", colors, "VEC3");
+  const size_t moved = b.add_sparse(kVertices, {12, 2000, 2001}, {9, 9, 9, 0, 0, 2, 0, 0, 1}, "VEC3");
+  b.primitive()["targets"] = {{{"POSITION", moved}}};
+  b.node()["weights"] = {1};
+  b.primitive()["indices"] = b.add<uint16_t>({2001, 17, 2000, 2001, 17, 16}, "SCALAR");
+  const Loaded loaded = b.load();
+  const host::MeshDescription& mesh = only_mesh(loaded);
+  EXPECT_EQ(mesh.topology.faceVertexIndices, (Array<int32_t>{3, 1, 2, 3, 1, 0})) << loaded.said();
+  EXPECT_EQ(primvar<Array<Vec3f>>(mesh, "points"), (Array<Vec3f>{{16, 2, 0}, {17, 3, 0}, {2000, 5, 2}, {2001, 6, 1}}));
+  EXPECT_EQ(primvar<Array<Vec3f>>(mesh, "displayColor")[3], Vec3f(2001.0f / float(kVertices), 0, 0));
+  EXPECT_LT(loaded.summary.memory_bytes, size_t(1000)) << "of geometry that is used";
+}
+
 // The report says that the nearest legal value is used.
 TEST(GltfLights, ColorsOutOfRangeAreTheNearestLegalOnes) {
   GltfBuilder b;

@@ -72,6 +72,18 @@ TEST(GltfImages, ImagesOfTheSameBytesShareThem) {
   EXPECT_EQ(images.size(), 2u);
 }
 
+// Programs that escape every URI escape the payload of data URIs, too.
+TEST(GltfImages, Base64MayBePercentEncoded) {
+  GltfBuilder b;
+  b.triangle();
+  b.json["textures"] = {{{"source", 0}}};
+  b.json["images"] = {{{"uri", "data:image/png;base64,iVBORw0KGgoAAA%2BA%2Fw%3D%3D"}},
+                      {{"uri", "data:image/png;base64,iV%ZZ"}}};
+  const Loaded loaded = b.load();
+  EXPECT_FALSE(loaded.says(Severity::warning, "images[0]")) << loaded.said();
+  EXPECT_TRUE(loaded.says(Severity::warning, "images[1] the data URI's payload is not base64")) << loaded.said();
+}
+
 TEST(GltfImages, BasisUniversalIsRefusedByNameUnlessThereIsAnotherImage) {
   const Json basisu = {{"KHR_texture_basisu", {{"source", 2}}}};
   EXPECT_EQ(image_of(pictures({{"source", 0}, {"extensions", basisu}}).load()), "made.glb#images[0]");

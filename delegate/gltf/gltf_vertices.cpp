@@ -1,8 +1,7 @@
-#include "delegate/gltf/gltf_skin.h"
+#include "delegate/gltf/gltf_vertices.h"
 
+#include <algorithm>
 #include <cmath>
-
-#include "delegate/gltf/gltf_morph.h"
 
 namespace alabaster::hd::gltf {
 namespace {
@@ -50,6 +49,41 @@ struct Influences {
 
 }  // namespace
 
+VertexAttribute VertexReader::read_at_rest(const std::string& name) const {
+  const auto found = primitive.attributes.find(name);
+  if (found == primitive.attributes.end()) return {};
+  AccessorView accessor = document.accessors[size_t(found->second)];
+  if (name.starts_with("COLOR_") || name.starts_with("WEIGHTS_")) accessor.normalized = true;
+  return {read_floats(accessor, vertices), accessor.components};
+}
+
+VertexAttribute VertexReader::read(const std::string& name) const {
+  VertexAttribute attribute = read_at_rest(name);
+  for (size_t t = 0; t < std::min(weights.size(), primitive.targets.size()); ++t) {
+    const auto target = primitive.targets[t].find(name);
+    if (weights[t] == 0 || target == primitive.targets[t].end() || attribute.values.empty()) continue;
+    const AccessorView& view = document.accessors[size_t(target->second)];
+    const std::vector<float> moves = read_floats(view, vertices);
+    const size_t components = std::min(view.components, attribute.components);
+    for (size_t i = 0; i < moves.size() / view.components; ++i)
+      for (size_t c = 0; c < components; ++c) {
+        float& value = attribute.values[i * attribute.components + c];
+        value = float(double(value) + weights[t] * double(moves[i * view.components + c]));
+      }
+  }
+  return attribute;
+}
+
+std::vector<double> morph_weights(const tinygltf::Node& node, const tinygltf::Mesh& mesh) {
+  const std::vector<double>& weights = node.weights.empty() ? mesh.weights : node.weights;
+  const bool any = std::any_of(weights.begin(), weights.end(), [](double w) { return w != 0; });
+  return any ? weights : std::vector<double>();
+}
+
+bool follows_skin(const tinygltf::Primitive& primitive) {
+  return primitive.attributes.contains("JOINTS_0") && primitive.attributes.contains("WEIGHTS_0");
+}
+
 std::vector<Matrix4d> joint_matrices(const Document& document, const tinygltf::Skin& skin,
                                      const std::vector<Matrix4d>& worlds) {
   std::vector<float> inverse_bind;
@@ -64,13 +98,12 @@ std::vector<Matrix4d> joint_matrices(const Document& document, const tinygltf::S
   return matrices;
 }
 
-void skin_vertices(const Document& document, const tinygltf::Primitive& primitive,
-                   const std::vector<Matrix4d>& matrices, SkinnedVertices* vertices) {
+void skin_vertices(const VertexReader& reader, const std::vector<Matrix4d>& matrices, SkinnedVertices* vertices) {
   Influences influences;
   for (int set = 0;; ++set) {
     const std::string number = std::to_string(set);
-    VertexAttribute joints = read_attribute(document, primitive, "JOINTS_" + number, {});
-    VertexAttribute weights = read_attribute(document, primitive, "WEIGHTS_" + number, {});
+    VertexAttribute joints = reader.read_at_rest("JOINTS_" + number);
+    VertexAttribute weights = reader.read_at_rest("WEIGHTS_" + number);
     if (joints.values.empty() || weights.values.empty()) break;
     influences.joints.push_back(std::move(joints.values));
     influences.weights.push_back(std::move(weights.values));
