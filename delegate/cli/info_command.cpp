@@ -58,6 +58,9 @@ void print_geometry(const hd::host::RetainedSceneDelegate& scene) {
                 subdivision.c_str(), mesh.material.empty() ? "" : (", material " + shown(mesh.material)).c_str(),
                 mesh.instancer.empty() ? "" : (", instanced by " + shown(mesh.instancer)).c_str(),
                 mesh.visible ? "" : ", hidden");
+    for (const hd::GeomSubset& subset : mesh.topology.geomSubsets)
+      std::printf("    %s: %zu faces%s\n", shown(subset.id).c_str(), subset.indices.size(),
+                  subset.materialId.empty() ? "" : (", material " + shown(subset.materialId)).c_str());
   }
   for (const auto& [path, instancer] : scene.GetInstancers()) {
     size_t count = 0;

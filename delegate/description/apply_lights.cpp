@@ -112,9 +112,12 @@ bool apply_entry(const Reader& reader, const std::string& pointer, const json& e
 void apply_link(const MeshLink& link, host::RetainedSceneDelegate* scene) {
   for (const auto& [path, mesh] : scene->GetMeshes()) {
     const Path& mesh_path = path;
+    const MeshTopology& topology = mesh.topology;
     std::vector<Token> categories = mesh.categories;
     std::erase(categories, link.category);
-    const auto is_match = [&](const std::string& pattern) { return matches(pattern, mesh_path, true); };
+    const auto is_match = [&](const std::string& pattern) {
+      return matches(pattern, mesh_path, true) || !matching_subsets(pattern, topology).empty();
+    };
     if (std::any_of(link.patterns.begin(), link.patterns.end(), is_match)) categories.push_back(link.category);
     if (categories == mesh.categories) continue;
     host::MeshDescription changed = mesh;

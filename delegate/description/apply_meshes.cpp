@@ -1,7 +1,9 @@
 #include <algorithm>
+#include <set>
 
 #include "delegate/description/apply_motion.h"
 #include "delegate/description/description_reader.h"
+#include "delegate/description/name_match.h"
 
 namespace alabaster::hd::description {
 namespace {
@@ -80,8 +82,46 @@ Path find_material(const Reader& reader, const std::string& pointer, const std::
   return known = found[0];
 }
 
+// Hides faces, or shows them again.
+void show_faces(const Array<int32_t>& faces, bool visible, MeshTopology* topology) {
+  std::set<int32_t> hidden(topology->invisibleFaces.begin(), topology->invisibleFaces.end());
+  for (const int32_t face : faces) {
+    if (visible)
+      hidden.erase(face);
+    else
+      hidden.insert(face);
+  }
+  topology->invisibleFaces = std::vector<int32_t>(hidden.begin(), hidden.end());
+}
+
+// Faces have materials and may be hidden; all else belongs to the mesh.
+void warn_of_parts(const Reader& reader, const std::string& pointer, const json& entry, const Path& path) {
+  for (const auto& [key, value] : entry.items())
+    if (key != "match" && key != "material" && key != "visible")
+      reader.warn(pointer_append(pointer, key), "Applies to all of mesh '" + path.str() +
+                                                    "', of which the match names a part: only material and visible "
+                                                    "belong to parts.");
+}
+
+// A mesh's subsets with paths beside its own are the primitives of a glTF mesh, which a change of the mesh means, too.
+void set_material(const std::string& pattern, const Path& path, const Path& material, host::MeshDescription* mesh) {
+  std::vector<GeomSubset>& subsets = mesh->topology.geomSubsets;
+  if (!matches(pattern, path, true)) {
+    for (const size_t part : matching_subsets(pattern, mesh->topology)) subsets[part].materialId = material;
+    return;
+  }
+  mesh->material = material;
+  const std::string folder = path.str().substr(0, path.str().rfind('/') + 1);
+  for (GeomSubset& subset : subsets)
+    if (subset.id.str().starts_with(folder) && subset.id.str().find('/', folder.size()) == std::string::npos)
+      subset.materialId = material;
+}
+
 bool change_mesh(const Reader& reader, const std::string& pointer, const json& entry, const Path& path) {
   host::MeshDescription mesh = reader.scene().GetMeshes().at(path);
+  const std::string pattern = entry["match"];
+  const bool whole = matches(pattern, path, true);
+  if (!whole) warn_of_parts(reader, pointer, entry, path);
   if (entry.contains("scheme") && !set_scheme(reader, pointer + "/scheme", entry["scheme"], path, &mesh)) return false;
   mesh.displayStyle.refineLevel = entry.value("refineLevel", mesh.displayStyle.refineLevel);
   if (entry.contains("creases") && !set_creases(reader, pointer + "/creases", entry["creases"], path, &mesh))
@@ -95,14 +135,18 @@ bool change_mesh(const Reader& reader, const std::string& pointer, const json& e
   if (entry.contains("material")) {
     const Path material = find_material(reader, pointer + "/material", entry["material"]);
     if (material.empty()) return false;
-    mesh.material = material;
+    set_material(pattern, path, material, &mesh);
   }
   if (entry.contains("subsurfaceSet"))
     mesh.primvars["subsurfaceSet"] = {
         Interpolation::constant, Token(), Token(entry["subsurfaceSet"].get<std::string>()), {}};
   for (const char* flag : {"holdout", "visibleToCamera"})
     if (entry.contains(flag)) mesh.primvars[flag] = {Interpolation::constant, Token(), entry[flag].get<bool>(), {}};
-  mesh.visible = entry.value("visible", mesh.visible);
+  if (whole)
+    mesh.visible = entry.value("visible", mesh.visible);
+  else if (entry.contains("visible"))
+    for (const size_t part : matching_subsets(pattern, mesh.topology))
+      show_faces(mesh.topology.geomSubsets[part].indices, entry["visible"], &mesh.topology);
   if (entry.value("refineLevel", 0) > 0 && mesh.topology.scheme == Token("none"))
     reader.warn(pointer + "/refineLevel", "Has no effect on mesh '" + path.str() +
                                               "', which is not a subdivision surface; set its scheme as well.");

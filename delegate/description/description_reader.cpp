@@ -130,7 +130,9 @@ std::vector<Path> find_prims(const Reader& reader, PrimKind kind, const std::str
   std::vector<Path> found;
   std::vector<std::string> names;
   for (const Path& path : paths_of_kind(reader.scene(), kind)) {
-    if (matches(pattern, path, is_mesh)) found.push_back(path);
+    if (matches(pattern, path, is_mesh) ||
+        (is_mesh && !matching_subsets(pattern, reader.scene().GetMeshes().at(path).topology).empty()))
+      found.push_back(path);
     names.push_back(authored_name(path, is_mesh));
   }
   if (!found.empty() || reader.state().posing) return found;

@@ -169,8 +169,8 @@ Value to_value(const nlohmann::json& value);
 
 enum class PrimKind { mesh, material, light, camera };
 
-/// The prims of one kind that `pattern` matches. If there is none, reports the nearest existing name, but not while
-/// posing.
+/// The prims of one kind that `pattern` matches, and the meshes that have subsets which it matches. If there is none,
+/// reports the nearest existing name, but not while posing.
 std::vector<Path> find_prims(const Reader& reader, PrimKind kind, const std::string& pattern,
                              const std::string& pointer);
 

@@ -40,4 +40,11 @@ bool matches(const std::string& pattern, const Path& path, bool is_mesh) {
   return false;
 }
 
+std::vector<size_t> matching_subsets(const std::string& pattern, const MeshTopology& topology) {
+  std::vector<size_t> found;
+  for (size_t i = 0; i < topology.geomSubsets.size(); ++i)
+    if (fnmatch(pattern.c_str(), topology.geomSubsets[i].id.str().c_str(), 0) == 0) found.push_back(i);
+  return found;
+}
+
 }  // namespace alabaster::hd::description

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
+#include <limits>
+#include <map>
 #include <numeric>
 
 #include "delegate/gltf/gltf_material.h"
@@ -89,21 +91,49 @@ std::vector<uint32_t> take_used(size_t count, std::vector<uint32_t>* triangles) 
   return used;
 }
 
-// The polygons and seams are those of the mesh at rest, so that no pose changes them.
-struct CageSource {
-  const std::vector<Vec3f>&rest, &points;
-  const std::vector<uint32_t>& triangles;
+bool is_cage(const tinygltf::Primitive& primitive) {
+  return primitive.extensions.contains("FB_ngon_encoding") &&
+         (primitive.mode < 0 || primitive.mode == TINYGLTF_MODE_TRIANGLES);
+}
+
+template <class T>
+void append(std::vector<T>&& more, std::vector<T>* all) {
+  if (all->empty())
+    *all = std::move(more);
+  else
+    all->insert(all->end(), more.begin(), more.end());
+}
+
+// The triangles of one primitive or more, whose attributes are the same.
+struct Surface {
+  SkinnedVertices vertices;
+  std::vector<Vec3f> rest;  // the points at rest, of cages
+  std::vector<Primvar> primvars;
+  std::vector<uint32_t> triangles;
+  std::vector<size_t> ends;  // of the primitives, in `triangles`
+
+  void add(const VertexReader& reader, SkinnedVertices more, const std::vector<uint32_t>& corners) {
+    const auto first = uint32_t(vertices.points.size());
+    vertices.mirrored = more.mirrored;
+    append(std::move(more.points), &vertices.points);
+    append(std::move(more.normals), &vertices.normals);
+    append(std::move(more.tangents), &vertices.tangents);
+    if (is_cage(reader.primitive)) append(to_vectors<Vec3f>(reader.read_at_rest("POSITION")), &rest);
+    std::vector<Primvar> values = read_primvars(reader);
+    for (size_t i = 0; i < primvars.size(); ++i)
+      append(std::move(values[i].attribute.values), &primvars[i].attribute.values);
+    if (first == 0) primvars = std::move(values);
+    for (const uint32_t corner : corners) triangles.push_back(first + corner);
+    ends.push_back(triangles.size());
+  }
 };
-bool set_cage(const CageSource& source, const std::vector<Primvar>& primvars, const std::string& element,
-              Report& report, host::MeshDescription* mesh) {
-  Cage cage = build_cage(source.triangles, source.rest);
-  if (cage.dropped_faces > 0)
-    report.warning("mesh.degenerate", element,
-                   std::to_string(cage.dropped_faces) + " faces have no area and are left out");
+
+// The polygons and seams are those of the mesh at rest, so that no pose changes them.
+void set_cage(const Surface& surface, Cage cage, host::MeshDescription* mesh) {
   std::vector<Vec3f> welded;
-  for (const uint32_t vertex : cage.point_vertices) welded.push_back(source.points[vertex]);
+  for (const uint32_t vertex : cage.point_vertices) welded.push_back(surface.vertices.points[vertex]);
   mesh->primvars["points"] = {Interpolation::vertex, "point", Array<Vec3f>(std::move(welded)), {}};
-  for (const Primvar& primvar : primvars) {
+  for (const Primvar& primvar : surface.primvars) {
     const size_t n = primvar.attribute.components;
     CornerValues corners = weld_corners(cage, primvar.attribute.values, n);
     VertexAttribute values{{}, n};
@@ -115,11 +145,11 @@ bool set_cage(const CageSource& source, const std::vector<Primvar>& primvars, co
   mesh->topology.scheme = "catmullClark";
   mesh->topology.faceVertexCounts = std::move(cage.face_vertex_counts);
   mesh->topology.faceVertexIndices = std::move(cage.face_vertex_indices);
-  return !mesh->topology.faceVertexCounts.empty();
 }
 
-void set_triangles(SkinnedVertices vertices, const std::vector<Primvar>& primvars,
-                   const std::vector<uint32_t>& triangles, host::MeshDescription* mesh) {
+void set_triangles(Surface surface, host::MeshDescription* mesh) {
+  const std::vector<uint32_t>& triangles = surface.triangles;
+  SkinnedVertices& vertices = surface.vertices;
   mesh->topology.faceVertexCounts = std::vector<int32_t>(triangles.size() / 3, 3);
   mesh->topology.faceVertexIndices = std::vector<int32_t>(triangles.begin(), triangles.end());
   mesh->primvars["points"] = {Interpolation::vertex, "point", Array<Vec3f>(std::move(vertices.points)), {}};
@@ -127,7 +157,7 @@ void set_triangles(SkinnedVertices vertices, const std::vector<Primvar>& primvar
     mesh->primvars["normals"] = {Interpolation::vertex, "normal", Array<Vec3f>(std::move(vertices.normals)), {}};
   if (!vertices.tangents.empty())
     mesh->primvars["tangents"] = {Interpolation::vertex, "vector", Array<Vec4f>(std::move(vertices.tangents)), {}};
-  for (const Primvar& primvar : primvars)
+  for (const Primvar& primvar : surface.primvars)
     mesh->primvars[primvar.name] = {Interpolation::vertex, primvar.role, to_array(primvar.attribute), {}};
 }
 
@@ -149,38 +179,94 @@ std::vector<uint32_t> triangle_list(const std::vector<uint32_t>& indices, int mo
   return triangles;
 }
 
-std::optional<host::MeshDescription> translate_primitive(const Document& document, const tinygltf::Primitive& primitive,
-                                                         const std::string& element, const PrimitiveShape& shape,
-                                                         Report& report) {
-  const int mode = primitive.mode < 0 ? TINYGLTF_MODE_TRIANGLES : primitive.mode;
-  if (mode < TINYGLTF_MODE_TRIANGLES) {
-    report.warning("mesh.mode", element + ".mode", "points and lines are not drawn; use triangles");
-    return {};
-  }
+namespace {
+
+bool is_double_sided(const Document& document, const tinygltf::Primitive& primitive) {
+  return primitive.material >= 0 && document.materials[size_t(primitive.material)].value("doubleSided", false);
+}
+
+// Primitives of equal keys are one mesh.
+std::string mesh_key(const Document& document, const tinygltf::Primitive& primitive, bool mirrored) {
+  std::string key;
+  for (const bool fact : {is_cage(primitive), is_double_sided(document, primitive), mirrored}) key += fact ? '1' : '0';
+  for (const auto& [name, index] : primitive.attributes)
+    if (!name.starts_with('_'))
+      key.append(name).append(std::to_string(document.accessors[size_t(index)].components)).append(" ");
+  return key;
+}
+
+std::vector<uint32_t> triangles_of(const Document& document, const tinygltf::Primitive& primitive) {
   const auto positions = primitive.attributes.find("POSITION");
-  if (positions == primitive.attributes.end()) return {};  // reported by check_meshes
-  const size_t count = document.accessors[size_t(positions->second)].count;
-  std::vector<uint32_t> indices(count);
+  if (positions == primitive.attributes.end() || (primitive.mode >= 0 && primitive.mode < TINYGLTF_MODE_TRIANGLES))
+    return {};
+  std::vector<uint32_t> indices(document.accessors[size_t(positions->second)].count);
   std::iota(indices.begin(), indices.end(), 0u);
   if (primitive.indices >= 0) indices = read_indices(document.accessors[size_t(primitive.indices)]);
-  std::vector<uint32_t> triangles = triangle_list(indices, mode);
-  if (triangles.empty()) return {};  // reported by check_meshes
+  return triangle_list(indices, primitive.mode < 0 ? TINYGLTF_MODE_TRIANGLES : primitive.mode);
+}
 
-  const VertexReader reader{document, primitive, take_used(count, &triangles), shape.weights};
+// A subset for each primitive, if there are several. `ends` are those of their faces.
+void set_subsets(const std::vector<size_t>& ends, MeshTopology* topology) {
+  for (size_t first = 0, i = 0; i < ends.size() && ends.size() > 1; first = ends[i++]) {
+    std::vector<int32_t> faces(ends[i] - first);
+    std::iota(faces.begin(), faces.end(), int32_t(first));
+    topology->geomSubsets.push_back({{}, {}, Array<int32_t>(std::move(faces))});
+  }
+}
+
+// Without paths. No faces: all are degenerate (reported).
+host::MeshDescription describe(Surface surface, int refine_level, const std::string& element, Report& report) {
   host::MeshDescription mesh;
-  SkinnedVertices vertices = read_vertices(reader, shape.joint_matrices);
-  const std::vector<Primvar> primvars = read_primvars(reader);
-  mesh.doubleSided =
-      primitive.material >= 0 && document.materials[size_t(primitive.material)].value("doubleSided", false);
-  if (vertices.mirrored) mesh.topology.orientation = "leftHanded";
-  if (primitive.extensions.contains("FB_ngon_encoding") && mode == TINYGLTF_MODE_TRIANGLES) {
-    const auto rest = to_vectors<Vec3f>(reader.read_at_rest("POSITION"));
-    mesh.displayStyle.refineLevel = shape.refine_level;
-    if (!set_cage({rest, vertices.points, triangles}, primvars, element, report, &mesh)) return {};
+  if (surface.vertices.mirrored) mesh.topology.orientation = "leftHanded";
+  if (surface.rest.empty()) {
+    for (size_t& end : surface.ends) end /= 3;
+    set_subsets(surface.ends, &mesh.topology);
+    set_triangles(std::move(surface), &mesh);
     return mesh;
   }
-  set_triangles(std::move(vertices), primvars, triangles, &mesh);
+  Cage cage = build_cage(surface.triangles, surface.rest, surface.ends);
+  if (cage.dropped_faces > 0)
+    report.warning("mesh.degenerate", element,
+                   std::to_string(cage.dropped_faces) + " faces have no area and are left out");
+  mesh.displayStyle.refineLevel = refine_level;
+  set_subsets(cage.part_ends, &mesh.topology);
+  set_cage(surface, std::move(cage), &mesh);
   return mesh;
+}
+
+}  // namespace
+
+std::vector<MeshPart> translate_mesh(const Document& document, size_t index, const PrimitiveShape& shape,
+                                     Report& report) {
+  constexpr size_t kMostPoints = std::numeric_limits<int32_t>::max();
+  const std::vector<tinygltf::Primitive>& primitives = document.model.meshes[index].primitives;
+  const auto element = [&](size_t p) { return element_name(element_name("meshes", index) + ".primitives", p); };
+  std::vector<MeshPart> parts;
+  std::vector<Surface> surfaces;
+  std::map<std::string, size_t> places;  // in `parts`
+  for (size_t p = 0; p < primitives.size(); ++p) {
+    const tinygltf::Primitive& primitive = primitives[p];
+    if (primitive.mode >= 0 && primitive.mode < TINYGLTF_MODE_TRIANGLES)
+      report.warning("mesh.mode", element(p) + ".mode", "points and lines are not drawn; use triangles");
+    std::vector<uint32_t> triangles = triangles_of(document, primitive);
+    if (triangles.empty()) continue;  // reported by check_meshes
+    const size_t count = document.accessors[size_t(primitive.attributes.at("POSITION"))].count;
+    const VertexReader reader{document, primitive, take_used(count, &triangles), shape.weights};
+    SkinnedVertices vertices = read_vertices(reader, shape.joint_matrices);
+    size_t& place = places.try_emplace(mesh_key(document, primitive, vertices.mirrored), parts.size()).first->second;
+    if (place < parts.size() && vertices.points.size() > kMostPoints - surfaces[place].vertices.points.size())
+      place = parts.size();
+    if (place == parts.size()) parts.emplace_back(), surfaces.emplace_back();
+    surfaces[place].add(reader, std::move(vertices), triangles);
+    parts[place].primitives.push_back(p);
+  }
+  for (size_t i = 0; i < parts.size(); ++i) {
+    const size_t first = parts[i].primitives[0];
+    parts[i].mesh = describe(std::move(surfaces[i]), shape.refine_level, element(first), report);
+    parts[i].mesh.doubleSided = is_double_sided(document, primitives[first]);
+  }
+  std::erase_if(parts, [](const MeshPart& part) { return part.mesh.topology.faceVertexCounts.empty(); });
+  return parts;
 }
 
 }  // namespace alabaster::hd::gltf

@@ -1,8 +1,6 @@
 // One glTF primitive as a mesh description.
 #pragma once
 
-#include <optional>
-
 #include "delegate/gltf/gltf_document.h"
 #include "delegate/host/retained_scene_delegate.h"
 
@@ -15,15 +13,22 @@ struct PrimitiveShape {
   std::vector<Matrix4d> joint_matrices;  // of the skin; empty: none
 };
 
-/// The primitive's topology and primvars, morphed and skinned, without transform, material path and instancer. Empty if
-/// it has no triangles (reported). Points that no triangle uses are left out.
+/// Primitives that are one mesh.
+struct MeshPart {
+  std::vector<size_t> primitives;  // rising
+  host::MeshDescription mesh;      // with a subset for each primitive if there are several
+};
+
+/// The meshes that `meshes[index]` is drawn as: topology and primvars, morphed and skinned, without transform, paths
+/// and instancer. Primitives are one mesh, as glTF splits one surface by materials, unless they differ in the
+/// attributes that they have, in FB_ngon_encoding, or in what their materials say of doubleSided. Those without
+/// triangles are left out (reported), and points that no triangle uses.
 ///
 /// Primvars: points, normals, tangents (Vec4f: the fourth number is the sign of the bitangent), st, st1, st2, ... (v
 /// upwards), displayColor (linear) and displayOpacity. Primitives with FB_ngon_encoding become catmullClark cages,
 /// whose normals come from refinement; all others get scheme none and keep their normals, or are flat without.
-std::optional<host::MeshDescription> translate_primitive(const Document& document, const tinygltf::Primitive& primitive,
-                                                         const std::string& element, const PrimitiveShape& shape,
-                                                         Report& report);
+std::vector<MeshPart> translate_mesh(const Document& document, size_t index, const PrimitiveShape& shape,
+                                     Report& report);
 
 /// The triangle list of indices drawn in `mode` 4, 5 or 6 (glTF 2.0, section 3.7.2.1: triangles, strip, fan).
 std::vector<uint32_t> triangle_list(const std::vector<uint32_t>& indices, int mode);

@@ -4,6 +4,7 @@
 #include <array>
 #include <cstring>
 #include <map>
+#include <span>
 
 namespace alabaster::hd::gltf {
 namespace {
@@ -75,6 +76,7 @@ class CageBuilder {
     }
   }
 
+  void end_part() { cage_.part_ends.push_back(cage_.face_vertex_counts.size()); }
   Cage take() { return std::move(cage_); }
 
  private:
@@ -94,7 +96,7 @@ class CageBuilder {
 // Two quads that are chained look like a hexagon, so a run of four or more triangles counts as one polygon only if it
 // is convex, and is cut into quads otherwise. (Runs of three are never cut: pentagons of real cages are often neither
 // flat nor convex.)
-std::vector<uint32_t> find_polygons(const std::vector<uint32_t>& triangles, const std::vector<Vec3f>& points) {
+std::vector<uint32_t> find_polygons(std::span<const uint32_t> triangles, const std::vector<Vec3f>& points) {
   std::vector<uint32_t> polygons;
   const size_t count = triangles.size() / 3;
   std::vector<Imath::V3d> corners;
@@ -127,14 +129,19 @@ std::vector<uint32_t> find_polygons(const std::vector<uint32_t>& triangles, cons
 
 }  // namespace
 
-Cage build_cage(const std::vector<uint32_t>& triangles, const std::vector<Vec3f>& points) {
+Cage build_cage(const std::vector<uint32_t>& triangles, const std::vector<Vec3f>& points,
+                const std::vector<size_t>& ends) {
   CageBuilder builder(points);
   size_t triangle = 0;
-  for (const uint32_t count : find_polygons(triangles, points)) {
-    std::vector<uint32_t> corners = {triangles[triangle * 3], triangles[triangle * 3 + 1]};
-    for (size_t k = 0; k < count; ++k) corners.push_back(triangles[(triangle + k) * 3 + 2]);
-    builder.add(std::move(corners));
-    triangle += count;
+  for (const size_t end : ends) {
+    const std::span<const uint32_t> part(&triangles[triangle * 3], &triangles[0] + end);
+    for (const uint32_t count : find_polygons(part, points)) {
+      std::vector<uint32_t> corners = {triangles[triangle * 3], triangles[triangle * 3 + 1]};
+      for (size_t k = 0; k < count; ++k) corners.push_back(triangles[(triangle + k) * 3 + 2]);
+      builder.add(std::move(corners));
+      triangle += count;
+    }
+    builder.end_part();
   }
   return builder.take();
 }

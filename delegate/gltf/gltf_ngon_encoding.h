@@ -14,11 +14,14 @@ struct Cage {
   std::vector<uint32_t> point_vertices;  // the vertex that each point is taken from
   std::vector<int32_t> face_vertex_counts, face_vertex_indices;
   std::vector<uint32_t> corner_vertices;  // per face vertex
+  std::vector<size_t> part_ends;          // the number of faces up to the end of each part
   size_t dropped_faces = 0;               // polygons with fewer than three different points
 };
 
-/// Decodes the polygons of `triangles` and welds vertices that were split for their normals or texture coordinates.
-Cage build_cage(const std::vector<uint32_t>& triangles, const std::vector<Vec3f>& points);
+/// Decodes the polygons of `triangles` and welds vertices that were split for their normals, texture coordinates or
+/// materials. `ends` are those of parts, in `triangles`: no polygon lies in two.
+Cage build_cage(const std::vector<uint32_t>& triangles, const std::vector<Vec3f>& points,
+                const std::vector<size_t>& ends);
 
 /// A face-varying primvar of a cage.
 struct CornerValues {

@@ -1,7 +1,8 @@
 // Loads glTF 2.0 (.gltf, .glb): reads a document, checks all of it before using any of it, and adds it to a
 // RetainedSceneDelegate.
 //
-// Paths begin with `root` and /gltf/<stem>, followed by /nodes/<index>_<name>/<mesh primitive index>,
+// Paths begin with `root` and /gltf/<stem>, followed by /nodes/<index>_<name>/<mesh primitive index>, or for several
+// primitives that are one mesh /mesh_<index of the first>, whose subsets have the paths of the primitives,
 // /materials/<index>_<name>, and /cameras/<index>_<name> or /lights/<index>_<name> with the index and name of the
 // camera's or light's node. A mesh used by several nodes, or by one with EXT_mesh_gpu_instancing, lies below the first
 // of them, placed by that node's /instancer; nodes with a skin or with morph weights of their own have meshes of their

@@ -172,14 +172,21 @@ const std::vector<Matrix4d>& SceneTranslator::instances_of(size_t node) {
 // that follows a skin is placed by its joints, however many nodes use it.
 void SceneTranslator::add_mesh(const MeshUsers& users, const MeshUse& use, const Shape& shape, GltfPrims* prims) const {
   const Path parent = child("nodes", use.nodes[0]);
-  const tinygltf::Mesh& mesh = model_.meshes[users.mesh];
+  const std::vector<tinygltf::Primitive>& primitives = model_.meshes[users.mesh].primitives;
+  const auto material_of = [&](size_t p) {
+    return primitives[p].material < 0 ? Path() : material_paths_[size_t(primitives[p].material)];
+  };
   host::InstancerDescription instancer;
-  for (size_t p = 0; p < mesh.primitives.size(); ++p) {
-    if (!shape[p]) continue;
-    host::MeshDescription description = *shape[p];
-    const Path id = parent.append(std::to_string(p));
-    if (mesh.primitives[p].material >= 0) description.material = material_paths_[size_t(mesh.primitives[p].material)];
-    if (users.skin >= 0 && follows_skin(mesh.primitives[p])) {
+  for (const MeshPart& part : shape) {
+    host::MeshDescription description = part.mesh;
+    const size_t first = part.primitives[0];
+    const Path id = parent.append((part.primitives.size() > 1 ? "mesh_" : "") + std::to_string(first));
+    description.material = material_of(first);
+    for (size_t i = 0; i < description.topology.geomSubsets.size(); ++i) {
+      description.topology.geomSubsets[i].id = parent.append(std::to_string(part.primitives[i]));
+      description.topology.geomSubsets[i].materialId = material_of(part.primitives[i]);
+    }
+    if (users.skin >= 0 && follows_skin(primitives[first])) {
       description.transform = options_.transform;
     } else if (use.placements.size() == 1) {
       description.transform = use.placements[0];
@@ -211,20 +218,9 @@ std::shared_ptr<const SceneTranslator::Shape> SceneTranslator::shape_of(MeshUser
   append_bytes(shape.weights.data(), shape.weights.size() * sizeof(double), &key);
   append_bytes(shape.joint_matrices.data(), shape.joint_matrices.size() * sizeof(Matrix4d), &key);
   const auto [found, is_new] = users.shapes.try_emplace(std::move(key));
-  if (is_new) found->second.shape = std::make_shared<const Shape>(translate_shape(users, std::move(shape), report));
+  if (is_new) found->second.shape = std::make_shared<const Shape>(translate_mesh(document_, users.mesh, shape, report));
   found->second.call = calls_;
   return found->second.shape;
-}
-
-SceneTranslator::Shape SceneTranslator::translate_shape(const MeshUsers& users, PrimitiveShape shape,
-                                                        Report& report) const {
-  const tinygltf::Mesh& mesh = model_.meshes[users.mesh];
-  Shape primitives;
-  for (size_t p = 0; p < mesh.primitives.size(); ++p) {
-    const std::string element = element_name(element_name("meshes", users.mesh) + ".primitives", p);
-    primitives.push_back(translate_primitive(document_, mesh.primitives[p], element, shape, report));
-  }
-  return primitives;
 }
 
 }  // namespace alabaster::hd::gltf

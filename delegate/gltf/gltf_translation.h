@@ -29,7 +29,7 @@ class SceneTranslator {
   bool deforms() const;
 
  private:
-  using Shape = std::vector<std::optional<host::MeshDescription>>;  // the primitives of a mesh, not placed
+  using Shape = std::vector<MeshPart>;  // a mesh, not placed
 
   struct KeptShape {
     std::shared_ptr<const Shape> shape;
@@ -58,7 +58,6 @@ class SceneTranslator {
   void add_mesh(const MeshUsers& users, const MeshUse& use, const Shape& shape, GltfPrims* prims) const;
   void add_views(bool moving, GltfPrims* prims) const;
   std::shared_ptr<const Shape> shape_of(MeshUsers& users, const std::vector<double>& weights, Report& report);
-  Shape translate_shape(const MeshUsers& users, PrimitiveShape shape, Report& report) const;
   std::vector<Matrix4d> joints_of(const MeshUsers& users) const;
   const std::vector<Matrix4d>& instances_of(size_t node);
   Path child(const char* folder, size_t node) const;

@@ -186,6 +186,48 @@ TEST_F(LoadSceneTest, HoldoutAndVisibleToCameraOfAMesh) {
   }
 }
 
+// The primitives of a glTF mesh are its subsets. A path of a primitive names its faces, all other patterns the mesh.
+TEST_F(LoadSceneTest, PartsOfAMeshHaveMaterialsAndAreHidden) {
+  std::string text = patch_gltf(false, false);
+  const auto replace = [&](const std::string& old, const std::string& now) {
+    text.replace(text.find(old), old.size(), now);
+  };
+  replace(R"("indices": 1, "material": 0})",
+          R"("indices": 1, "material": 0}, {"attributes": {"POSITION": 0}, "indices": 2, "material": 1})");
+  replace(R"("count": 6, "type": "SCALAR"})",
+          R"("count": 3, "type": "SCALAR"},
+             {"bufferView": 1, "byteOffset": 6, "componentType": 5123, "count": 3, "type": "SCALAR"})");
+  replace(R"([{"name": "skin"}])", R"([{"name": "skin"}, {"name": "lips"}, {"name": "wax"}])");
+  write("two.gltf", text);
+  const Path skin("/gltf/two/materials/0_skin"), wax("/gltf/two/materials/2_wax");
+  const auto change = [&](const std::string& match, const std::string& fields) {
+    scene.Remove("/lights/key");
+    EXPECT_TRUE(describe(R"({"gltf": [{"file": "two.gltf"}], "settings": {"studio": "off"}, "meshes": [{"match": ")" +
+                         match + "\", " + fields + R"(}], "lights": [{"name": "key", "type": "sphereLight",
+                         "lightLink": ["/gltf/two/nodes/0_patch/1"]}]})")
+                    .ok)
+        << errors();
+    return only_mesh();
+  };
+  const host::MeshDescription part =
+      change("/gltf/two/nodes/0_patch/1", R"("material": "wax", "visible": false, "holdout": true)");
+  ASSERT_EQ(part.topology.geomSubsets.size(), 2u);
+  EXPECT_EQ(part.topology.geomSubsets[0].materialId, skin);
+  EXPECT_EQ(part.topology.geomSubsets[1].materialId, wax);
+  EXPECT_EQ(part.topology.invisibleFaces, (Array<int32_t>{1}));
+  EXPECT_TRUE(part.visible);
+  EXPECT_EQ(part.categories, std::vector<Token>{Token("lightLink of /lights/key")}) << "of the mesh";
+  EXPECT_TRUE(part.primvars.contains("holdout"));
+  EXPECT_TRUE(std::any_of(diagnostics.begin(), diagnostics.end(), [](const Diagnostic& d) {
+    return d.where.ends_with("/meshes/0/holdout") && d.text.starts_with("Applies to all of mesh '");
+  }));
+  const host::MeshDescription whole = change("patch", R"("material": "wax", "visible": false)");
+  for (const GeomSubset& subset : whole.topology.geomSubsets) EXPECT_EQ(subset.materialId, wax);
+  EXPECT_EQ(whole.material, wax);
+  EXPECT_FALSE(whole.visible);
+  EXPECT_TRUE(whole.topology.invisibleFaces.empty());
+}
+
 TEST_F(LoadSceneTest, TransformsComposeAsWritten) {
   // (1,-1,0) scaled by 2 -> (2,-2,0); 90 degrees about z -> (2,2,0); moved -> (12,2,0).
   ASSERT_TRUE(describe(R"({"gltf": [{"file": "patch.gltf",

@@ -161,6 +161,60 @@ TEST(GltfGeometry, PrimitivesHaveOnlyThePointsThatTheirTrianglesUse) {
   EXPECT_LT(loaded.summary.memory_bytes, size_t(1000)) << "of geometry that is used";
 }
 
+// Two triangles of a square, each a primitive with points of its own.
+GltfBuilder two_primitives() {
+  GltfBuilder b;
+  b.json["materials"] = {{{"name", "a"}}, {{"name", "b"}}};
+  b.attribute<float>("POSITION", {0, 0, 0, 1, 0, 0, 1, 1, 0}, "VEC3");
+  b.primitive()["material"] = 0;
+  Json second = {{"material", 1}};
+  second["attributes"]["POSITION"] = b.add<float>({0, 0, 0, 1, 1, 0, 0, 1, 0}, "VEC3");
+  b.json["meshes"][0]["primitives"].push_back(second);
+  return b;
+}
+
+// glTF splits a mesh by materials, whose surface is one: a body that walks meet is closed in all its primitives.
+TEST(GltfGeometry, PrimitivesAreSubsetsOfOneMesh) {
+  const Loaded loaded = two_primitives().load();
+  const host::MeshDescription& mesh = only_mesh(loaded);
+  EXPECT_EQ(loaded.scene->GetMeshes().begin()->first, Path("/gltf/made/nodes/0/mesh_0")) << loaded.said();
+  EXPECT_EQ(mesh.topology.faceVertexIndices, (Array<int32_t>{0, 1, 2, 3, 4, 5}));
+  EXPECT_EQ(primvar<Array<Vec3f>>(mesh, "points")[4], Vec3f(1, 1, 0));
+  ASSERT_EQ(mesh.topology.geomSubsets.size(), 2u);
+  EXPECT_EQ(mesh.topology.geomSubsets[1].id, Path("/gltf/made/nodes/0/1"));
+  EXPECT_EQ(mesh.topology.geomSubsets[1].materialId, Path("/gltf/made/materials/1_b"));
+  EXPECT_EQ(mesh.topology.geomSubsets[1].indices, (Array<int32_t>{1}));
+}
+
+TEST(GltfGeometry, PrimitivesThatAMeshCannotHoldTogetherStayMeshes) {
+  GltfBuilder sided = two_primitives(), attributes = two_primitives(), modes = two_primitives();
+  sided.json["materials"][1]["doubleSided"] = true;
+  attributes.attribute<float>("NORMAL", {0, 0, 1, 0, 0, 1, 0, 0, 1}, "VEC3");
+  modes.primitive()["mode"] = 1;
+  for (const GltfBuilder* b : {&sided, &attributes}) {
+    const Loaded loaded = b->load();
+    ASSERT_EQ(loaded.scene->GetMeshes().size(), 2u) << loaded.said();
+    EXPECT_EQ(loaded.scene->GetMeshes().begin()->first, Path("/gltf/made/nodes/0/0"));
+    EXPECT_EQ(loaded.scene->GetMeshes().begin()->second.topology.geomSubsets.size(), 0u);
+  }
+  EXPECT_EQ(modes.load().scene->GetMeshes().begin()->first, Path("/gltf/made/nodes/0/1")) << "beside lines";
+}
+
+// A cage is welded where its primitives meet, or the refined surface would have a crack there.
+TEST(GltfGeometry, CagesOfSeveralPrimitivesAreWelded) {
+  GltfBuilder b = two_primitives();
+  b.json["extensionsUsed"] = {"FB_ngon_encoding"};
+  for (Json& primitive : b.json["meshes"][0]["primitives"])
+    primitive["extensions"]["FB_ngon_encoding"] = Json::object();
+  const Loaded loaded = b.load();
+  const host::MeshDescription& mesh = only_mesh(loaded);
+  EXPECT_EQ(mesh.topology.faceVertexCounts, (Array<int32_t>{3, 3})) << "no polygon lies in two primitives";
+  EXPECT_EQ(mesh.topology.faceVertexIndices, (Array<int32_t>{0, 1, 2, 0, 2, 3}));
+  EXPECT_EQ(primvar<Array<Vec3f>>(mesh, "points").size(), 4u);
+  ASSERT_EQ(mesh.topology.geomSubsets.size(), 2u);
+  EXPECT_EQ(mesh.topology.geomSubsets[1].indices, (Array<int32_t>{1}));
+}
+
 // The report says that the nearest legal value is used.
 TEST(GltfLights, ColorsOutOfRangeAreTheNearestLegalOnes) {
   GltfBuilder b;

@@ -80,13 +80,13 @@ TEST(GltfMaterials, AnisotropyBeyondTheRangeIsTakenAtItsEnd) {
 TEST(GltfModes, StripAndFanKeepTheirWinding) {
   const Loaded loaded = load_own("modes");
   EXPECT_TRUE(loaded.says(Severity::warning, "points and lines are not drawn"));
-  EXPECT_EQ(loaded.scene->GetMeshes().size(), 3u);
-  const auto& strip = loaded.scene->GetMeshes().at("/gltf/modes/nodes/0/2").topology;
-  EXPECT_EQ(strip.faceVertexIndices, (Array<int32_t>{0, 1, 2, 1, 3, 2, 2, 3, 4}));
-  const auto& fan = loaded.scene->GetMeshes().at("/gltf/modes/nodes/0/3").topology;
-  EXPECT_EQ(fan.faceVertexIndices, (Array<int32_t>{1, 2, 0, 2, 3, 0, 3, 4, 0}));
-  const auto& list = loaded.scene->GetMeshes().at("/gltf/modes/nodes/0/1").topology;
-  EXPECT_EQ(list.faceVertexIndices, (Array<int32_t>{0, 1, 2}));  // five indices: the last two make no triangle
+  const MeshTopology& mesh = only_mesh(loaded).topology;
+  // A list of five indices, of which the last two make no triangle, then the strip and the fan.
+  EXPECT_EQ(mesh.faceVertexIndices,
+            (Array<int32_t>{0, 1, 2, 3, 4, 5, 4, 6, 5, 5, 6, 7, 9, 10, 8, 10, 11, 8, 11, 12, 8}));
+  ASSERT_EQ(mesh.geomSubsets.size(), 3u);
+  EXPECT_EQ(mesh.geomSubsets[0].id, Path("/gltf/modes/nodes/0/1"));
+  EXPECT_EQ(mesh.geomSubsets[2].indices, (Array<int32_t>{4, 5, 6}));
 }
 
 TEST(GltfNgons, SeamsStayInTextureSpaceAndPointsAreWelded) {
