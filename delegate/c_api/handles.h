@@ -114,7 +114,7 @@ T& required(T* pointer, const char* name) {
 
 /// Runs `call` with the data of a handle, which lives until it returns. `name` is that of messages.
 template <class AnyHandle, class Call>
-AlabasterStatus with_data(AnyHandle* handle, const char* name, const Call& call) noexcept {
+AlabasterStatus with_data(AnyHandle* handle, const char* name, const Call& call) {
   return guarded([&] {
     const auto data = required(handle, name).data;
     call(*data);

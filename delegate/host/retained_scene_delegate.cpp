@@ -39,27 +39,43 @@ struct RetainedSceneDelegate::State {
   std::map<Path, RenderSettingsDescription> settings;
   std::map<std::pair<Path, Token>, EditedArray> edited;  // primvars of instancers
   RenderIndex* index = nullptr;
+  RetainedSceneDelegate* scene = nullptr;
 
-  /// Stores `value`; returns whether `id` is new in `map`.
+  /// Calls visit(map) with the prims of each kind, in the order in which they enter an index.
+  template <class Visit>
+  void for_each_kind(const Visit& visit) {
+    visit(settings), visit(buffers), visit(cameras), visit(materials), visit(lights), visit(instancers), visit(meshes);
+  }
+
+  // Each enters a prim into the index. False: memory ran out.
+  bool insert(const Path& id, const MeshDescription&) { return index->InsertRprim("mesh", scene, id); }
+  bool insert(const Path& id, const InstancerDescription&) { return index->InsertInstancer(scene, id); }
+  bool insert(const Path& id, const MaterialNetwork&) { return index->InsertSprim("material", scene, id); }
+  bool insert(const Path& id, const CameraDescription&) { return index->InsertSprim("camera", scene, id); }
+  bool insert(const Path& id, const RenderBufferDescriptor&) { return index->InsertBprim("renderBuffer", scene, id); }
+  bool insert(const Path& id, const RenderSettingsDescription&) {
+    return index->InsertBprim("renderSettings", scene, id);
+  }
+  bool insert(const Path& id, const LightDescription& light) {
+    const std::vector<Token> known = index->GetRenderDelegate()->GetSupportedSprimTypes();
+    if (std::find(known.begin(), known.end(), light.type) == known.end()) return true;
+    return index->InsertSprim(light.type, scene, id);
+  }
+
+  /// Stores `value`, in the place of a prim of another kind that has this path.
   template <class T>
-  bool set(std::map<Path, T>& map, const Path& id, T value) {
+  void set(std::map<Path, T>& map, const Path& id, T value) {
     const auto found = map.find(id);
-    if (found == map.end()) {
-      map.emplace(id, std::move(value));
-      return true;
+    if (found != map.end()) {
+      if (index) index->GetChangeTracker().MarkDirty(id, difference(found->second, value));
+      found->second = std::move(value);
+      return;
     }
-    if (index) index->GetChangeTracker().MarkDirty(id, difference(found->second, value));
-    found->second = std::move(value);
-    return false;
-  }
-  /// A prim of another kind than those of `map` has this path: a Set replaces it.
-  template <class T>
-  bool is_of_another_kind(const std::map<Path, T>& map, const Path& id) const {
-    return !map.contains(id) && contains(id);
-  }
-  bool contains(const Path& id) const {
-    return meshes.contains(id) || instancers.contains(id) || materials.contains(id) || lights.contains(id) ||
-           cameras.contains(id) || buffers.contains(id) || settings.contains(id);
+    bool is_of_another_kind = false;
+    for_each_kind([&](const auto& prims) { is_of_another_kind |= prims.contains(id); });
+    if (is_of_another_kind) scene->Remove(id);
+    const auto entered = map.emplace(id, std::move(value)).first;
+    if (index) insert(id, entered->second);
   }
   void mark(const Path& id, DirtyBits bits) {
     if (index && index->Has(id)) index->GetChangeTracker().MarkDirty(id, bits);
@@ -84,21 +100,20 @@ struct RetainedSceneDelegate::State {
   }
 };
 
-RetainedSceneDelegate::RetainedSceneDelegate() : state_(std::make_unique<State>()) {}
+RetainedSceneDelegate::RetainedSceneDelegate() : state_(std::make_unique<State>()) {
+  state_->scene = this;
+}
 RetainedSceneDelegate::~RetainedSceneDelegate() {
   Depopulate();
 }
 
 void RetainedSceneDelegate::SetMesh(const Path& id, MeshDescription mesh) {
-  if (state_->is_of_another_kind(state_->meshes, id)) Remove(id);
-  if (state_->set(state_->meshes, id, std::move(mesh)) && state_->index) state_->index->InsertRprim("mesh", this, id);
+  state_->set(state_->meshes, id, std::move(mesh));
 }
 
 void RetainedSceneDelegate::SetInstancer(const Path& id, InstancerDescription instancer) {
-  if (state_->is_of_another_kind(state_->instancers, id)) Remove(id);
   const InstancerDescription before = get(state_->instancers, id);
-  const bool is_new = state_->set(state_->instancers, id, std::move(instancer));
-  if (is_new && state_->index) state_->index->InsertInstancer(this, id);
+  state_->set(state_->instancers, id, std::move(instancer));
   state_->mark_prototypes(before, state_->instancers[id]);
   state_->forget_edits(id);
 }
@@ -124,48 +139,32 @@ bool RetainedSceneDelegate::SetInstanceValues(const Path& instancer, const Token
 }
 
 void RetainedSceneDelegate::SetMaterial(const Path& id, MaterialNetwork network) {
-  if (state_->is_of_another_kind(state_->materials, id)) Remove(id);
-  if (state_->set(state_->materials, id, std::move(network)) && state_->index)
-    state_->index->InsertSprim("material", this, id);
+  state_->set(state_->materials, id, std::move(network));
 }
 
 void RetainedSceneDelegate::SetLight(const Path& id, LightDescription light) {
-  const Token type = light.type;
-  if (state_->is_of_another_kind(state_->lights, id)) Remove(id);
   const auto* before = find(state_->lights, id);
-  if (before && !(before->type == type)) Remove(id);  // another type is another prim
-  if (state_->set(state_->lights, id, std::move(light)) && state_->index) state_->index->InsertSprim(type, this, id);
+  if (before && !(before->type == light.type)) Remove(id);  // another type is another prim
+  state_->set(state_->lights, id, std::move(light));
 }
 
 void RetainedSceneDelegate::SetCamera(const Path& id, CameraDescription camera) {
-  if (state_->is_of_another_kind(state_->cameras, id)) Remove(id);
-  if (state_->set(state_->cameras, id, std::move(camera)) && state_->index)
-    state_->index->InsertSprim("camera", this, id);
+  state_->set(state_->cameras, id, std::move(camera));
 }
 
 void RetainedSceneDelegate::SetRenderBuffer(const Path& id, RenderBufferDescriptor buffer) {
-  if (state_->is_of_another_kind(state_->buffers, id)) Remove(id);
-  if (state_->set(state_->buffers, id, std::move(buffer)) && state_->index)
-    state_->index->InsertBprim("renderBuffer", this, id);
+  state_->set(state_->buffers, id, std::move(buffer));
 }
 
 void RetainedSceneDelegate::SetRenderSettings(const Path& id, RenderSettingsDescription settings) {
-  if (state_->is_of_another_kind(state_->settings, id)) Remove(id);
-  if (state_->set(state_->settings, id, std::move(settings)) && state_->index)
-    state_->index->InsertBprim("renderSettings", this, id);
+  state_->set(state_->settings, id, std::move(settings));
 }
 
 void RetainedSceneDelegate::Remove(const Path& id) {
   State& s = *state_;
   if (s.index) s.index->Remove(id);
   const InstancerDescription instancer = get(s.instancers, id);
-  s.meshes.erase(id);
-  s.instancers.erase(id);
-  s.materials.erase(id);
-  s.lights.erase(id);
-  s.cameras.erase(id);
-  s.buffers.erase(id);
-  s.settings.erase(id);
+  s.for_each_kind([&](auto& prims) { prims.erase(id); });
   s.mark_prototypes(instancer, {});
   s.forget_edits(id);
 }
@@ -200,37 +199,21 @@ bool RetainedSceneDelegate::PopulateRest() {
   State& s = *state_;
   if (!s.index) return true;
   bool whole = true;
-  const auto insert = [&](const auto& map, const auto& insert_one) {
-    for (const auto& [id, value] : map)
-      if (!s.index->Has(id)) whole = insert_one(id, value) && whole;
-  };
-  insert(s.settings, [&](const Path& id, const auto&) { return s.index->InsertBprim("renderSettings", this, id); });
-  insert(s.buffers, [&](const Path& id, const auto&) { return s.index->InsertBprim("renderBuffer", this, id); });
-  insert(s.cameras, [&](const Path& id, const auto&) { return s.index->InsertSprim("camera", this, id); });
-  insert(s.materials, [&](const Path& id, const auto&) { return s.index->InsertSprim("material", this, id); });
-  const std::vector<Token> known = s.index->GetRenderDelegate()->GetSupportedSprimTypes();
-  insert(s.lights, [&](const Path& id, const LightDescription& light) {
-    const bool is_known = std::find(known.begin(), known.end(), light.type) != known.end();
-    return !is_known || s.index->InsertSprim(light.type, this, id);
+  s.for_each_kind([&](const auto& prims) {
+    for (const auto& [id, value] : prims)
+      if (!s.index->Has(id)) whole = s.insert(id, value) && whole;
   });
-  insert(s.instancers, [&](const Path& id, const auto&) { return s.index->InsertInstancer(this, id); });
-  insert(s.meshes, [&](const Path& id, const auto&) { return s.index->InsertRprim("mesh", this, id); });
   return whole;
 }
 
 void RetainedSceneDelegate::Depopulate() {
   State& s = *state_;
   if (!s.index) return;
-  auto remove_all = [&](const auto& map) {
-    for (const auto& [id, value] : map) s.index->Remove(id);
+  auto remove_all = [&](const auto& prims) {
+    for (const auto& entry : prims) s.index->Remove(entry.first);
   };
-  remove_all(s.meshes);
-  remove_all(s.instancers);
-  remove_all(s.lights);
-  remove_all(s.materials);
-  remove_all(s.cameras);
-  remove_all(s.buffers);
-  remove_all(s.settings);
+  remove_all(s.meshes), remove_all(s.instancers), remove_all(s.lights), remove_all(s.materials);
+  remove_all(s.cameras), remove_all(s.buffers), remove_all(s.settings);
   s.index = nullptr;
 }
 
