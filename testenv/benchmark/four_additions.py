@@ -1,0 +1,122 @@
+#!/usr/bin/env python3
+"""Counts what an addition touches: a render setting, a mesh option, a light parameter and an AOV.
+
+  four_additions.py FOLDER COMMIT...
+
+Makes a worktree of HEAD in FOLDER with the four additions, each a commit, and prints the files and lines that each changes by hand. The
+additions have names, ranges and sentences and travel as far as core's descriptions; no integrator reads them. Then it prints the files
+and lines of an existing row of each kind that `alabaster schema --write .` writes, and those of each COMMIT that name four properties
+of meshes. `git worktree remove --force FOLDER` throws the additions away; built, they can be tried.
+"""
+import argparse
+import pathlib
+import subprocess
+
+TOP = pathlib.Path(__file__).resolve().parents[2]
+
+# (file, line after which the text is put, text)
+ADDITIONS = {
+    "trialSetting": [
+        ("core/session/render_settings.h", "  bool denoise = false;", "  float trial_setting = 0;"),
+        ("core/session/render_settings.cpp", "  static constexpr SettingParameter kTable[] = {",
+         '      {"trialSetting", &S::trial_setting, 0, 1, {},\n       "none", "A setting that a trial adds."},'),
+    ],
+    "trialOption": [
+        ("delegate/host/retained_scene_delegate.h", "  bool doubleSided = true;", "  bool trialOption = false;"),
+        ("delegate/host/retained_scene_delegate.h", "  bool GetDoubleSided(const Path& id) override;", "  bool GetTrialOption(const Path& id) override;"),
+        ("delegate/host/retained_scene_delegate.cpp", "  return member_of(state_->meshes, id, &MeshDescription::cullStyle);\n}",
+         "bool RetainedSceneDelegate::GetTrialOption(const Path& id) {\n  return member_of(state_->meshes, id, &MeshDescription::trialOption);\n}"),
+        ("delegate/host/scene_fields.cpp", '    field<&Mesh::visible>("visible", dirty::kVisibility, "False: the mesh is not drawn."),',
+         '    field<&Mesh::trialOption>("trialOption", dirty::kDoubleSided, "An option that a trial adds."),'),
+        ("delegate/api/scene_delegate.h", "  virtual bool GetDoubleSided(const Path& id) = 0;",
+         "  virtual bool GetTrialOption(const Path& id);  // false, if a host has none"),
+        ("delegate/api/interfaces.cpp", "SceneDelegate::~SceneDelegate() = default;",
+         "bool SceneDelegate::GetTrialOption(const Path&) {\n  return false;\n}"),
+        ("delegate/prims/records.h", "  bool double_sided = true;", "  bool trial_option = false;"),
+        ("delegate/prims/mesh.cpp", "  if (bits & dirty::kDoubleSided) double_sided_ = scene.GetDoubleSided(GetId());",
+         "  if (bits & dirty::kDoubleSided) record_.trial_option = scene.GetTrialOption(GetId());"),
+        ("delegate/prims/scene_translation.cpp", "    instance.double_sided = mesh.double_sided;", "    instance.trial_option = mesh.trial_option;"),
+        ("delegate/prims/scene_digest.cpp", "    digest->add(instance.double_sided);", "    if (instance.trial_option) digest->add(instance.trial_option);"),
+        ("delegate/prims/scene_text.cpp", '  if (!instance.double_sided) text += "  single-sided\\n";', '  if (instance.trial_option) text += "  trial\\n";'),
+        ("delegate/hydra/scene_capture.cpp", "  mesh.doubleSided = scene.GetDoubleSided(id);", "  mesh.trialOption = scene.GetTrialOption(id);"),
+        ("core/scene/scene.h", "  std::string subsurface_set = {};", "  bool trial_option = false;"),
+        ("delegate/description/apply_meshes.cpp", '  mesh.visible = entry.value("visible", mesh.visible);',
+         '  mesh.trialOption = entry.value("trialOption", mesh.trialOption);'),
+        ("schemas/render_description.json", '            "description": "Subdivision scheme; none draws the mesh as it is."\n          },',
+         '          "trialOption": {\n            "type": "boolean",\n            "default": false,\n'
+         '            "unit": "none",\n            "description": "An option that a trial adds."\n          },'),
+    ],
+    "trialParameter": [
+        ("core/light/light_description.h", "  bool treat_as_point = false;", "  float trial_parameter = 0;"),
+        ("core/light/light_description.cpp", '       "none", "Colour in the rendering space; multiplies intensity."},',
+         '      {"trialParameter", &P::trial_parameter, 0, 1, {},\n       "none", "A parameter that a trial adds."},'),
+    ],
+    "trialAov": [
+        ("core/film/aov.h", "  motion,        // of the first hit over the picture, in pixels, while the shutter is open", "  trial,"),
+        ("core/film/aov.h", '    {Aov::motion, "motion", AovSource::closest, AovValue::exact, 0, "motion", "XY"},',
+         '    {Aov::trial, "trialAov", AovSource::samples, AovValue::number, 0, "trialAov", ""},'),
+        ("delegate/manual/pipeline.md", "| `sampleCount` | sampleCount | number of samples |", "| `trialAov` | trialAov | an AOV that a trial adds |"),
+    ],
+}
+
+
+def git(folder, *arguments):
+    return subprocess.run(["git", "-C", folder, *arguments], check=True, capture_output=True, text=True).stdout
+
+
+def make(folder):
+    git(TOP, "worktree", "add", "--detach", folder, "HEAD")
+    for name, edits in ADDITIONS.items():
+        for file, anchor, text in edits:
+            path = folder / file
+            before = path.read_text()
+            at = before.index(anchor) + len(anchor)
+            at = before.index("\n", at)
+            path.write_text(before[:at] + "\n" + text + before[at:])
+        git(folder, "commit", "-qam", name)
+
+
+def by_hand(folder):
+    print("| addition | files by hand | lines by hand |\n| --- | --- | --- |")
+    for place, name in reversed(list(enumerate(reversed(ADDITIONS)))):
+        files = git(folder, "diff", "--numstat", f"HEAD~{place + 1}", f"HEAD~{place}").splitlines()
+        print(f"| {name} | {len(files)} | {sum(int(line.split()[0]) for line in files)} |")
+
+
+def written():
+    print("| existing row | files written | lines that name it |\n| --- | --- | --- |")
+    for name, pattern in (("setting glossyFilter", '[`" ]glossyFilter["`:]'), ("mesh option doubleSided", "`doubleSided`|double_sided:"),
+                          ("light parameter shaping:focus", '[`"]shaping:focus[`"]'), ("AOV Neye", '^ *"Neye",?$')):
+        found = grep(pattern, "HEAD", "schemas", "delegate/manual/parameters", "delegate/python/alabaster/_fields.pyi")
+        print(f"| {name} | {len(files_of(found))} | {len(found)} |")
+
+
+def grep(pattern, commit, *paths):
+    return subprocess.run(["git", "-C", TOP, "grep", "-i", "-E", pattern, commit, "--", *paths], capture_output=True, text=True).stdout.splitlines()
+
+
+def files_of(lines):
+    return {line.split(":")[1] for line in lines}
+
+
+def names(commits):
+    print("| named | " + " | ".join(f"{c}: files, lines" for c in commits) + " |\n| --- |" + " --- |" * len(commits))
+    for name, pattern in (("doubleSided", "double_?sided|single_?sided"), ("cullStyle", "cull_?style|CULL_"), ("holdout", "hold_?out"),
+                          ("renderTag", "render_?tag")):
+        lines = [grep(pattern, commit, "core", "delegate", "schemas", ":!delegate/manual") for commit in commits]
+        print(f"| {name} | " + " | ".join(f"{len(files_of(found))}, {len(found)}" for found in lines) + " |")
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("folder", type=pathlib.Path)
+    parser.add_argument("commits", nargs="+")
+    options = parser.parse_args()
+    make(options.folder.resolve())
+    by_hand(options.folder.resolve())
+    written()
+    names(options.commits)
+
+
+if __name__ == "__main__":
+    main()
