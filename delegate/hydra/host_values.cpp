@@ -8,19 +8,6 @@
 namespace alabaster::hydra {
 namespace {
 
-struct FormatRow {
-  Component component;
-  int count;
-  hd::Format format;
-};
-constexpr FormatRow kFormats[] = {
-    {Component::unorm8, 1, hd::Format::unorm8},       {Component::unorm8, 3, hd::Format::unorm8vec3},
-    {Component::unorm8, 4, hd::Format::unorm8vec4},   {Component::float16, 1, hd::Format::float16},
-    {Component::float16, 3, hd::Format::float16vec3}, {Component::float16, 4, hd::Format::float16vec4},
-    {Component::float32, 1, hd::Format::float32},     {Component::float32, 2, hd::Format::float32vec2},
-    {Component::float32, 3, hd::Format::float32vec3}, {Component::float32, 4, hd::Format::float32vec4},
-    {Component::int32, 1, hd::Format::int32}};
-
 // The number in the type of `like`; `value` itself where that is no number, or would lose its fraction.
 hd::Value number_like(const hd::Value& like, const hd::Value& value) {
   const double number = value.number_or(NAN);
@@ -34,21 +21,6 @@ hd::Value number_like(const hd::Value& like, const hd::Value& value) {
 }
 
 }  // namespace
-
-hd::Format FormatOf(Component component, int count) {
-  for (const FormatRow& row : kFormats)
-    if (row.component == component && row.count == count) return row.format;
-  return hd::Format::invalid;
-}
-
-bool ComponentsOf(hd::Format format, Component* component, int* count) {
-  for (const FormatRow& row : kFormats) {
-    if (row.format != format) continue;
-    *component = row.component, *count = row.count;
-    return true;
-  }
-  return false;
-}
 
 hd::DirtyBits TranslateBits(uint32_t host, std::span<const BitPair> table) {
   hd::DirtyBits ours = hd::dirty::kClean;

@@ -1,4 +1,4 @@
-// Small rules between a Hydra host and the contract: formats, dirty bits, settings, statistics. No type of OpenUSD.
+// Small rules between a Hydra host and the contract: dirty bits, settings, statistics. No type of OpenUSD.
 #pragma once
 
 #include <span>
@@ -6,14 +6,6 @@
 #include "delegate/api/render_delegate.h"
 
 namespace alabaster::hydra {
-
-/// The component types of HdFormat.
-enum class Component { unorm8, snorm8, float16, float32, int16, uint16, int32 };
-
-/// Invalid where the contract has no such format: the host's Allocate then fails, and it drops the AOV.
-hd::Format FormatOf(Component component, int count);
-/// The reverse. False: the format is invalid.
-bool ComponentsOf(hd::Format format, Component* component, int* count);
 
 /// A bit of the host's and those of the contract that it stands for. Hosts number theirs differently in each release.
 struct BitPair {

@@ -19,13 +19,8 @@ bool starts_with(const MaterialNode& node, const char* prefix) {
   return node.nodeTypeId.str().starts_with(prefix);
 }
 
-Value parameter(const MaterialNode& node, const char* name) {
-  const auto found = node.parameters.find(name);
-  return found == node.parameters.end() ? Value() : found->second;
-}
-
 Vec2f pair_or(const MaterialNode& node, const char* name, const Vec2f& otherwise) {
-  return parameter(node, name).get_or(otherwise);
+  return input_value(node, name).get_or(otherwise);
 }
 
 // MaterialX's address modes in our words.
@@ -65,7 +60,7 @@ struct Placement {
 
 Vec2f operand(const MaterialNode& node) {
   std::array<double, 4> numbers{};
-  const Value value = parameter(node, "in2");
+  const Value value = input_value(node, "in2");
   const size_t count = value.components(&numbers);
   return {static_cast<float>(numbers[0]), static_cast<float>(numbers[count == 1 ? 0 : 1])};
 }
@@ -74,13 +69,13 @@ Vec2f operand(const MaterialNode& node) {
 bool apply(const MaterialNode& node, Placement* placement) {
   if (starts_with(node, "ND_convert_")) return true;
   const bool is_product = starts_with(node, "ND_multiply_"), is_sum = starts_with(node, "ND_add_");
-  if ((is_product || is_sum) && parameter(node, "in2").empty()) return false;  // it comes from another node
+  if ((is_product || is_sum) && input_value(node, "in2").empty()) return false;  // it comes from another node
   if (is_product) return placement->multiply(operand(node));
   if (is_sum) return placement->offset += operand(node), true;
   if (!starts_with(node, "ND_rotate3d_")) return false;
-  const auto degrees = static_cast<float>(parameter(node, "amount").number_or(0));
+  const auto degrees = static_cast<float>(input_value(node, "amount").number_or(0));
   if (degrees == 0) return true;
-  if (parameter(node, "axis").get_or(hd::Vec3f(0)) != hd::Vec3f(0, 0, 1)) return false;
+  if (input_value(node, "axis").get_or(hd::Vec3f(0)) != hd::Vec3f(0, 0, 1)) return false;
   placement->rotate(degrees * std::numbers::pi_v<float> / 180);
   return true;
 }
@@ -96,14 +91,19 @@ void write(const Placement& p, MaterialNode* texture) {
 
 }  // namespace
 
+Value input_value(const MaterialNode& node, const char* name) {
+  const auto found = node.parameters.find(name);
+  return found == node.parameters.end() ? Value() : found->second;
+}
+
+const MaterialConnection* upstream(const MaterialNode& node, const char* input) {
+  const auto found = node.inputConnections.find(input);
+  return found == node.inputConnections.end() || found->second.empty() ? nullptr : &found->second.front();
+}
+
 const MaterialNode* MaterialImages::find(const Path& id) const {
   const auto found = from_.nodes.find(id);
   return found == from_.nodes.end() ? nullptr : &found->second;
-}
-
-const MaterialConnection* MaterialImages::upstream(const MaterialNode& node, const char* input) const {
-  const auto found = node.inputConnections.find(input);
-  return found == node.inputConnections.end() || found->second.empty() ? nullptr : &found->second.front();
 }
 
 // Conversions pass their input on; separations choose a channel of it.
@@ -125,7 +125,7 @@ std::optional<MaterialImages::Found> MaterialImages::find_image(const char* inpu
       const size_t at_name = output.size() == 4 ? names.find(output.back()) : std::string::npos;
       if (at_name != std::string::npos) channel = names[at_name % 4];
     } else if (starts_with(*node, "ND_extract_")) {
-      const auto index = static_cast<int>(parameter(*node, "index").number_or(0));
+      const auto index = static_cast<int>(input_value(*node, "index").number_or(0));
       channel = std::string(1, "rgba"[std::clamp(index, 0, 3)]);
     } else if (!starts_with(*node, "ND_convert_") && !starts_with(*node, "ND_dot_")) {
       warn_("material.node", std::string(input) + " is connected to a node of type '" + node->nodeTypeId.str() +
@@ -158,7 +158,7 @@ std::optional<MaterialConnection> MaterialImages::read_normals(const char* input
   Path id;
   MaterialNode* const texture = found ? add(*found, "_" + std::string(input), &id) : nullptr;
   if (!texture) return std::nullopt;
-  const auto scale = static_cast<float>(parameter(*map, "scale").number_or(1));
+  const auto scale = static_cast<float>(input_value(*map, "scale").number_or(1));
   texture->parameters["scale"] = hd::Vec4f(2 * scale, 2 * scale, 2, 1);
   texture->parameters["bias"] = hd::Vec4f(-scale, -scale, -1, 0);
   texture->parameters["sourceColorSpace"] = "raw";
@@ -167,16 +167,16 @@ std::optional<MaterialConnection> MaterialImages::read_normals(const char* input
 
 MaterialNode* MaterialImages::add(const Found& found, const std::string& use, Path* id) {
   *id = found.id.str() + use;
-  const Value file = parameter(*found.image, "file");
+  const Value file = input_value(*found.image, "file");
   if (file.text_or("").empty()) {
     warn_("material.texture.file", found.id.str() + " has no file; its input's constant is used");
     return nullptr;
   }
   MaterialNode texture{"AlabasterTexture", {{"file", file}}, {}};
-  texture.parameters["sourceColorSpace"] = space_of(parameter(*found.image, "colorSpace:file"));
-  texture.parameters["wrapS"] = wrap_of(parameter(*found.image, "uaddressmode"));
-  texture.parameters["wrapT"] = wrap_of(parameter(*found.image, "vaddressmode"));
-  if (parameter(*found.image, "filtertype").text_or("") == "closest") texture.parameters["filter"] = "nearest";
+  texture.parameters["sourceColorSpace"] = space_of(input_value(*found.image, "colorSpace:file"));
+  texture.parameters["wrapS"] = wrap_of(input_value(*found.image, "uaddressmode"));
+  texture.parameters["wrapT"] = wrap_of(input_value(*found.image, "vaddressmode"));
+  if (input_value(*found.image, "filtertype").text_or("") == "closest") texture.parameters["filter"] = "nearest";
   read_coordinates(*found.image, &texture);
   return &(to_->nodes[*id] = std::move(texture));
 }
@@ -194,7 +194,7 @@ void MaterialImages::read_coordinates(const MaterialNode& image, MaterialNode* t
     node = at ? find(at->upstreamNode) : nullptr;
   }
   if (node && starts_with(*node, "ND_geompropvalue_"))
-    texture->parameters["st"] = parameter(*node, "geomprop").text_or("st");
+    texture->parameters["st"] = input_value(*node, "geomprop").text_or("st");
   Placement placement;
   for (auto step = steps.rbegin(); step != steps.rend(); ++step)
     if (!apply(**step, &placement))

@@ -7,6 +7,11 @@
 
 namespace alabaster::hydra {
 
+/// The constant of a node's input; empty: it has none.
+hd::Value input_value(const hd::MaterialNode& node, const char* name);
+/// The first connection of a node's input. Null: it is a constant.
+const hd::MaterialConnection* upstream(const hd::MaterialNode& node, const char* input);
+
 /// Follows connections up to images. Each image becomes one node of `to`, under its own path and use.
 class MaterialImages {
  public:
@@ -26,7 +31,6 @@ class MaterialImages {
     std::string channel;
   };
   const hd::MaterialNode* find(const hd::Path& id) const;
-  const hd::MaterialConnection* upstream(const hd::MaterialNode& node, const char* input) const;
   std::optional<Found> find_image(const char* input, const hd::MaterialConnection& connection);
   hd::MaterialNode* add(const Found& found, const std::string& use, hd::Path* id);
   void read_coordinates(const hd::MaterialNode& image, hd::MaterialNode* texture);

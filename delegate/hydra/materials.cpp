@@ -61,14 +61,32 @@ Vec3f color_of(const Value& value, const Vec3f& otherwise) {
   return count >= 3 ? Vec3f(static_cast<float>(c[0]), static_cast<float>(c[1]), static_cast<float>(c[2])) : otherwise;
 }
 
-class StandardSurface {
+/// A surface node, and the AlabasterDisney that is made of it.
+class Surface {
+ protected:
+  Surface(const MaterialNetwork& from, const MaterialNode& surface, const WarnMaterial& warn)
+      : surface_(surface), warn_(warn), images_(from, &to_, warn) {
+    disney_.nodeTypeId = "AlabasterDisney";
+  }
+  MaterialNetwork made(const Path& id) {
+    to_.terminals["surface"] = {id, "out"};
+    to_.nodes[id] = std::move(disney_);
+    return std::move(to_);
+  }
+
+  const MaterialNode& surface_;
+  const WarnMaterial& warn_;
+  MaterialNetwork to_;
+  MaterialNode disney_;
+  MaterialImages images_;
+};
+
+class StandardSurface : private Surface {
  public:
   StandardSurface(const MaterialNetwork& from, const MaterialNode& surface, const WarnMaterial& warn)
-      : surface_(surface), warn_(warn), images_(from, &to_, warn) {}
+      : Surface(from, surface, warn) {}
 
   MaterialNetwork run(const Path& id) {
-    disney_.nodeTypeId = "AlabasterDisney";
-    to_.terminals["surface"] = {id, "out"};
     for (const Input& input : kInputs) read(input);
     read_base();
     read_transmission();
@@ -90,22 +108,15 @@ class StandardSurface {
     read_normal("normal", "normal");
     read_normal("coat_normal", "coatNormal");
     for (const Unread& input : kUnread) warn_of(input);
-    to_.nodes[id] = std::move(disney_);
-    return std::move(to_);
+    return made(id);
   }
 
  private:
-  Value constant(const char* name) const {
-    const auto found = surface_.parameters.find(name);
-    return found == surface_.parameters.end() ? Value() : found->second;
-  }
+  Value constant(const char* name) const { return input_value(surface_, name); }
   float number(const char* name, float otherwise) const {
     return static_cast<float>(constant(name).number_or(double(otherwise)));
   }
-  bool is_connected(const char* name) const {
-    const auto found = surface_.inputConnections.find(name);
-    return found != surface_.inputConnections.end() && !found->second.empty();
-  }
+  bool is_connected(const char* name) const { return upstream(surface_, name) != nullptr; }
   /// The constant of an input that has no texture here.
   float plain(const char* name, float otherwise) const {
     if (is_connected(name))
@@ -116,8 +127,8 @@ class StandardSurface {
 
   /// The connection of an input in nodes that are read; none: it is a constant, or (reported) cannot be read.
   std::optional<MaterialConnection> connection(const char* name) {
-    if (!is_connected(name)) return std::nullopt;
-    return images_.read(name, surface_.inputConnections.at(name).front());
+    const MaterialConnection* const given = upstream(surface_, name);
+    return given ? images_.read(name, *given) : std::nullopt;
   }
 
   bool connect(const char* name, const char* parameter) {
@@ -197,78 +208,56 @@ class StandardSurface {
   }
 
   void read_normal(const char* name, const char* input) {
-    if (!is_connected(name)) return;
-    if (const auto map = images_.read_normals(name, surface_.inputConnections.at(name).front()))
-      disney_.inputConnections[input] = {*map};
+    if (const MaterialConnection* const given = upstream(surface_, name))
+      if (const auto map = images_.read_normals(name, *given)) disney_.inputConnections[input] = {*map};
   }
 
   void warn_of(const Unread& input) const {
     if (is_connected(input.name) || color_of(constant(input.name), input.initial) != input.initial)
       warn_("material.standard_surface", std::string(input.name) + " of Standard Surface is not read");
   }
-
-  const MaterialNode& surface_;
-  const WarnMaterial& warn_;
-  MaterialNetwork to_;
-  MaterialNode disney_;
-  MaterialImages images_;
 };
 
 /// ND_surface of a BSDF and an EDF, as Blender exports its nodes Diffuse BSDF and Emission.
-class PlainSurface {
+class PlainSurface : private Surface {
  public:
   PlainSurface(const MaterialNetwork& from, const MaterialNode& surface, const WarnMaterial& warn)
-      : from_(from), surface_(surface), warn_(warn), images_(from, &to_, warn) {}
+      : Surface(from, surface, warn), from_(from) {}
 
   MaterialNetwork run(const Path& id) {
-    disney_.nodeTypeId = "AlabasterDisney";
     disney_.parameters = {{"baseColor", Vec3f(0)}, {"specular", 0.0f}, {"ior", 1.0f}, {"roughness", kLambertRoughness}};
-    to_.terminals["surface"] = {id, "out"};
     warn_of(surface_, "opacity", 1);
     warn_of(surface_, "thin_walled", 0);
     read_color("bsdf", kLambert, "baseColor");
     read_color("edf", kGlow, "emission");
-    to_.nodes[id] = std::move(disney_);
-    return std::move(to_);
+    return made(id);
   }
 
  private:
   void warn_of(const MaterialNode& node, const char* name, double initial) const {
-    const auto given = node.parameters.find(name);
-    const auto texture = node.inputConnections.find(name);
-    const bool is_connected = texture != node.inputConnections.end() && !texture->second.empty();
-    if (is_connected || (given != node.parameters.end() && given->second.number_or(initial) != initial))
+    if (upstream(node, name) || input_value(node, name).number_or(initial) != initial)
       warn_("material.surface", std::string(name) + " of " + node.nodeTypeId.str() + " is not read");
   }
 
   // The input `color` of the node of that type.
   void read_color(const char* input, const char* type, const char* parameter) {
-    const auto connection = surface_.inputConnections.find(input);
-    if (connection == surface_.inputConnections.end() || connection->second.empty()) return;
-    const auto node = from_.nodes.find(connection->second.front().upstreamNode);
+    const MaterialConnection* const connection = upstream(surface_, input);
+    const auto node = connection ? from_.nodes.find(connection->upstreamNode) : from_.nodes.end();
     if (node == from_.nodes.end()) return;
     if (!(node->second.nodeTypeId == hd::Token(type)))
       return warn_("material.surface", std::string(input) + " of ND_surface is a node of type '" +
                                            node->second.nodeTypeId.str() + "', but " + type + " alone is read");
     warn_of(node->second, "weight", 1);
     warn_of(node->second, "roughness", 0);
-    const auto constant = node->second.parameters.find("color");
-    disney_.parameters[parameter] =
-        color_of(constant == node->second.parameters.end() ? Value() : constant->second, Vec3f(0.18f));
-    const auto texture = node->second.inputConnections.find("color");
-    if (texture == node->second.inputConnections.end() || texture->second.empty()) return;
-    if (const auto image = images_.read(parameter, texture->second.front())) {
-      disney_.inputConnections[parameter] = {*image};
-      disney_.parameters[parameter] = Vec3f(1);
-    }
+    disney_.parameters[parameter] = color_of(input_value(node->second, "color"), Vec3f(0.18f));
+    const MaterialConnection* const texture = upstream(node->second, "color");
+    const auto image = texture ? images_.read(parameter, *texture) : std::nullopt;
+    if (!image) return;
+    disney_.inputConnections[parameter] = {*image};
+    disney_.parameters[parameter] = Vec3f(1);
   }
 
   const MaterialNetwork& from_;
-  const MaterialNode& surface_;
-  const WarnMaterial& warn_;
-  MaterialNetwork to_;
-  MaterialNode disney_;
-  MaterialImages images_;
 };
 
 // OpenUSD's scene index gives each parameter a companion "colorSpace:NAME", empty where the file gives none.

@@ -101,28 +101,30 @@ hd::Value ToValue(const pxr::VtValue& value) {
 
 namespace {
 
-constexpr Component kComponents[] = {Component::unorm8, Component::snorm8, Component::float16, Component::float32,
-                                     Component::int16,  Component::uint16, Component::int32};
-constexpr pxr::HdFormat kFirst[] = {pxr::HdFormatUNorm8,  pxr::HdFormatSNorm8, pxr::HdFormatFloat16,
-                                    pxr::HdFormatFloat32, pxr::HdFormatInt16,  pxr::HdFormatUInt16,
-                                    pxr::HdFormatInt32};
+// Formats that the contract lacks are invalid: the host's Allocate then fails, and it drops the AOV.
+constexpr std::pair<pxr::HdFormat, hd::Format> kFormats[] = {{pxr::HdFormatUNorm8, hd::Format::unorm8},
+                                                             {pxr::HdFormatUNorm8Vec3, hd::Format::unorm8vec3},
+                                                             {pxr::HdFormatUNorm8Vec4, hd::Format::unorm8vec4},
+                                                             {pxr::HdFormatFloat16, hd::Format::float16},
+                                                             {pxr::HdFormatFloat16Vec3, hd::Format::float16vec3},
+                                                             {pxr::HdFormatFloat16Vec4, hd::Format::float16vec4},
+                                                             {pxr::HdFormatFloat32, hd::Format::float32},
+                                                             {pxr::HdFormatFloat32Vec2, hd::Format::float32vec2},
+                                                             {pxr::HdFormatFloat32Vec3, hd::Format::float32vec3},
+                                                             {pxr::HdFormatFloat32Vec4, hd::Format::float32vec4},
+                                                             {pxr::HdFormatInt32, hd::Format::int32}};
 
 }  // namespace
 
 hd::Format ToFormat(pxr::HdFormat format) {
-  const pxr::HdFormat component = pxr::HdGetComponentFormat(format);
-  for (size_t i = 0; i < std::size(kFirst); ++i)
-    if (kFirst[i] == component) return FormatOf(kComponents[i], static_cast<int>(pxr::HdGetComponentCount(format)));
+  for (const auto& [theirs, ours] : kFormats)
+    if (theirs == format) return ours;
   return hd::Format::invalid;
 }
 
-// Formats of one component type lie side by side, by their number of components.
 pxr::HdFormat FromFormat(hd::Format format) {
-  Component component{};
-  int count = 0;
-  if (!ComponentsOf(format, &component, &count)) return pxr::HdFormatInvalid;
-  for (size_t i = 0; i < std::size(kComponents); ++i)
-    if (kComponents[i] == component) return static_cast<pxr::HdFormat>(kFirst[i] + count - 1);
+  for (const auto& [theirs, ours] : kFormats)
+    if (ours == format) return theirs;
   return pxr::HdFormatInvalid;
 }
 

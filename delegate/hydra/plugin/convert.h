@@ -14,6 +14,12 @@ namespace alabaster::hydra {
 inline hd::Token ToToken(const pxr::TfToken& token) {
   return hd::Token(token.GetString());
 }
+template <class Tokens>
+std::vector<hd::Token> ToTokens(const Tokens& tokens) {
+  std::vector<hd::Token> ours;
+  for (const pxr::TfToken& token : tokens) ours.push_back(ToToken(token));
+  return ours;
+}
 inline hd::Path ToPath(const pxr::SdfPath& path) {
   return path.IsEmpty() ? hd::Path() : hd::Path(path.GetString());
 }

@@ -169,17 +169,17 @@ pxr::HdRenderPassSharedPtr HydraDelegate::CreateRenderPass(pxr::HdRenderIndex* i
 }
 
 pxr::HdInstancer* HydraDelegate::CreateInstancer(pxr::HdSceneDelegate* scene, const pxr::SdfPath& id) {
-  return new HydraInstancer(scene, id, delegate_->CreateInstancer(ToPath(id)));
+  return new HydraInstancer(delegate_->CreateInstancer(ToPath(id)), scene, id);
 }
 
 void HydraDelegate::DestroyInstancer(pxr::HdInstancer* instancer) {
-  delegate_->DestroyInstancer(static_cast<HydraInstancer*>(instancer)->instancer());
+  delegate_->DestroyInstancer(static_cast<HydraInstancer*>(instancer)->prim());
   delete instancer;
 }
 
 pxr::HdRprim* HydraDelegate::CreateRprim(const pxr::TfToken& type, const pxr::SdfPath& id) {
   hd::Rprim* const prim = delegate_->CreateRprim(ToToken(type), ToPath(id));
-  return prim ? new HydraMesh(id, prim) : nullptr;
+  return prim ? new HydraMesh(prim, id) : nullptr;
 }
 
 void HydraDelegate::DestroyRprim(pxr::HdRprim* prim) {
@@ -192,8 +192,8 @@ pxr::HdSprim* HydraDelegate::CreateSprim(const pxr::TfToken& type, const pxr::Sd
   if (type == pxr::HdPrimTypeTokens->extComputation) return new pxr::HdExtComputation(id);
   hd::Sprim* const prim = delegate_->CreateSprim(ToToken(type), ToPath(id));
   if (!prim) return nullptr;
-  if (type == pxr::HdPrimTypeTokens->material) return new HydraMaterial(id, prim);
-  return new HydraLight(type, id, prim);
+  if (type == pxr::HdPrimTypeTokens->material) return new HydraMaterial(prim, id);
+  return new HydraLight(prim, id, type);
 }
 
 pxr::HdSprim* HydraDelegate::CreateFallbackSprim(const pxr::TfToken& type) {

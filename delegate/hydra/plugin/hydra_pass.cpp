@@ -28,20 +28,11 @@ hd::Framing to_framing(const pxr::HdRenderPassState& state) {
   return ours;
 }
 
-hd::WindowPolicy to_policy(pxr::CameraUtilConformWindowPolicy policy) {
-  switch (policy) {
-    case pxr::CameraUtilMatchHorizontally:
-      return hd::WindowPolicy::matchHorizontally;
-    case pxr::CameraUtilFit:
-      return hd::WindowPolicy::fit;
-    case pxr::CameraUtilCrop:
-      return hd::WindowPolicy::crop;
-    case pxr::CameraUtilDontConform:
-      return hd::WindowPolicy::dontConform;
-    default:
-      return hd::WindowPolicy::matchVertically;
-  }
-}
+static_assert(int(pxr::CameraUtilMatchVertically) == int(hd::WindowPolicy::matchVertically) &&
+              int(pxr::CameraUtilMatchHorizontally) == int(hd::WindowPolicy::matchHorizontally) &&
+              int(pxr::CameraUtilFit) == int(hd::WindowPolicy::fit) &&
+              int(pxr::CameraUtilCrop) == int(hd::WindowPolicy::crop) &&
+              int(pxr::CameraUtilDontConform) == int(hd::WindowPolicy::dontConform));
 
 hd::Collection to_collection(const pxr::HdRprimCollection& theirs) {
   hd::Collection ours;
@@ -80,11 +71,10 @@ void HydraPass::_Execute(const pxr::HdRenderPassStateSharedPtr& state, const pxr
   hd::RenderPassState ours;
   if (const auto* camera = dynamic_cast<const HydraCamera*>(state->GetCamera()))
     ours.freeCamera = camera->description();
-  ours.renderTags.clear();
-  for (const pxr::TfToken& tag : renderTags) ours.renderTags.push_back(ToToken(tag));
+  ours.renderTags = ToTokens(renderTags);
   ours.collection = to_collection(GetRprimCollection());
   ours.framing = to_framing(*state);
-  ours.windowPolicy = to_policy(state->GetWindowPolicy());
+  ours.windowPolicy = static_cast<hd::WindowPolicy>(state->GetWindowPolicy());
   ours.aovBindings = bindings(*state);
   param_->write_scene(ours);
   driver_.Execute(ours);

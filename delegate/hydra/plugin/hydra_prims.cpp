@@ -40,14 +40,21 @@ bool sync(Prim* prim, HydraScene* scene, HydraParam& param, hd::DirtyBits bits) 
   return true;
 }
 
-template <class Prim>
-void finalize(Prim* prim, pxr::HdRenderParam* param) {
-  ParamOf(param).products().SceneChanged();
-  if (prim && ParamOf(param).capture()) ParamOf(param).capture()->Remove(prim->GetId());
-  if (prim) prim->Finalize(ParamOf(param).delegate().GetRenderParam());
+}  // namespace
+
+template <class Theirs, class Ours>
+void HydraPrim<Theirs, Ours>::Finalize(pxr::HdRenderParam* param) {
+  HydraParam& shared = ParamOf(param);
+  shared.products().SceneChanged();
+  if (!prim_) return;
+  if (shared.capture()) shared.capture()->Remove(prim_->GetId());
+  prim_->Finalize(shared.delegate().GetRenderParam());
 }
 
-}  // namespace
+template class HydraPrim<pxr::HdMesh, hd::Rprim>;
+template class HydraPrim<pxr::HdInstancer, hd::Instancer>;
+template class HydraPrim<pxr::HdMaterial, hd::Sprim>;
+template class HydraPrim<pxr::HdLight, hd::Sprim>;
 
 pxr::HdDirtyBits HydraMesh::GetInitialDirtyBitsMask() const {
   pxr::HdDirtyBits bits = Tracker::InitRepr;
@@ -67,14 +74,10 @@ void HydraMesh::Sync(pxr::HdSceneDelegate* scene, pxr::HdRenderParam* param, pxr
   _UpdateInstancer(scene, bits);
   pxr::HdInstancer::_SyncInstancerAndParents(scene->GetRenderIndex(), GetInstancerId());
   HydraParam& shared = ParamOf(param);
-  if (prim_) prim_->SetPrimId(GetPrimId());
+  if (prim()) prim()->SetPrimId(GetPrimId());
   HydraScene pulled = shared.scene(scene, GetId());
   if (SceneCapture* const capture = shared.capture()) capture->TakeMesh(pulled, ToPath(GetId()));
-  if (sync(prim_, &pulled, shared, TranslateBits(*bits, kGeometryBits))) *bits &= ~Tracker::AllSceneDirtyBits;
-}
-
-void HydraMesh::Finalize(pxr::HdRenderParam* param) {
-  finalize(prim_, param);
+  if (sync(prim(), &pulled, shared, TranslateBits(*bits, kGeometryBits))) *bits &= ~Tracker::AllSceneDirtyBits;
 }
 
 void HydraInstancer::Sync(pxr::HdSceneDelegate* scene, pxr::HdRenderParam* param, pxr::HdDirtyBits* bits) {
@@ -82,22 +85,14 @@ void HydraInstancer::Sync(pxr::HdSceneDelegate* scene, pxr::HdRenderParam* param
   HydraParam& shared = ParamOf(param);
   HydraScene pulled = shared.scene(scene, GetId());
   if (SceneCapture* const capture = shared.capture()) capture->TakeInstancer(pulled, ToPath(GetId()));
-  sync(instancer_, &pulled, shared, TranslateBits(*bits, kGeometryBits));
-}
-
-void HydraInstancer::Finalize(pxr::HdRenderParam* param) {
-  finalize(instancer_, param);
+  sync(prim(), &pulled, shared, TranslateBits(*bits, kGeometryBits));
 }
 
 void HydraMaterial::Sync(pxr::HdSceneDelegate* scene, pxr::HdRenderParam* param, pxr::HdDirtyBits* bits) {
   HydraParam& shared = ParamOf(param);
   HydraScene pulled = shared.scene(scene, GetId());
   if (SceneCapture* const capture = shared.capture()) capture->TakeMaterial(pulled, ToPath(GetId()));
-  if (sync(prim_, &pulled, shared, TranslateBits(*bits, kMaterialBits))) *bits = Clean;
-}
-
-void HydraMaterial::Finalize(pxr::HdRenderParam* param) {
-  finalize(prim_, param);
+  if (sync(prim(), &pulled, shared, TranslateBits(*bits, kMaterialBits))) *bits = Clean;
 }
 
 void HydraLight::Sync(pxr::HdSceneDelegate* scene, pxr::HdRenderParam* param, pxr::HdDirtyBits* bits) {
@@ -105,12 +100,12 @@ void HydraLight::Sync(pxr::HdSceneDelegate* scene, pxr::HdRenderParam* param, px
   HydraScene pulled = shared.scene(scene, GetId(), type_);
   shared.add_light(GetId(), &scene->GetRenderIndex());
   if (SceneCapture* const capture = shared.capture()) capture->TakeLight(pulled, ToPath(GetId()), ToToken(type_));
-  if (sync(prim_, &pulled, shared, TranslateBits(*bits, kLightBits))) *bits = Clean;
+  if (sync(prim(), &pulled, shared, TranslateBits(*bits, kLightBits))) *bits = Clean;
 }
 
 void HydraLight::Finalize(pxr::HdRenderParam* param) {
   ParamOf(param).remove_light(GetId());
-  finalize(prim_, param);
+  HydraPrim::Finalize(param);
 }
 
 void HydraCamera::warn_of_unread(const HydraParam& param) {

@@ -13,59 +13,54 @@ namespace alabaster::hydra {
 
 class HydraParam;
 
-class HydraMesh final : public pxr::HdMesh {
+/// A prim of OpenUSD's over one of the contract's.
+template <class Theirs, class Ours>
+class HydraPrim : public Theirs {
  public:
-  HydraMesh(const pxr::SdfPath& id, hd::Rprim* prim) : HdMesh(id), prim_(prim) {}
-  hd::Rprim* prim() const { return prim_; }
+  template <class... Arguments>
+  explicit HydraPrim(Ours* prim, Arguments&&... arguments)
+      : Theirs(std::forward<Arguments>(arguments)...), prim_(prim) {}
+  Ours* prim() const { return prim_; }
+  void Finalize(pxr::HdRenderParam* param) override;
+
+ private:
+  Ours* prim_;
+};
+
+class HydraMesh final : public HydraPrim<pxr::HdMesh, hd::Rprim> {
+ public:
+  using HydraPrim::HydraPrim;
   pxr::HdDirtyBits GetInitialDirtyBitsMask() const override;
   void Sync(pxr::HdSceneDelegate* scene, pxr::HdRenderParam* param, pxr::HdDirtyBits* bits,
             const pxr::TfToken& repr) override;
-  void Finalize(pxr::HdRenderParam* param) override;
 
  protected:
   pxr::HdDirtyBits _PropagateDirtyBits(pxr::HdDirtyBits bits) const override { return bits; }
   void _InitRepr(const pxr::TfToken& repr, pxr::HdDirtyBits* bits) override;
-
- private:
-  hd::Rprim* prim_;
 };
 
-class HydraInstancer final : public pxr::HdInstancer {
+class HydraInstancer final : public HydraPrim<pxr::HdInstancer, hd::Instancer> {
  public:
-  HydraInstancer(pxr::HdSceneDelegate* scene, const pxr::SdfPath& id, hd::Instancer* instancer)
-      : HdInstancer(scene, id), instancer_(instancer) {}
-  hd::Instancer* instancer() const { return instancer_; }
+  using HydraPrim::HydraPrim;
   void Sync(pxr::HdSceneDelegate* scene, pxr::HdRenderParam* param, pxr::HdDirtyBits* bits) override;
-  void Finalize(pxr::HdRenderParam* param) override;
-
- private:
-  hd::Instancer* instancer_;
 };
 
-class HydraMaterial final : public pxr::HdMaterial {
+class HydraMaterial final : public HydraPrim<pxr::HdMaterial, hd::Sprim> {
  public:
-  HydraMaterial(const pxr::SdfPath& id, hd::Sprim* prim) : HdMaterial(id), prim_(prim) {}
-  hd::Sprim* prim() const { return prim_; }
+  using HydraPrim::HydraPrim;
   pxr::HdDirtyBits GetInitialDirtyBitsMask() const override { return AllDirty; }
   void Sync(pxr::HdSceneDelegate* scene, pxr::HdRenderParam* param, pxr::HdDirtyBits* bits) override;
-  void Finalize(pxr::HdRenderParam* param) override;
-
- private:
-  hd::Sprim* prim_;
 };
 
-class HydraLight final : public pxr::HdLight {
+class HydraLight final : public HydraPrim<pxr::HdLight, hd::Sprim> {
  public:
-  HydraLight(const pxr::TfToken& type, const pxr::SdfPath& id, hd::Sprim* prim)
-      : HdLight(id), type_(type), prim_(prim) {}
-  hd::Sprim* prim() const { return prim_; }
+  HydraLight(hd::Sprim* prim, const pxr::SdfPath& id, const pxr::TfToken& type) : HydraPrim(prim, id), type_(type) {}
   pxr::HdDirtyBits GetInitialDirtyBitsMask() const override { return AllDirty; }
   void Sync(pxr::HdSceneDelegate* scene, pxr::HdRenderParam* param, pxr::HdDirtyBits* bits) override;
   void Finalize(pxr::HdRenderParam* param) override;
 
  private:
   pxr::TfToken type_;
-  hd::Sprim* prim_;
 };
 
 /// Passes take the camera by value, so that it needs no prim of the contract.

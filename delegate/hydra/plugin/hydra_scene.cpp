@@ -10,44 +10,15 @@
 namespace alabaster::hydra {
 namespace {
 
-hd::Interpolation to_interpolation(pxr::HdInterpolation interpolation) {
-  switch (interpolation) {
-    case pxr::HdInterpolationConstant:
-      return hd::Interpolation::constant;
-    case pxr::HdInterpolationUniform:
-      return hd::Interpolation::uniform;
-    case pxr::HdInterpolationVarying:
-      return hd::Interpolation::varying;
-    case pxr::HdInterpolationFaceVarying:
-      return hd::Interpolation::faceVarying;
-    case pxr::HdInterpolationInstance:
-      return hd::Interpolation::instance;
-    default:
-      return hd::Interpolation::vertex;
-  }
-}
+// Both have these in OpenUSD's order.
+static_assert(int(pxr::HdInterpolationFaceVarying) == int(hd::Interpolation::faceVarying) &&
+              int(pxr::HdInterpolationInstance) == int(hd::Interpolation::instance));
+static_assert(int(pxr::HdCullStyleBack) == int(hd::CullStyle::back) &&
+              int(pxr::HdCullStyleFrontUnlessDoubleSided) == int(hd::CullStyle::frontUnlessDoubleSided));
 
-hd::CullStyle to_cull_style(pxr::HdCullStyle style) {
-  switch (style) {
-    case pxr::HdCullStyleNothing:
-      return hd::CullStyle::nothing;
-    case pxr::HdCullStyleBack:
-      return hd::CullStyle::back;
-    case pxr::HdCullStyleFront:
-      return hd::CullStyle::front;
-    case pxr::HdCullStyleBackUnlessDoubleSided:
-      return hd::CullStyle::backUnlessDoubleSided;
-    case pxr::HdCullStyleFrontUnlessDoubleSided:
-      return hd::CullStyle::frontUnlessDoubleSided;
-    default:
-      return hd::CullStyle::dontCare;
-  }
-}
-
-std::vector<hd::Token> to_tokens(const pxr::VtArray<pxr::TfToken>& tokens) {
-  std::vector<hd::Token> ours;
-  for (const pxr::TfToken& token : tokens) ours.push_back(ToToken(token));
-  return ours;
+template <class Theirs>
+hd::PrimvarDescriptor to_descriptor(const Theirs& primvar, bool indexed) {
+  return {ToToken(primvar.name), static_cast<hd::Interpolation>(primvar.interpolation), ToToken(primvar.role), indexed};
 }
 
 constexpr unsigned kSamples = 16;  // without a second allocation
@@ -140,13 +111,13 @@ bool HydraScene::GetDoubleSided(const hd::Path& id) {
   return host_->GetDoubleSided(path(id));
 }
 hd::CullStyle HydraScene::GetCullStyle(const hd::Path& id) {
-  return to_cull_style(host_->GetCullStyle(path(id)));
+  return static_cast<hd::CullStyle>(host_->GetCullStyle(path(id)));
 }
 hd::Token HydraScene::GetRenderTag(const hd::Path& id) {
   return ToToken(host_->GetRenderTag(path(id)));
 }
 std::vector<hd::Token> HydraScene::GetCategories(const hd::Path& id) {
-  return to_tokens(host_->GetCategories(path(id)));
+  return ToTokens(host_->GetCategories(path(id)));
 }
 hd::Path HydraScene::GetMaterialId(const hd::Path& id) {
   return ToPath(host_->GetMaterialId(path(id)));
@@ -157,13 +128,12 @@ std::vector<hd::PrimvarDescriptor> HydraScene::GetPrimvarDescriptors(const hd::P
   for (int i = 0; i < pxr::HdInterpolationCount; ++i) {
     const auto interpolation = static_cast<pxr::HdInterpolation>(i);
     for (const pxr::HdPrimvarDescriptor& theirs : host_->GetPrimvarDescriptors(path(id), interpolation))
-      descriptors_.push_back(
-          {ToToken(theirs.name), to_interpolation(theirs.interpolation), ToToken(theirs.role), theirs.indexed});
+      descriptors_.push_back(to_descriptor(theirs, theirs.indexed));
   }
   if (path(id) != id_) return descriptors_;
   for (const auto& theirs : computed()) {
     std::erase_if(descriptors_, [&](const auto& one) { return one.name == ToToken(theirs.name); });
-    descriptors_.push_back({ToToken(theirs.name), to_interpolation(theirs.interpolation), ToToken(theirs.role), false});
+    descriptors_.push_back(to_descriptor(theirs, false));
   }
   return descriptors_;
 }
@@ -217,7 +187,7 @@ hd::Array<int32_t> HydraScene::GetInstanceIndices(const hd::Path& instancerId, c
 }
 std::vector<std::vector<hd::Token>> HydraScene::GetInstanceCategories(const hd::Path& instancerId) {
   std::vector<std::vector<hd::Token>> ours;
-  for (const auto& categories : host_->GetInstanceCategories(path(instancerId))) ours.push_back(to_tokens(categories));
+  for (const auto& categories : host_->GetInstanceCategories(path(instancerId))) ours.push_back(ToTokens(categories));
   return ours;
 }
 

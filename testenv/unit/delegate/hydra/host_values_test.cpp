@@ -5,20 +5,6 @@
 namespace alabaster::hydra {
 namespace {
 
-TEST(HydraValues, FormatsGoThereAndBack) {
-  for (int i = static_cast<int>(hd::Format::unorm8); i <= static_cast<int>(hd::Format::int32); ++i) {
-    const auto format = static_cast<hd::Format>(i);
-    Component component{};
-    int count = 0;
-    ASSERT_TRUE(ComponentsOf(format, &component, &count)) << i;
-    EXPECT_EQ(FormatOf(component, count), format) << i;
-    EXPECT_EQ(count, hd::FormatComponents(format)) << i;
-  }
-  EXPECT_EQ(FormatOf(Component::float16, 2), hd::Format::invalid);
-  EXPECT_EQ(FormatOf(Component::uint16, 1), hd::Format::invalid);
-  EXPECT_EQ(FormatOf(Component::float32, 5), hd::Format::invalid);
-}
-
 TEST(HydraValues, BitsAreThoseOfTheTable) {
   constexpr BitPair table[] = {{1u << 9, hd::dirty::kTransform},
                                {1u << 1, hd::dirty::kParams | hd::dirty::kVisibility}};
