@@ -332,6 +332,19 @@ std::string DescribeColors(const OutputColors& colors, const DiagnosticSink& sin
   return text + lines("looks", config->looks());
 }
 
+std::vector<ColorDisplay> ListDisplays(const OutputColors& colors, const DiagnosticSink& sink) {
+  std::vector<ColorDisplay> all;
+  const auto config = colors.config(sink);
+  if (!config) return all;
+  const auto with_first = [](std::vector<std::string> names, const std::string& first) {
+    std::stable_partition(names.begin(), names.end(), [&](const std::string& name) { return name == first; });
+    return names;
+  };
+  for (const std::string& display : with_first(config->displays(), config->default_display()))
+    all.push_back({display, with_first(config->views(display), config->default_view(display))});
+  return all;
+}
+
 std::string SerializeColors(const OutputColors& colors, const DiagnosticSink& sink) {
   const FloatEnvironment environment;
   const auto config = colors.config(sink);

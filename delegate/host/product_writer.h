@@ -83,6 +83,12 @@ ALABASTER_API std::vector<std::string> WriteProducts(const std::vector<RenderPro
 /// The config's origin, spaces, displays, views and looks as lines of text: the output of `alabaster ocio`. Empty after
 /// a report if it cannot be read.
 ALABASTER_API std::string DescribeColors(const OutputColors& colors, const DiagnosticSink& sink);
+struct ColorDisplay {
+  std::string name;
+  std::vector<std::string> views;  // the default view first
+};
+/// The config's displays, the default one first. Empty after a report if it cannot be read.
+ALABASTER_API std::vector<ColorDisplay> ListDisplays(const OutputColors& colors, const DiagnosticSink& sink);
 /// The config as the text of an .ocio file. Empty after a report if it cannot be read.
 ALABASTER_API std::string SerializeColors(const OutputColors& colors, const DiagnosticSink& sink);
 

@@ -10,30 +10,12 @@
 namespace alabaster::view {
 namespace {
 
-// Those that an artist reaches for first.
-const std::vector<std::string> kFirstOfMaterial{"baseColor", "scatterDistance", "scatterAnisotropy", "roughness",
-                                                "ior",       "specular",        "metallic",          "specTrans"};
-const std::vector<std::string> kFirstOfLight{"intensity",        "exposure", "color",     "enableColorTemperature",
-                                             "colorTemperature", "width",    "height",    "radius",
-                                             "length",           "angle",    "normalize", "visibleToCamera"};
-const std::vector<std::string> kFirstOfCamera{"focalLength",
-                                              "fStop",
-                                              "focusDistance",
-                                              "projection",
-                                              "horizontalAperture",
-                                              "verticalAperture",
-                                              "horizontalApertureOffset",
-                                              "verticalApertureOffset",
-                                              "shutterOpen",
-                                              "shutterClose"};
-const std::vector<std::string> kFirstOfSettings{"samples",  "targetError", "timeLimit",
-                                                "adaptive", "subsurface",  "maxDepth"};
 // Parts of a frame's samples belong to a farm, and memory to the command line.
 const std::vector<std::string> kNoSettings{"firstSample", "frame",         "denoise",
                                            "memoryLimit", "textureMemory", "refineEdgeLength"};
 
 std::vector<ParameterRow> setting_rows() {
-  std::vector<ParameterRow> rows = parameter_rows("render_settings", kFirstOfSettings);
+  std::vector<ParameterRow> rows = parameter_rows("render_settings");
   std::erase_if(rows, [](const ParameterRow& row) {
     return std::find(kNoSettings.begin(), kNoSettings.end(), row.name) != kNoSettings.end();
   });
@@ -61,9 +43,9 @@ Panels::Panels(ViewSession* session, Widgets* widgets, Messages* messages, const
       widgets_(widgets),
       messages_(messages),
       scene_file_(scene_file),
-      material_rows_(parameter_rows("disney_material", kFirstOfMaterial)),
-      light_rows_(parameter_rows("lights", kFirstOfLight)),
-      camera_rows_(parameter_rows("camera", kFirstOfCamera)),
+      material_rows_(parameter_rows("disney_material")),
+      light_rows_(parameter_rows("lights")),
+      camera_rows_(parameter_rows("camera")),
       setting_rows_(setting_rows()),
       aovs_(shown_aovs()) {
   const std::filesystem::path file(scene_file);
@@ -101,12 +83,11 @@ void Panels::handle_keys() {
 }
 
 bool Panels::draw_row(const ParameterRow& row, bool changed, bool* reset, hd::Value* value) {
-  ImGui::AlignTextToFramePadding();
-  if (changed) ImGui::PushStyleColor(ImGuiCol_Text, ImVec4(1.0f, 0.72f, 0.30f, 1.0f));
-  ImGui::TextUnformatted(row.label.c_str());
-  if (changed) ImGui::PopStyleColor();
-  help(row.description + (unit_text(row).empty() ? "" : " Unit: " + unit_text(row) + "."));
-  same_line_as_label();
+  const std::string unit = unit_text(row).empty() ? "" : " Unit: " + unit_text(row) + ".";
+  const ImVec4 color = changed ? ImVec4(1.0f, 0.72f, 0.30f, 1.0f) : ImGui::GetStyleColorVec4(ImGuiCol_Text);
+  ImGui::PushStyleColor(ImGuiCol_Text, color);
+  label(row.label, row.description + unit);
+  ImGui::PopStyleColor();
   const float back = ImGui::GetFrameHeight() + ImGui::GetStyle().ItemInnerSpacing.x;
   ImGui::SetNextItemWidth(ImGui::GetContentRegionAvail().x - back);
   const auto shown = [this](const hd::Vec3f& color) { return session_->shown(color); };
@@ -129,10 +110,7 @@ void Panels::draw_prim(const hd::Path& prim, const std::vector<ParameterRow>& ro
       continue;
     const std::string texture = type.empty() ? edits.texture(prim, row.name) : std::string();
     if (!texture.empty()) {
-      ImGui::AlignTextToFramePadding();
-      ImGui::TextUnformatted(row.label.c_str());
-      help(row.description);
-      same_line_as_label();
+      label(row.label, row.description);
       if (widgets_->button("constant##" + row.name, "Use one value in place of the image."))
         session_->edit([&] { edits.set(prim, row, edits.value(prim, row)); });
       ImGui::SameLine();

@@ -13,8 +13,7 @@ class Panels {
 
   void draw_toolbar();
   void draw_side();
-  /// `frames`: pictures of the window per second.
-  void draw_status(const ViewStatus& status, double frames, const std::optional<hd::Vec2d>& mouse);
+  void draw_status(const ViewStatus& status, const std::optional<hd::Vec2d>& mouse);
   /// Shows what was picked, and its material; empty: nothing.
   void show(const std::optional<Picked>& picked);
   /// Letters and the space bar, where no field has the keyboard.
@@ -37,7 +36,7 @@ class Panels {
   bool draw_row(const ParameterRow& row, bool changed, bool* reset, hd::Value* value);
   void pick_prim(const char* name, const std::vector<hd::Path>& prims, hd::Path* chosen);
   void save_picture();
-  void save_description();
+  void tell_saved(bool written, const std::string& file);
 
   ViewSession* session_;
   Widgets* widgets_;

@@ -11,7 +11,7 @@
 namespace alabaster::view {
 namespace {
 
-using nlohmann::json;
+using json = nlohmann::ordered_json;  // rows have the order of the tables
 
 constexpr double kInfinite = std::numeric_limits<double>::infinity();
 constexpr double kMostInteger = (1 << 30) - 1, kMostNumber = 1e37;  // that sliders take
@@ -74,7 +74,7 @@ bool read_type(const json& schema, const json& entry, ParameterRow* row) {
 
 }  // namespace
 
-std::vector<ParameterRow> parameter_rows(const std::string& schema, const std::vector<std::string>& first) {
+std::vector<ParameterRow> parameter_rows(const std::string& schema) {
   std::vector<ParameterRow> rows;
   const char* const text = hd::description::SchemaText(schema);
   if (!text) return rows;
@@ -89,8 +89,6 @@ std::vector<ParameterRow> parameter_rows(const std::string& schema, const std::v
     row.applies_to = entry.value("appliesTo", std::vector<std::string>());
     if (read_type(entry.contains("anyOf") ? entry["anyOf"][0] : entry, entry, &row)) rows.push_back(std::move(row));
   }
-  const auto place = [&](const ParameterRow& row) { return std::find(first.begin(), first.end(), row.name); };
-  std::stable_sort(rows.begin(), rows.end(), [&](const auto& a, const auto& b) { return place(a) < place(b); });
   return rows;
 }
 

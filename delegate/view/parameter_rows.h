@@ -23,9 +23,9 @@ struct ParameterRow {
   std::vector<std::string> applies_to;  // types of lights; empty: all
 };
 
-/// The rows of a schema that alabaster::hd::description::SchemaText knows, in alphabetical order but for those that
-/// `first` names. Parameters that are lists of other things than three numbers are left out.
-std::vector<ParameterRow> parameter_rows(const std::string& schema, const std::vector<std::string>& first = {});
+/// The rows of a schema that alabaster::hd::description::SchemaText knows, in its order. Parameters that are lists of
+/// other things than three numbers are left out.
+std::vector<ParameterRow> parameter_rows(const std::string& schema);
 
 /// The range of a slider: a typed number may go beyond, up to the row's own limits.
 struct SoftRange {

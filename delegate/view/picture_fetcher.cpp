@@ -78,14 +78,8 @@ std::array<float, 2> PictureFetcher::Range::of(hd::RenderBuffer* now) {
   const size_t kept = components == 1 ? 1 : 3;
   if (other || memory.format != format) memory = {}, memory.format = format;
   buffer = now, found_in = generation, found_at = time;
-  for (int tries = 0; tries < 2 && !now->ResolveTo(&memory); ++tries) {
-    values.resize(kept * size_t(memory.size.x) * size_t(memory.size.y));
-    memory.pixels = values.data();
-    memory.rowBytes = kept * sizeof(float) * size_t(memory.size.x);
-    memory.shown = 0;
-  }
-  range = values.empty() || memory.shown == 0 ? std::array{0.0f, 1.0f}
-                                              : finite_range(values.data(), nullptr, values.size() / kept, kept);
+  range = resolve(now, kept, &memory, &values) ? finite_range(values.data(), nullptr, values.size() / kept, kept)
+                                               : std::array{0.0f, 1.0f};
   return range;
 }
 
@@ -106,14 +100,8 @@ void PictureFetcher::make(Side* side, const PictureRequest& request) {
   hd::PixelMemory& memory = side->memory;
   memory.format = hd::Format::unorm8vec4;
   const uint64_t before = memory.shown;
-  for (int tries = 0; tries < 3 && !request.buffer->ResolveTo(&memory); ++tries) {
-    side->made.size = memory.size;
-    side->made.rgba.resize(size_t(memory.size.x) * size_t(memory.size.y) * 4);
-    memory.pixels = side->made.rgba.data();
-    memory.rowBytes = size_t(memory.size.x) * 4;
-    memory.shown = 0;
-  }
-  if (memory.shown == before || memory.shown == 0) return;
+  if (!resolve(request.buffer, 4, &memory, &side->made.rgba) || memory.shown == before) return;
+  side->made.size = memory.size;
   ++side->made.number;
   const std::lock_guard lock(mutex_);
   side->ready.size = side->made.size;

@@ -19,6 +19,19 @@ struct Picture {
   uint64_t number = 0;  // rises when pixels change
 };
 
+/// Brings `pixels`, rows of `components` of T, up to date with the buffer. False: it shows nothing yet.
+template <class T>
+bool resolve(hd::RenderBuffer* buffer, size_t components, hd::PixelMemory* memory, std::vector<T>* pixels) {
+  constexpr int kMostTries = 3;  // the buffer may get another size meanwhile
+  for (int tries = 0; tries < kMostTries && !buffer->ResolveTo(memory); ++tries) {
+    pixels->resize(components * size_t(memory->size.x) * size_t(memory->size.y));
+    memory->pixels = pixels->data();
+    memory->rowBytes = components * sizeof(T) * size_t(memory->size.x);
+    memory->shown = 0;
+  }
+  return memory->shown != 0 && !pixels->empty();
+}
+
 /// The buffer to show, and how.
 struct PictureRequest {
   hd::RenderBuffer* buffer = nullptr;  // null: none

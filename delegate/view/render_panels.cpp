@@ -36,20 +36,10 @@ std::string noise_text(const ViewStatus& s) {
   return "noise " + percent(s.noise) + " (" + percent(s.noise_low) + " to " + percent(s.noise_high) + ")";
 }
 
-const char* state_text(const ViewStatus& s, bool paused) {
+std::string state_text(const ViewStatus& s, bool paused) {
   if (s.state == hd::PassState::failed) return "failed";
   if (paused) return "paused";
-  if (s.denoised >= 0 && s.denoised < 1) return "denoising";
-  switch (s.state) {
-    case hd::PassState::preparing:
-      return "preparing";
-    case hd::PassState::converged:
-      return "done";
-    case hd::PassState::stopped:
-      return "stopped";
-    default:
-      return "rendering";
-  }
+  return s.denoised >= 0 && s.denoised < 1 ? "denoising" : s.state_name;
 }
 
 }  // namespace
@@ -61,36 +51,31 @@ void Panels::draw_toolbar() {
   const float em = ImGui::GetFontSize();
   std::string aov = session_->aov();
   const bool named = ImGui::GetWindowWidth() > kNamedWidth * em;
-  const auto name_next = [named](const char* name) {
-    if (!named) return ImGui::SameLine();
-    ImGui::SameLine(0, ImGui::GetFontSize());
-    ImGui::AlignTextToFramePadding();
-    ImGui::TextDisabled("%s", name);
-    ImGui::SameLine(0, ImGui::GetStyle().ItemInnerSpacing.x);
+  const auto next = [named, em](const char* name, float letters) {
+    ImGui::SameLine(0, named ? em : -1);
+    if (named) {
+      ImGui::AlignTextToFramePadding();
+      ImGui::TextDisabled("%s", name);
+      ImGui::SameLine(0, ImGui::GetStyle().ItemInnerSpacing.x);
+    }
+    ImGui::SetNextItemWidth(em * letters);
+    return name;
   };
-  name_next("AOV");
-  ImGui::SetNextItemWidth(em * 9);
-  if (widgets_->menu("AOV", aovs_, &aov)) session_->show_aov(aov);
+  if (widgets_->menu(next("AOV", 9), aovs_, &aov)) session_->show_aov(aov);
   help("Layer that is shown. Light and colours are shown by the display's view, other numbers as colours.");
 
   std::vector<std::string> displays, views;
-  for (const DisplayChoice& choice : session_->displays()) {
+  for (const hd::host::ColorDisplay& choice : session_->displays()) {
     displays.push_back(choice.name);
     if (choice.name == session_->display()) views = choice.views;
   }
   std::string display = session_->display(), view = session_->display_view();
-  name_next("Display");
-  ImGui::SetNextItemWidth(em * 8);
-  if (widgets_->menu("Display", displays, &display)) session_->set_display(display, "");
+  if (widgets_->menu(next("Display", 8), displays, &display)) session_->set_display(display, "");
   help("Display of the OpenColorIO configuration.");
-  name_next("View");
-  ImGui::SetNextItemWidth(em * 8);
-  if (widgets_->menu("View", views, &view)) session_->set_display(display, view);
+  if (widgets_->menu(next("View", 8), views, &view)) session_->set_display(display, view);
   help("View of that display.");
-  name_next("Exposure");
-  ImGui::SetNextItemWidth(em * 9);
   float exposure = session_->exposure();
-  if (widgets_->slider("Exposure", &exposure, -6, 6, "%+.2f stops")) session_->set_exposure(exposure);
+  if (widgets_->slider(next("Exposure", 9), &exposure, -6, 6, "%+.2f stops")) session_->set_exposure(exposure);
   help("Exposure of the display: nothing is rendered again. Keys [ and ]. A click with Ctrl types a number.");
   draw_compare();
 }
@@ -109,9 +94,7 @@ void Panels::draw_compare() {
 void Panels::draw_quality() {
   std::vector<std::string> names{"as the scene says"};
   for (const auto& preset : hd::description::QualityPresets()) names.push_back(preset.name);
-  ImGui::AlignTextToFramePadding();
-  ImGui::TextUnformatted("Quality");
-  same_line_as_label();
+  label("Quality");
   ImGui::SetNextItemWidth(-1);
   if (widgets_->menu("Quality", names, &quality_)) {
     for (const ParameterRow& row : setting_rows_)
@@ -145,9 +128,7 @@ void Panels::draw_quality() {
 void Panels::draw_render() {
   draw_quality();
   std::string size = reduction_ == 1 ? "as large as shown" : "1/" + std::to_string(reduction_) + " of that";
-  ImGui::AlignTextToFramePadding();
-  ImGui::TextUnformatted("Pixels");
-  same_line_as_label();
+  label("Pixels");
   ImGui::SetNextItemWidth(-1);
   if (widgets_->menu("Pixels", {"as large as shown", "1/2 of that", "1/4 of that"}, &size))
     reduction_ = size[0] == 'a' ? 1 : size[2] - '0';
@@ -163,17 +144,13 @@ void Panels::draw_render() {
   ImGui::EndChild();
 }
 
-void Panels::save_picture() {
-  saved_ = session_->save_picture(picture_file_, scene_file_) ? "Wrote " + picture_file_
-                                                              : "The picture was not written: see Messages.";
+void Panels::tell_saved(bool written, const std::string& file) {
+  saved_ = written ? "Wrote " + file : file + " was not written: see Messages.";
   saved_at_ = ImGui::GetTime();
 }
 
-void Panels::save_description() {
-  saved_ = session_->save_description(description_file_, scene_file_)
-               ? "Wrote " + description_file_
-               : "The description was not written: see Messages.";
-  saved_at_ = ImGui::GetTime();
+void Panels::save_picture() {
+  tell_saved(session_->save_picture(picture_file_, scene_file_), picture_file_);
 }
 
 void Panels::draw_save() {
@@ -188,18 +165,18 @@ void Panels::draw_save() {
       "lights, settings. The scene's own files stay as they are.");
   ImGui::SetNextItemWidth(-1);
   widgets_->field("description file", &description_file_);
-  if (widgets_->button("Save description")) save_description();
+  if (widgets_->button("Save description"))
+    tell_saved(session_->save_description(description_file_, scene_file_), description_file_);
   ImGui::Separator();
   ImGui::TextWrapped("%s", saved_.c_str());
 }
 
-void Panels::draw_status(const ViewStatus& status, double frames, const std::optional<hd::Vec2d>& mouse) {
+void Panels::draw_status(const ViewStatus& status, const std::optional<hd::Vec2d>& mouse) {
   status_ = status;
-  const char* const state = state_text(status, session_->paused());
   char text[300];
-  std::snprintf(text, sizeof text, "%s   %u of %u samples   %s   %s", state, status.samples, status.samples_total,
-                duration(status.seconds).c_str(), noise_text(status).c_str());
-  std::string line = text;
+  std::snprintf(text, sizeof text, "   %u of %u samples   ", status.samples, status.samples_total);
+  std::string line =
+      state_text(status, session_->paused()) + text + duration(status.seconds) + "   " + noise_text(status);
   const double target = session_->setting("targetError").number_or(0);
   const double goal = target > 0 ? target : 0.02, left = seconds_to(status, goal);
   if (left > 0) line += "   " + percent(goal) + " in about " + duration(left);
@@ -224,7 +201,8 @@ void Panels::draw_status(const ViewStatus& status, double frames, const std::opt
     right += text;
   }
   const float end = ImGui::GetContentRegionMax().x, room = end - ImGui::CalcTextSize(line.c_str()).x - 30 * unit();
-  std::snprintf(text, sizeof text, "   %d x %d   %3.0f fps", session_->size().x, session_->size().y, frames);
+  std::snprintf(text, sizeof text, "   %d x %d   %3.0f fps", session_->size().x, session_->size().y,
+                double(ImGui::GetIO().Framerate));
   if (right.empty() || ImGui::CalcTextSize((right + text).c_str()).x <= room) right += text;
   const float width = ImGui::CalcTextSize(right.c_str()).x;
   ImGui::SameLine(end - std::min(width, room));

@@ -47,18 +47,6 @@ std::string text(const hd::Dictionary& stats, const char* key) {
   return found == stats.end() ? std::string() : found->second.text_or("");
 }
 
-// A setting in the type that the renderer has it in.
-Value as_type_of(const Value& type, const ParameterRow& row, const Value& shown) {
-  if (type.get<bool>()) return shown.number_or(0) != 0;
-  if (type.get<std::string>() || type.get<hd::Token>()) return shown.text_or("");
-  const double number = limited(row, shown.number_or(0));
-  if (type.get<int32_t>()) return int32_t(std::lround(number));
-  if (type.get<int64_t>()) return int64_t(std::llround(number));
-  if (type.get<uint32_t>()) return uint32_t(std::llround(number));
-  if (type.get<float>()) return float(number);
-  return number;
-}
-
 }  // namespace
 
 double seconds_to(const ViewStatus& status, double target) {
@@ -75,13 +63,7 @@ std::vector<float> PixelReader::values(hd::RenderBuffer* buffer, double x, doubl
                                      hd::Format::float32vec4};
   const hd::Format format = kFormats[components - 1];
   if (buffer != buffer_ || memory_.format != format) memory_ = {}, memory_.format = format, buffer_ = buffer;
-  for (int tries = 0; tries < 2 && !buffer->ResolveTo(&memory_); ++tries) {
-    pixels_.resize(size_t(memory_.size.x) * size_t(memory_.size.y) * components);
-    memory_.pixels = pixels_.data();
-    memory_.rowBytes = size_t(memory_.size.x) * components * sizeof(float);
-    memory_.shown = 0;
-  }
-  if (pixels_.empty() || memory_.shown == 0) return {};
+  if (!resolve(buffer, components, &memory_, &pixels_)) return {};
   const int column = std::clamp(int(x * memory_.size.x), 0, memory_.size.x - 1);
   const int row = std::clamp(int(y * memory_.size.y), 0, memory_.size.y - 1);
   const size_t at = (size_t(row) * size_t(memory_.size.x) + size_t(column)) * components;
@@ -96,7 +78,7 @@ ViewSession::ViewSession(cli::SceneSession* loaded, hd::DiagnosticSink sink)
   pass_ = loaded_->delegate()->CreateRenderPass();
   state_.camera = settings_.camera;
   state_.windowPolicy = settings_.windowPolicy;
-  displays_ = read_displays(hd::host::DescribeColors(loaded_->colors(), sink_));
+  displays_ = hd::host::ListDisplays(loaded_->colors(), sink_);
   // AOV color is shown as it was rendered; AOV denoised has the other picture.
   const auto denoise = settings_.settings.find("denoise");
   loaded_->delegate()->SetRenderSetting("denoise", false);
@@ -130,6 +112,7 @@ ViewStatus ViewSession::status() const {
   const hd::Dictionary stats = loaded_->delegate()->GetRenderStats();
   ViewStatus s;
   if (pass_) s.state = pass_->GetState();
+  s.state_name = text(stats, "state");
   s.samples = uint32_t(stat(stats, "numCompletedSamples", 0));
   s.samples_total = uint32_t(stat(stats, "samplesTotal", 0));
   s.seconds = stat(stats, "totalClockTime", 0);
@@ -205,7 +188,7 @@ bool ViewSession::set_display(const std::string& display, const std::string& vie
   ++display_version_;
   display_name_ = display, view_name_ = view;
   if (display_name_.empty() && !displays_.empty()) display_name_ = displays_[0].name;
-  for (const DisplayChoice& choice : displays_)
+  for (const hd::host::ColorDisplay& choice : displays_)
     if (choice.name == display_name_ && view_name_.empty() && !choice.views.empty()) view_name_ = choice.views[0];
   return true;
 }
@@ -273,7 +256,7 @@ Value ViewSession::setting(const std::string& key) const {
 }
 
 void ViewSession::set_setting(const ParameterRow& row, const Value& value) {
-  const Value typed = as_type_of(setting(row.name), row, value);
+  const Value typed = stored_value(row, value);
   loaded_->delegate()->SetRenderSetting(row.name, typed);
   changed_settings_[row.name] = typed;
   changed();

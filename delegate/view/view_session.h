@@ -6,7 +6,7 @@
 #include "delegate/cli/scene_session.h"
 #include "delegate/host/display_transform.h"
 #include "delegate/host/picker.h"
-#include "delegate/view/display_list.h"
+#include "delegate/host/product_writer.h"
 #include "delegate/view/orbit_camera.h"
 #include "delegate/view/picture_fetcher.h"
 #include "delegate/view/scene_edits.h"
@@ -15,6 +15,7 @@ namespace alabaster::view {
 
 struct ViewStatus {
   hd::PassState state = hd::PassState::idle;
+  std::string state_name;
   uint32_t samples = 0, samples_total = 0;  // per pixel
   double seconds = 0;                       // of rendering
   bool covered = false;                     // the picture covers the frame
@@ -62,7 +63,6 @@ class ViewSession {
   void update();
   ViewStatus status() const;
 
-  const hd::RenderSettingsDescription& frame() const { return settings_; }
   /// Width over height of the frame as a screen shows it.
   double aspect() const;
   void set_size(hd::Vec2i size);
@@ -74,7 +74,7 @@ class ViewSession {
   void compare(Compare how);
   Compare compared() const { return compare_; }
 
-  const std::vector<DisplayChoice>& displays() const { return displays_; }
+  const std::vector<hd::host::ColorDisplay>& displays() const { return displays_; }
   /// False after a report. Empty names: the configuration's defaults.
   bool set_display(const std::string& display, const std::string& view);
   const std::string& display() const { return display_name_; }
@@ -152,7 +152,7 @@ class ViewSession {
   std::string aov_ = "color";
   Compare compare_ = Compare::rendered;
   bool paused_ = false, dirty_ = true, camera_motion_told_ = false;
-  std::vector<DisplayChoice> displays_;
+  std::vector<hd::host::ColorDisplay> displays_;
   std::string display_name_, view_name_;
   float exposure_ = 0;
   std::shared_ptr<hd::host::DisplayTransform> display_;

@@ -152,6 +152,13 @@ void help(const std::string& text) {
   ImGui::EndTooltip();
 }
 
+void label(const std::string& text, const std::string& explanation) {
+  ImGui::AlignTextToFramePadding();
+  ImGui::TextUnformatted(text.c_str());
+  help(explanation);
+  ImGui::SameLine(ImGui::GetCursorStartPos().x + 12.5f * ImGui::GetFontSize());
+}
+
 bool edit_parameter(Widgets* widgets, const ParameterRow& row, double scene_size,
                     const std::function<hd::Vec3f(hd::Vec3f)>& shown, hd::Value* value) {
   if (row.kind == RowKind::toggle) {

@@ -45,13 +45,11 @@ inline float unit() {
   return ImGui::GetFontSize() / 15;
 }
 
-/// Behind a label: goes on where all widgets begin.
-inline void same_line_as_label() {
-  ImGui::SameLine(ImGui::GetCursorStartPos().x + 12.5f * ImGui::GetFontSize());
-}
-
 /// Explains the last item while the mouse rests on it.
 void help(const std::string& text);
+
+/// The name of the widget that follows on the same line, where all widgets begin.
+void label(const std::string& text, const std::string& explanation = "");
 
 /// A slider, field or menu for a parameter; true with the new value in *value once the user changes it. `shown` gives a
 /// colour as the display shows it.

@@ -11,12 +11,7 @@
 #include <thread>
 
 #include "delegate/cli/exit_codes.h"
-#include "delegate/support/output_file.h"
-#include "delegate/view/frame_times.h"
 #include "delegate/view/panels.h"
-#include "delegate/view/picture_panel.h"
-#include "delegate/view/script_player.h"
-#include "delegate/view/window_state.h"
 
 namespace alabaster::view {
 namespace {
@@ -76,17 +71,6 @@ class Screen {
     set_style(now.units(1));
     glfwSetWindowSizeLimits(window, int(now.units(kLeastWidth)), int(now.units(kLeastHeight)), GLFW_DONT_CARE,
                             GLFW_DONT_CARE);
-  }
-
-  static ScreenScale scale_of(GLFWwindow* window) {
-    ScreenScale scale;
-    int width = 0, height = 0, pixels = 0;
-    glfwGetWindowSize(window, &width, &height);
-    glfwGetFramebufferSize(window, &pixels, &height);
-    glfwGetWindowContentScale(window, &scale.content, nullptr);
-    if (!(scale.content > 0)) scale.content = 1;
-    if (width > 0 && pixels > 0) scale.density = float(pixels) / float(width);
-    return scale;
   }
 
   GLFWwindow* window = nullptr;
@@ -150,12 +134,10 @@ class PictureTexture {
 
 class Window {
  public:
-  Window(ViewSession* session, Messages* messages, const WindowOptions& options, cli::Console* console)
+  Window(ViewSession* session, Messages* messages, const WindowOptions& options)
       : session_(session),
         messages_(messages),
-        console_(console),
-        scripted_(!options.script.actions.empty()),
-        player_(options.script),
+        driver_(options.driver),
         panels_(session, &widgets_, messages, options.scene_file),
         picture_(session) {}
 
@@ -175,11 +157,9 @@ class Window {
       status_ = session_->status();
       heed_failure();
       bring_pictures();
-      draw(width, height);
-      const double drawn = glfwGetTime();
-      if (const int code = grant_wishes(width, height); code >= 0) return code;
+      draw(width, height, begun);
+      if (const int code = driver_ ? driver_->see(stage(begun)) : -1; code >= 0) return code;
       glfwSwapBuffers(window_);
-      times_.add(glfwGetTime(), 1e3 * (drawn - begun));
       const double left = kFrame - (glfwGetTime() - begun);
       if (rests())
         glfwWaitEventsTimeout(kRest);
@@ -203,10 +183,10 @@ class Window {
     ++quiet_;
   }
 
-  void draw(int width, int height) {
+  void draw(int width, int height, double begun) {
     ImGui_ImplOpenGL3_NewFrame();
     ImGui_ImplGlfw_NewFrame();
-    if (scripted_) player_.feed({window_, &picture_, &widgets_, status_, settled(), glfwGetTime()});
+    if (driver_) driver_->feed(stage(begun));
     ImGui::NewFrame();
     widgets_.begin_frame();
     panels_.handle_keys();
@@ -240,7 +220,7 @@ class Window {
       ImGui::End();
     }
     begin("status", {0, size.y - bar}, {size.x, bar});
-    panels_.draw_status(status_, times_.per_second(), picture_.hovered());
+    panels_.draw_status(status_, picture_.hovered());
     ImGui::End();
   }
 
@@ -269,47 +249,14 @@ class Window {
   bool rests() const {
     const bool over =
         session_->paused() || status_.state == hd::PassState::converged || status_.state == hd::PassState::failed;
-    return over && !scripted_ && quiet_ > kQuietFrames && !fetcher_.busy() && !ImGui::IsAnyItemActive();
+    return over && !driver_ && quiet_ > kQuietFrames && !fetcher_.busy() && !ImGui::IsAnyItemActive();
   }
 
-  int grant_wishes(int width, int height) {
-    if (!scripted_) return -1;
-    const ScriptPlayer::Wish wish = player_.take_wish();
-    if (!wish.screenshot.empty() && !save_screenshot(wish.screenshot, width, height)) return cli::kOutput;
-    if (wish.state) {
-      std::puts(
-          window_state(*session_, status_, picture_.picked(), *messages_, Screen::scale_of(window_), &times_).c_str());
-      std::fflush(stdout);
-    }
-    if (!player_.problem().empty()) {
-      console_->error("--script", player_.problem());
-      return cli::kRender;
-    }
-    return wish.quit ? int(cli::kDone) : -1;
-  }
-
-  // As PPM, the uppermost row first.
-  bool save_screenshot(const std::string& file, int width, int height) {
-    const size_t row = size_t(width) * 3;
-    std::vector<uint8_t> pixels(row * size_t(height));
-    glPixelStorei(GL_PACK_ALIGNMENT, 1);
-    glReadPixels(0, 0, width, height, GL_RGB, GL_UNSIGNED_BYTE, pixels.data());
-    const std::string header = "P6\n" + std::to_string(width) + " " + std::to_string(height) + "\n255\n";
-    std::vector<uint8_t> bytes(header.begin(), header.end());
-    for (int y = height - 1; y >= 0; --y) {
-      const auto first = pixels.begin() + std::ptrdiff_t(row * size_t(y));
-      bytes.insert(bytes.end(), first, first + std::ptrdiff_t(row));
-    }
-    const std::string problem = hd::support::WriteOutputFile(file, bytes);
-    if (!problem.empty()) console_->error(file, "The screenshot could not be written: " + problem + ".");
-    return problem.empty();
-  }
+  Stage stage(double begun) { return {window_, &picture_, &widgets_, session_, messages_, status_, settled(), begun}; }
 
   ViewSession* session_;
   Messages* messages_;
-  cli::Console* console_;
-  const bool scripted_;
-  ScriptPlayer player_;
+  WindowDriver* const driver_;
   Widgets widgets_;
   Panels panels_;
   PicturePanel picture_;
@@ -318,13 +265,23 @@ class Window {
   PictureTexture textures_[2];
   GLFWwindow* window_ = nullptr;
   ViewStatus status_;
-  FrameTimes times_;
   hd::Vec2i asked_size_{0, 0};
   double asked_at_ = 0;
   int quiet_ = 0;  // pictures of the window since the last new pixels
 };
 
 }  // namespace
+
+ScreenScale scale_of(GLFWwindow* window) {
+  ScreenScale scale;
+  int width = 0, height = 0, pixels = 0;
+  glfwGetWindowSize(window, &width, &height);
+  glfwGetFramebufferSize(window, &pixels, &height);
+  glfwGetWindowContentScale(window, &scale.content, nullptr);
+  if (!(scale.content > 0)) scale.content = 1;
+  if (width > 0 && pixels > 0) scale.density = float(pixels) / float(width);
+  return scale;
+}
 
 int run_window(ViewSession* session, Messages* messages, const WindowOptions& options, cli::Console* console) {
   Screen screen;
@@ -333,7 +290,7 @@ int run_window(ViewSession* session, Messages* messages, const WindowOptions& op
                                  ". A display with OpenGL 3 is needed: run it in a desktop session, or with xvfb-run.");
     return cli::kRender;
   }
-  return Window(session, messages, options, console).run(&screen);
+  return Window(session, messages, options).run(&screen);
 }
 
 }  // namespace alabaster::view

@@ -49,7 +49,7 @@ OWNERS = {  # pattern of an include -> files that may have it
     r"OpenColorIO/": ["core/color/"],
     r"OpenImageIO/": ["core/images/open_image_io/"],
     r"tiny_gltf": ["delegate/gltf/"],
-    r"CLI/": ["delegate/cli/", "delegate/view/main"],
+    r"CLI/": ["delegate/cli/", "delegate/view/program"],
     r"imgui|GLFW/": ["delegate/view/"],
     r"xxhash": ["core/digest/"],
     r"dlfcn\.h": ["core/denoise/", "core/images/", "delegate/rendering/factory", "delegate/hydra/plugin/renderer_plugin"],

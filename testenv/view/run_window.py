@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Tests the window by its own scripts, on a screen of its own (Xvfb, software OpenGL), and looks at the pixels.
+"""Tests the window by scripts of a user's actions, on a screen of its own (Xvfb, software OpenGL), and looks at the pixels.
 
   run_window.py --build build/release             the tests, as ctest runs them; skipped without the window or Xvfb
   run_window.py --build build/release --results   frame rates and a screenshot of each panel, into testenv/view/results
@@ -80,6 +80,7 @@ class Window:
 
     def __init__(self, build, folder, display, oidn):
         self.program = pathlib.Path(build).resolve() / "bin" / "alabaster"
+        self.player = self.program.with_name("alabaster-view-player")
         self.folder = pathlib.Path(folder)
         self.environment = {k: v for k, v in os.environ.items() if k not in ("DISPLAY", "WAYLAND_DISPLAY", "OCIO")}
         self.environment["LIBGL_ALWAYS_SOFTWARE"] = "1"
@@ -88,15 +89,15 @@ class Window:
         if oidn:
             self.environment["ALABASTER_OIDN"] = str(oidn)
 
-    def run(self, *arguments, timeout=1800):
-        return subprocess.run([str(self.program), *map(str, arguments)], cwd=self.folder, env=self.environment,
-                              capture_output=True, text=True, timeout=timeout)
+    def run(self, *arguments, program=None):
+        return subprocess.run([str(program or self.program), *map(str, arguments)], cwd=self.folder, env=self.environment,
+                              capture_output=True, text=True, timeout=1800)
 
     def play(self, scene, lines, *arguments):
         """The states that a script prints, one after the other; ends the test where it fails."""
         script = self.folder / "script.txt"
         script.write_text("\n".join(lines) + "\nquit\n")
-        done = self.run("view", scene, "--script", script, *arguments)
+        done = self.run(script, scene, *arguments, program=self.player)
         if done.returncode != 0:
             numbered = "\n".join(f"{i:3} {line}" for i, line in enumerate(lines, 1))
             raise SystemExit(f"error: exit code {done.returncode}\n{done.stdout}{done.stderr}\n{numbered}")
@@ -110,8 +111,8 @@ class Window:
 
 def why_not(build):
     """The reason why the window cannot be tested here, or None."""
-    if not (pathlib.Path(build) / "bin" / "alabaster-view").exists():
-        return "the build has no alabaster-view: install testenv/packages_window.txt and configure again"
+    if not (pathlib.Path(build) / "bin" / "alabaster-view-player").exists():
+        return "the build has no alabaster-view-player: install testenv/packages_window.txt and configure again"
     for program, package in (("Xvfb", "xvfb"), ("oiiotool", "openimageio-tools")):
         if not shutil.which(program):
             return f"{program} is missing: apt-get install {package}"

@@ -277,7 +277,7 @@ def dense_screens(plain, dense):
 
 def faults_of_scripts(window, scene):
     (window.folder / "lost.txt").write_text("wait covered\npress Nothing\n")
-    lost = window.run("view", scene, "--script", "lost.txt")
+    lost = window.run("lost.txt", scene, program=window.player)
     check(lost.returncode == 4 and "line 2: there is no widget 'Nothing'" in lost.stderr, f"{lost.returncode}: {lost.stderr}")
 
 
@@ -288,20 +288,20 @@ def refusals(window):
     (window.folder / "bad.json").write_text('{"gltf": [{"file": "target.gltf"}], "lihgts": []}')
     for arguments, code, text in (
             ([scene], 4, "could not be opened"), (["missing.json"], 3, "missing.json"), (["bad.json"], 3, "lights"),
-            ([scene, "--script", "bad.txt"], 2, "line 1: there is no action 'fly'"),
-            ([scene, "--script", "missing.txt"], 2, "cannot be read"),
-            ([scene, "--script", "/dev/zero"], 2, "cannot be read"), ([], 2, "file is required"), (["--help"], 0, "--script"),
+            ([], 2, "file is required"), (["--help"], 0, "--camera"),
             ([scene, "--ocio", "missing.ocio"], 3, "missing.ocio"), ([scene, "--fly"], 2, "--fly"),
             ([scene, "--time", "soon"], 2, "'soon' is not a time"), ([scene, "--camera", "lost"], 2, "camera lost"),
             ([scene, "--set", "materials/red.rouhgness=1"], 2, "roughness"), ([scene, "--variant", "lost"], 2, "lost")):
         done = window.run("view", *arguments)
         check(done.returncode == code and text in done.stdout + done.stderr,
               f"view {arguments}: exit code {done.returncode} instead of {code}, {done.stdout}{done.stderr}")
+    for script, text in (("bad.txt", "line 1: there is no action 'fly'"), ("missing.txt", "cannot be read"),
+                         ("/dev/zero", "cannot be read")):
+        done = window.run(script, scene, program=window.player)
+        check(done.returncode == 2 and text in done.stderr, f"script {script}: {done.returncode}, {done.stderr}")
     lone = window.folder / "alabaster"
     lone.write_bytes(window.program.read_bytes())
     lone.chmod(0o755)
     window.environment["LD_LIBRARY_PATH"] = str(window.program.parents[1] / "lib")
-    alone, window.program = window.program, lone
-    done = window.run("view", scene)
-    window.program = alone
+    done = window.run("view", scene, program=lone)
     check(done.returncode == 2 and "libglfw3-dev" in done.stderr, f"without the window: {done.returncode}, {done.stderr}")

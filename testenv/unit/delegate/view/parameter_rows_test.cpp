@@ -64,11 +64,15 @@ TEST(ParameterRows, ARowHasTheSchemasWords) {
   EXPECT_EQ(find(lights, "length").applies_to, std::vector<std::string>{"cylinderLight"});
 }
 
-TEST(ParameterRows, NamedRowsComeFirst) {
-  const auto rows = parameter_rows("disney_material", {"scatterDistance", "baseColor"});
-  EXPECT_EQ(rows[0].name, "scatterDistance");
-  EXPECT_EQ(rows[1].name, "baseColor");
-  EXPECT_EQ(rows.size(), parameter_rows("disney_material").size());
+TEST(ParameterRows, RowsHaveTheOrderOfTheirSchema) {
+  for (const char* schema : {"disney_material", "lights", "camera", "render_settings"}) {
+    const auto document = nlohmann::ordered_json::parse(hd::description::SchemaText(schema));
+    const auto rows = parameter_rows(schema);
+    auto row = rows.begin();
+    for (const auto& [name, entry] : document["properties"].items())
+      if (row != rows.end() && row->name == name) ++row;
+    EXPECT_EQ(row, rows.end()) << schema << ": " << (row == rows.end() ? "" : row->name);
+  }
 }
 
 // A slider shows where its value stands, whatever a file or a keyboard has set.

@@ -1,4 +1,4 @@
-#include "delegate/view/frame_times.h"
+#include "testenv/view/player/frame_times.h"
 
 #include <algorithm>
 
@@ -16,15 +16,8 @@ double quantile(std::vector<double> values, double share) {
 void FrameTimes::add(double seconds, double work) {
   at_.push_back(seconds);
   work_.push_back(work);
-  recent_.push_back(seconds);
-  std::erase_if(recent_, [&](double at) { return at < seconds - 1; });
   constexpr size_t kMost = 100000;
   if (at_.size() > kMost) at_.erase(at_.begin()), work_.erase(work_.begin());
-}
-
-double FrameTimes::per_second() const {
-  if (recent_.size() < 2 || recent_.back() <= recent_.front()) return 0;
-  return double(recent_.size() - 1) / (recent_.back() - recent_.front());
 }
 
 FrameTimes::Summary FrameTimes::take() {

@@ -1,4 +1,4 @@
-#include "delegate/view/window_state.h"
+#include "testenv/view/player/window_state.h"
 
 #include <nlohmann/json.hpp>
 
@@ -6,8 +6,10 @@ namespace alabaster::view {
 
 using nlohmann::json;
 
-std::string window_state(const ViewSession& session, const ViewStatus& status, const std::optional<Picked>& picked,
-                         const Messages& messages, const ScreenScale& scale, FrameTimes* times) {
+std::string window_state(const Stage& stage, FrameTimes* times) {
+  const ViewSession& session = *stage.session;
+  const ViewStatus& status = stage.status;
+  const ScreenScale scale = scale_of(stage.window);
   json state{{"samples", status.samples},     {"samplesTotal", status.samples_total}, {"noise", status.noise},
              {"seconds", status.seconds},     {"state", int(status.state)},           {"paused", session.paused()},
              {"aov", session.aov()},          {"exposure", session.exposure()},       {"display", session.display()},
@@ -16,14 +18,14 @@ std::string window_state(const ViewSession& session, const ViewStatus& status, c
   state["scale"] = {scale.content, scale.density};
   state["denoiser"] = status.denoiser;
   for (int i = 0; i < 16; ++i) state["camera"].push_back(session.camera().transform[i / 4][i % 4]);
-  if (picked) {
+  if (const auto& picked = stage.picture->picked()) {
     state["picked"] = {{"mesh", picked->hit.path.str()},
                        {"material", picked->material.str()},
                        {"face", picked->hit.face},
                        {"instances", picked->hit.instances.size()}};
   }
   state["messages"] = json::array();
-  for (const Messages::Entry& entry : messages.all())
+  for (const Messages::Entry& entry : stage.messages->all())
     state["messages"].push_back(entry.diagnostic.where + ": " + entry.diagnostic.text);
   const FrameTimes::Summary frames = times->take();
   state["frames"] = {{"count", frames.frames},

@@ -1,15 +1,13 @@
-// Plays a script: each picture of the window gets a little of the mouse and the keyboard, as from a user. Internal to
-// this room.
+// Plays a script: each picture of the window gets a little of the mouse and the keyboard, as from a user.
 #pragma once
 
 #include <array>
 #include <deque>
 #include <optional>
 
-#include "delegate/view/picture_panel.h"
-#include "delegate/view/script.h"
-
-struct GLFWwindow;
+#include "delegate/view/window.h"
+#include "testenv/view/player/frame_times.h"
+#include "testenv/view/player/script.h"
 
 namespace alabaster::view {
 
@@ -23,30 +21,13 @@ struct InputStep {
   int key = 0;           // of GLFW, pressed and released; 0: none
 };
 
-/// The window as a script sees it.
-struct Stage {
-  GLFWwindow* window = nullptr;
-  const PicturePanel* picture = nullptr;
-  Widgets* widgets = nullptr;
-  ViewStatus status;
-  bool settled = false;  // the picture that is shown is of the size and of the pixels that it should be
-  double seconds = 0;    // now
-};
-
-class ScriptPlayer {
+class ScriptPlayer final : public WindowDriver {
  public:
   explicit ScriptPlayer(Script script) : script_(std::move(script)) {}
 
-  /// Wishes for the window, to be met once it has been drawn.
-  struct Wish {
-    std::string screenshot;  // file; empty: none
-    bool state = false, quit = false;
-  };
-  /// Feeds the events of one picture; between the new frames of ImGui's backend and of ImGui.
-  void feed(const Stage& stage);
-  Wish take_wish() { return std::exchange(wish_, {}); }
-  /// Why the script cannot go on, with its line; empty if it can.
-  const std::string& problem() const { return problem_; }
+  void feed(const Stage& stage) override;
+  /// Prints states, writes screenshots, and ends the program at `quit` and where the script cannot go on.
+  int see(const Stage& stage) override;
 
  private:
   bool start(const ScriptAction& action, const Stage& stage);
@@ -67,8 +48,10 @@ class ScriptPlayer {
   ImVec2 mouse_{-1, -1};
   std::array<bool, 3> held_{};
   std::string opened_;  // the menu whose item comes next
-  Wish wish_;
-  std::string problem_;
+  FrameTimes times_;
+  std::string screenshot_;  // file that the next picture is written to; empty: none
+  bool state_ = false, quit_ = false;
+  std::string problem_;  // why the script cannot go on, with its line
 };
 
 }  // namespace alabaster::view

@@ -1,4 +1,4 @@
-// A list of a user's actions, for tests and demonstrations: --script FILE. One action a line; # begins a comment.
+// A list of a user's actions, which alabaster-view-player takes. One action a line; # begins a comment.
 //
 //   size W H                     the window's size in pixels, 1 to 16384
 //   wait covered|converged|samples N|seconds S [SECONDS]   that many seconds at most (60); longer fails the script

@@ -1,10 +1,15 @@
-#include "delegate/view/script_player.h"
+#include "testenv/view/player/script_player.h"
 
 #include <GLFW/glfw3.h>
 #include <imgui_impl_glfw.h>
 
 #include <algorithm>
 #include <cctype>
+#include <cstdio>
+
+#include "delegate/cli/exit_codes.h"
+#include "delegate/support/output_file.h"
+#include "testenv/view/player/window_state.h"
 
 namespace alabaster::view {
 namespace {
@@ -44,6 +49,23 @@ void press_with_control(GLFWwindow* window, int letter, bool down) {
 }
 #endif
 
+// As PPM, the uppermost row first. The reason why it could not be written, or empty.
+std::string save_screenshot(const std::string& file, GLFWwindow* window) {
+  int width = 0, height = 0;
+  glfwGetFramebufferSize(window, &width, &height);
+  const size_t row = size_t(width) * 3;
+  std::vector<uint8_t> pixels(row * size_t(height));
+  glPixelStorei(GL_PACK_ALIGNMENT, 1);
+  glReadPixels(0, 0, width, height, GL_RGB, GL_UNSIGNED_BYTE, pixels.data());
+  const std::string header = "P6\n" + std::to_string(width) + " " + std::to_string(height) + "\n255\n";
+  std::vector<uint8_t> bytes(header.begin(), header.end());
+  for (int y = height - 1; y >= 0; --y) {
+    const auto first = pixels.begin() + std::ptrdiff_t(row * size_t(y));
+    bytes.insert(bytes.end(), first, first + std::ptrdiff_t(row));
+  }
+  return hd::support::WriteOutputFile(file, bytes);
+}
+
 }  // namespace
 
 void ScriptPlayer::fail(const ScriptAction& action, const std::string& text) {
@@ -67,9 +89,9 @@ void ScriptPlayer::drag(int button, ImVec2 from, ImVec2 to) {
 }
 
 bool ScriptPlayer::is_over(const ScriptAction& wait, const Stage& stage) {
-  if (begun_ < 0) begun_ = stage.seconds;
+  if (begun_ < 0) begun_ = stage.begun;
   const std::string& what = wait.words[0];
-  const double waited = stage.seconds - begun_;
+  const double waited = stage.begun - begun_;
   if (what == "seconds") return waited >= wait.number(1);
   const bool counted = what == "samples";
   const bool whole = stage.settled && stage.status.state != hd::PassState::preparing;
@@ -85,13 +107,13 @@ bool ScriptPlayer::is_over(const ScriptAction& wait, const Stage& stage) {
 
 // Widgets in menus and beyond the edge of a panel appear some pictures after what shows them.
 bool ScriptPlayer::start_on_widget(const ScriptAction& action, const Stage& stage) {
-  if (begun_ < 0) begun_ = stage.seconds;
+  if (begun_ < 0) begun_ = stage.begun;
   const bool item = action.name == "choose" && !opened_.empty();
   const std::string name = item ? action.words[0] + "/" + action.words[1] : action.words[0];
   const Widgets::Place* const place = stage.widgets->find(name);
   if (!place || !place->visible) {
     stage.widgets->seek(name);
-    if (stage.seconds - begun_ > kWidgetWait) fail(action, "there is no widget '" + name + "' in sight");
+    if (stage.begun - begun_ > kWidgetWait) fail(action, "there is no widget '" + name + "' in sight");
     return false;
   }
   stage.widgets->seek("");
@@ -143,11 +165,11 @@ bool ScriptPlayer::start(const ScriptAction& a, const Stage& stage) {
     if (step.key == 0) return fail(a, "there is no key '" + name + "'"), false;
     steps_.push_back(step);
   } else if (a.name == "screenshot") {
-    wish_.screenshot = a.words[0];
+    screenshot_ = a.words[0];
   } else if (a.name == "state") {
-    wish_.state = true;
+    state_ = true;
   } else if (a.name == "quit") {
-    wish_.quit = true;
+    quit_ = true;
   } else {
     return start_on_widget(a, stage);
   }
@@ -185,6 +207,25 @@ void ScriptPlayer::feed(const Stage& stage) {
   }
   io.MousePos = mouse_;
   for (size_t i = 0; i < held_.size(); ++i) io.MouseDown[i] = held_[i];
+}
+
+int ScriptPlayer::see(const Stage& stage) {
+  const double now = glfwGetTime();
+  times_.add(now, 1e3 * (now - stage.begun));
+  if (const std::string file = std::exchange(screenshot_, {}); !file.empty())
+    if (const std::string problem = save_screenshot(file, stage.window); !problem.empty()) {
+      std::fprintf(stderr, "error: %s: the screenshot could not be written: %s\n", file.c_str(), problem.c_str());
+      return cli::kOutput;
+    }
+  if (std::exchange(state_, false)) {
+    std::puts(window_state(stage, &times_).c_str());
+    std::fflush(stdout);
+  }
+  if (!problem_.empty()) {
+    std::fprintf(stderr, "error: script: %s\n", problem_.c_str());
+    return cli::kRender;
+  }
+  return quit_ ? int(cli::kDone) : -1;
 }
 
 }  // namespace alabaster::view

@@ -1,5 +1,5 @@
-// The language of --script.
-#include "delegate/view/script.h"
+// The language of scripts.
+#include "testenv/view/player/script.h"
 
 #include <gtest/gtest.h>
 

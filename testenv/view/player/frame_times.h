@@ -9,8 +9,6 @@ class FrameTimes {
  public:
   /// A picture of the window that appeared at `seconds`, after `work` milliseconds of this thread.
   void add(double seconds, double work);
-  /// Over the last second.
-  double per_second() const;
 
   struct Summary {
     int frames = 0;
@@ -22,7 +20,6 @@ class FrameTimes {
 
  private:
   std::vector<double> at_, work_;
-  std::vector<double> recent_;
 };
 
 }  // namespace alabaster::view

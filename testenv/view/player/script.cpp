@@ -1,4 +1,4 @@
-#include "delegate/view/script.h"
+#include "testenv/view/player/script.h"
 
 #include <algorithm>
 #include <charconv>

@@ -1,0 +1,73 @@
+// The program alabaster-view: a window on a scene. It uses the public contract and the kit, nothing else.
+#include <CLI/CLI.hpp>
+#include <cstdio>
+#include <filesystem>
+#include <iostream>
+#include <sstream>
+
+#include "delegate/cli/control_characters.h"
+#include "delegate/cli/exit_codes.h"
+#include "delegate/cli/scene_options.h"
+#include "delegate/view/window.h"
+
+namespace alabaster::view {
+namespace {
+
+struct Arguments {
+  cli::SceneArguments scene;
+  bool quiet = false;
+};
+
+int view(const Arguments& a, WindowDriver* driver) {
+  cli::Console console(a.quiet);
+  Messages messages;
+  const hd::DiagnosticSink print = console.sink();
+  const hd::DiagnosticSink sink = [&](const hd::Diagnostic& d) {
+    print(d);
+    messages.add(d);
+  };
+  WindowOptions options;
+  options.driver = driver;
+  if (const int code = check_scene_arguments(a.scene, console); code != cli::kDone) return code;
+  hd::description::LoadOptions load = scene_load_options(a.scene);
+  load.keep_going = true;  // an image that is missing is a message in the window, and may appear
+  cli::SceneSession session;
+  if (const int code = load_scene(a.scene, load, console, sink, &session); code != cli::kDone) return code;
+  for (const std::string& note : session.file.notes) messages.add({hd::Severity::info, "scene.note", "", note});
+  if (!session.start(sink)) return cli::kRender;
+  options.scene_file = a.scene.scene;
+  options.title = std::filesystem::path(a.scene.scene).filename().string() + " - Alabaster";
+  ViewSession shown(&session, sink);
+  return run_window(&shown, &messages, options, &console);
+}
+
+int run(int argc, char** argv, WindowDriver* driver) {
+  CLI::App app("A window on a scene: look around, pick, edit, save.", "alabaster view");
+  Arguments a;
+  cli::add_scene_options(&app, &a.scene);
+  app.add_flag("--quiet", a.quiet, "Print errors and warnings only");
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& e) {
+    std::ostringstream errors;
+    const int code = app.exit(e, std::cout, errors);
+    std::cerr << cli::without_control_characters(errors.str(), "\n");
+    return code == 0 ? cli::kDone : cli::kUsage;
+  }
+  return view(a, driver);
+}
+
+}  // namespace
+
+int run_program(int argc, char** argv, WindowDriver* driver) {
+  try {
+    return run(argc, argv, driver);
+  } catch (const std::bad_alloc&) {
+    std::fputs("error: not enough memory\n", stderr);
+  } catch (const std::exception& e) {
+    std::fprintf(stderr, "error: %s\n", e.what());
+  }
+  return cli::kRender;
+}
+
+}  // namespace alabaster::view
