@@ -16,18 +16,16 @@ Displacements displacements_of(const MeshRecord& mesh, const Records& records) {
   Displacements all;
   bool any = false;
   for (const Path& path : mesh.materials) {
-    const auto found = records.find(path);
-    const auto* record = found == records.end() ? nullptr : std::get_if<MaterialRecord>(&found->second);
+    const auto* record = find_record<MaterialRecord>(records, path);
     all.push_back(record ? record->material->displacement : std::nullopt);
     any |= all.back().has_value();
   }
   return any ? all : Displacements();
 }
 
-bool is_refined(const PulledMesh& mesh) {
-  // One that deforms is the same mesh at all times.
-  return mesh.point_samples.times.size() < 2 && mesh.style.refineLevel > 0 && !mesh.topology.scheme.empty() &&
-         !(mesh.topology.scheme == Token("none"));
+// One that deforms is the same mesh at all times.
+bool is_diced(const PulledMesh& mesh) {
+  return mesh.point_samples.times.size() < 2 && mesh.style.refineLevel > 0 && is_refined(mesh);
 }
 
 // Where the instances of a mesh stand at the frame's time. Faults of instancers are the translation's to report, and so
@@ -55,7 +53,7 @@ MeshRequest request_of(const Path& path, const MeshRecord& mesh, const Records& 
                        support::Placements& placements) {
   MeshRequest request{displacements_of(mesh, records), {}, {}, {}};
   if (!view.primvars.empty()) request.primvars = {view.primvars, mesh.other_primvars};
-  if (view.dicing.edge_length > 0 && is_refined(*mesh.source)) {
+  if (view.dicing.edge_length > 0 && is_diced(*mesh.source)) {
     request.dicing = view.dicing;
     request.placements = placements_of(path, mesh, placements);
   }
@@ -85,10 +83,7 @@ SceneFaults BuiltMeshes::faults(const Records& records, const support::Selection
 std::vector<BuiltMeshes::Entry*> BuiltMeshes::collect(const Scene& scene, const std::shared_ptr<MemoryBudget>& budget) {
   const auto& [records, selections, view] = scene;
   support::Placements placements(
-      [&](const Path& path) -> const InstancerRecord* {
-        const auto found = scene.records.find(path);
-        return found == scene.records.end() ? nullptr : std::get_if<InstancerRecord>(&found->second);
-      },
+      [&held = scene.records](const Path& path) { return find_record<InstancerRecord>(held, path); },
       [](const char*, const Path&, const std::string&) {}, hold_placements_in(budget));
   std::map<Path, Held> needed;
   std::vector<Entry*> to_build;

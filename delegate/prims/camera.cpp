@@ -39,12 +39,7 @@ void pull_clipping(const GetParameter& get, const Path& id, const alabaster::Dia
 
 void pull_parameters(const GetParameter& get, const Path& id, const alabaster::DiagnosticSink& sink,
                      CameraParameters* camera) {
-  const CameraParameters defaults;
-  for (const auto& parameter : camera_parameters()) {
-    const Value value = get(parameter.name);
-    set_parameter(parameter, get_parameter(parameter, defaults), camera);
-    if (!value.empty()) report_fault(sink, id.str(), parameter.name, set_parameter(parameter, value, camera), value);
-  }
+  read_parameters(camera_parameters(), get, id.str(), sink, camera);
   const std::string projection = get("projection").text_or("perspective");
   camera->orthographic = projection == "orthographic";
   if (!camera->orthographic && projection != "perspective")

@@ -29,13 +29,6 @@ struct LightFiles {
 
 namespace {
 
-TextureSource source_of(const Value& file) {
-  TextureSource source;
-  source.path = file.text_or("");
-  if (const auto* asset = file.get<AssetPath>()) source.bytes = asset->bytes, source.within = asset->within;
-  return source;
-}
-
 // Null if the light names no file.
 std::shared_ptr<LightFiles> pull_files(SceneDelegate& scene, const Path& id, LightType type) {
   auto files = std::make_shared<LightFiles>();
@@ -62,15 +55,10 @@ void LightPrim::reread(const std::string& file, SceneParam& param) {
 DirtyBits LightPrim::post_record(SceneDelegate& scene, SceneParam& param, DirtyBits bits) {
   if (bits & dirty::kTransform) record_.light.light_to_world = scene.GetTransform(GetId());
   if (bits & dirty::kParams) {
-    const alabaster::LightDescription defaults;
     record_.light_link = scene.GetLightParamValue(GetId(), "lightLink").text_or("");
     record_.shadow_link = scene.GetLightParamValue(GetId(), "shadowLink").text_or("");
-    for (const auto& parameter : light_parameters()) {
-      const Value value = scene.GetLightParamValue(GetId(), parameter.name);
-      set_parameter(parameter, get_parameter(parameter, defaults), &record_.light);
-      if (value.empty()) continue;
-      report_fault(param.sink(), GetId().str(), parameter.name, set_parameter(parameter, value, &record_.light), value);
-    }
+    const auto get = [&](const char* name) { return scene.GetLightParamValue(GetId(), name); };
+    read_parameters(light_parameters(), get, GetId().str(), param.sink(), &record_.light);
   }
   if (bits & dirty::kVisibility) record_.visible = scene.GetVisible(GetId());
   if (bits & (dirty::kParams | dirty::kResource)) {

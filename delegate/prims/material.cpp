@@ -71,11 +71,8 @@ struct TextureNodeReader : NodeReader {
 
   /// Empty without an image.
   std::optional<TextureLookup> read(Texels texels) const {
-    TextureSource source;
-    const Value file = parameter("file");
-    source.path = file.text_or("");
+    TextureSource source = source_of(parameter("file"));
     source.may_be_set = true;
-    if (const auto* asset = file.get<AssetPath>()) source.bytes = asset->bytes, source.within = asset->within;
     if (source.path.empty() && !source.bytes) {
       warn("material.texture.file", "a texture has no file; it is ignored");
       return std::nullopt;

@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <span>
 #include <utility>
 
 #include "delegate/prims/motion.h"
@@ -123,19 +124,18 @@ void MeshPrim::pull_shape(SceneDelegate& scene, DirtyBits bits) {
 void MeshPrim::pull_primvars(SceneDelegate& scene, const SceneParam& param) {
   const alabaster::DiagnosticSink& sink = param.sink();
   const std::vector<PrimvarDescriptor> descriptors = scene.GetPrimvarDescriptors(GetId());
-  const std::pair<const char*, PulledPrimvar*> named[] = {{"normals", &pulled_.normals},
-                                                          {"tangents", &pulled_.tangents},
-                                                          {"displayColor", &pulled_.display_color},
-                                                          {"displayOpacity", &pulled_.display_opacity}};
-  for (const auto& [name, held] : named) update(held, pull_primvar(scene, GetId(), name, descriptors), &shape_changed_);
+  const auto is_of_shape = [](const Token& name) {
+    return std::any_of(std::begin(kPulledPrimvars), std::end(kPulledPrimvars),
+                       [&](const auto& one) { return name == Token(one.name); });
+  };
+  for (const auto& [name, primvar] : std::span(kPulledPrimvars).subspan(1))  // all but the points
+    update(&(pulled_.*primvar), pull_primvar(scene, GetId(), name, descriptors), &shape_changed_);
   std::map<Token, PulledPrimvar> uvs;
   OtherPrimvars others;
   for (const PrimvarDescriptor& descriptor : descriptors) {
-    const bool is_named = std::any_of(std::begin(named), std::end(named),
-                                      [&](const auto& one) { return descriptor.name == Token(one.first); });
     if (descriptor.role == Token("textureCoordinate") || descriptor.name == Token("st")) {
       uvs[descriptor.name] = pull_primvar(scene, GetId(), descriptor.name, descriptors);
-    } else if (!is_named && !(descriptor.name == Token("points"))) {
+    } else if (!is_of_shape(descriptor.name)) {
       PulledPrimvar other = pull_primvar(scene, GetId(), descriptor.name, descriptors);
       if (is_of_numbers(other.value)) others[descriptor.name] = std::move(other);
     }

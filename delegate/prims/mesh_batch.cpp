@@ -17,8 +17,7 @@ constexpr std::chrono::milliseconds kLook(1);      // between looks at the calle
 constexpr std::chrono::milliseconds kPatience(4);  // what is left costs memory, and the next build half of the cores
 
 double faces_of(const PulledMesh& mesh) {
-  const bool refined = !mesh.topology.scheme.empty() && !(mesh.topology.scheme == Token("none"));
-  const int level = refined ? std::clamp(mesh.style.refineLevel, 0, 8) : 0;
+  const int level = is_refined(mesh) ? std::clamp(mesh.style.refineLevel, 0, 8) : 0;
   return static_cast<double>(mesh.topology.faceVertexIndices.size()) / 4 * static_cast<double>(1 << (2 * level));
 }
 

@@ -1,5 +1,6 @@
 #include "delegate/prims/mesh_cage.h"
 
+#include <algorithm>
 #include <utility>
 
 namespace alabaster::hd::prims {
@@ -13,14 +14,15 @@ struct Reporter {
   }
 };
 
+/// The value of an enumeration whose words are given in its order.
 template <class Enum>
-Enum word(const Token& token, std::initializer_list<std::pair<const char*, Enum>> words, Enum otherwise,
-          const char* what, const Reporter& reporter) {
-  if (token.empty()) return otherwise;
-  for (const auto& [name, value] : words)
-    if (token.str() == name) return value;
-  reporter.warn("mesh.token", std::string(what) + " '" + token.str() + "' is not known; the default is used");
-  return otherwise;
+void set_word(const Token& token, std::initializer_list<const char*> words, const char* what, const Reporter& reporter,
+              Enum* value) {
+  if (token.empty()) return;
+  const auto found = std::find(words.begin(), words.end(), token.str());
+  if (found == words.end())
+    return reporter.warn("mesh.token", std::string(what) + " '" + token.str() + "' is not known; the default is used");
+  *value = static_cast<Enum>(found - words.begin());
 }
 
 template <class T>
@@ -34,35 +36,17 @@ bool draws(const GeomSubset& subset) {
 
 void set_tags(const PulledMesh& mesh, const Reporter& reporter, Cage* cage) {
   const SubdivTags& t = mesh.tags;
-  cage->scheme = word<SubdivisionScheme>(mesh.topology.scheme,
-                                         {{"none", SubdivisionScheme::none},
-                                          {"catmullClark", SubdivisionScheme::catmull_clark},
-                                          {"loop", SubdivisionScheme::loop},
-                                          {"bilinear", SubdivisionScheme::bilinear}},
-                                         SubdivisionScheme::none, "subdivision scheme", reporter);
-  cage->left_handed = word<bool>(mesh.topology.orientation, {{"rightHanded", false}, {"leftHanded", true}}, false,
-                                 "orientation", reporter);
-  cage->boundary_rule = word<BoundaryRule>(t.interpolateBoundary,
-                                           {{"none", BoundaryRule::none},
-                                            {"edgeOnly", BoundaryRule::edge_only},
-                                            {"edgeAndCorner", BoundaryRule::edge_and_corner}},
-                                           BoundaryRule::edge_and_corner, "interpolateBoundary", reporter);
-  cage->face_varying_rule =
-      word<FaceVaryingRule>(t.faceVaryingLinearInterpolation,
-                            {{"all", FaceVaryingRule::all},
-                             {"none", FaceVaryingRule::none},
-                             {"boundaries", FaceVaryingRule::boundaries},
-                             {"cornersOnly", FaceVaryingRule::corners_only},
-                             {"cornersPlus1", FaceVaryingRule::corners_plus1},
-                             {"cornersPlus2", FaceVaryingRule::corners_plus2}},
-                            FaceVaryingRule::corners_plus1, "faceVaryingLinearInterpolation", reporter);
-  cage->crease_method =
-      word<CreaseMethod>(t.creaseMethod, {{"uniform", CreaseMethod::uniform}, {"chaikin", CreaseMethod::chaikin}},
-                         CreaseMethod::uniform, "creaseMethod", reporter);
-  cage->triangle_subdivision = word<TriangleSubdivision>(
-      t.triangleSubdivision,
-      {{"catmullClark", TriangleSubdivision::catmull_clark}, {"smooth", TriangleSubdivision::smooth}},
-      TriangleSubdivision::catmull_clark, "triangleSubdivision", reporter);
+  set_word(mesh.topology.scheme, {"none", "catmullClark", "loop", "bilinear"}, "subdivision scheme", reporter,
+           &cage->scheme);
+  set_word(mesh.topology.orientation, {"rightHanded", "leftHanded"}, "orientation", reporter, &cage->left_handed);
+  set_word(t.interpolateBoundary, {"none", "edgeOnly", "edgeAndCorner"}, "interpolateBoundary", reporter,
+           &cage->boundary_rule);
+  set_word(t.faceVaryingLinearInterpolation,
+           {"all", "none", "boundaries", "cornersOnly", "cornersPlus1", "cornersPlus2"},
+           "faceVaryingLinearInterpolation", reporter, &cage->face_varying_rule);
+  set_word(t.creaseMethod, {"uniform", "chaikin"}, "creaseMethod", reporter, &cage->crease_method);
+  set_word(t.triangleSubdivision, {"catmullClark", "smooth"}, "triangleSubdivision", reporter,
+           &cage->triangle_subdivision);
   cage->crease_indices = copy(t.creaseIndices);
   cage->crease_lengths = copy(t.creaseLengths);
   cage->crease_sharpnesses = copy(t.creaseWeights);
@@ -122,13 +106,8 @@ alabaster::Primvar<Vec3f> vectors(const PulledPrimvar& pulled, const char* name,
 }
 
 const PulledPrimvar* find_primvar(const PulledMesh& mesh, const NamedPrimvars& named, const Token& name) {
-  const std::pair<const char*, const PulledPrimvar*> held[] = {{"points", &mesh.points},
-                                                               {"normals", &mesh.normals},
-                                                               {"tangents", &mesh.tangents},
-                                                               {"displayColor", &mesh.display_color},
-                                                               {"displayOpacity", &mesh.display_opacity}};
-  for (const auto& [known, primvar] : held)
-    if (name == Token(known)) return primvar;
+  for (const auto& [known, primvar] : kPulledPrimvars)
+    if (name == Token(known)) return &(mesh.*primvar);
   if (const auto uvs = mesh.uvs.find(name); uvs != mesh.uvs.end()) return &uvs->second;
   if (!named.others) return nullptr;
   const auto other = named.others->find(name);
@@ -165,8 +144,7 @@ size_t bytes_in(const TimeSamples<Value>& samples) {
 // Calls visit(bytes, reservation).
 template <class Mesh, class Visit>
 void for_each_part(Mesh& mesh, const Visit& visit) {
-  for (auto* primvar : {&mesh.points, &mesh.normals, &mesh.tangents, &mesh.display_color, &mesh.display_opacity})
-    visit(bytes_in(*primvar), &primvar->memory);
+  for (const auto& [name, primvar] : kPulledPrimvars) visit(bytes_in(mesh.*primvar), &(mesh.*primvar).memory);
   for (auto& [name, uv] : mesh.uvs) visit(bytes_in(uv), &uv.memory);
   const MeshTopology& t = mesh.topology;
   const size_t topology = bytes_in(t.faceVertexCounts, t.faceVertexIndices, t.holeIndices, t.invisibleFaces) +

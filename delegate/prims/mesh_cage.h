@@ -30,6 +30,19 @@ struct PulledMesh {
   SharedReservation topology_memory, samples_memory;
 };
 
+struct PulledPrimvarName {
+  const char* name;
+  PulledPrimvar PulledMesh::*primvar;
+};
+constexpr PulledPrimvarName kPulledPrimvars[] = {{"points", &PulledMesh::points},
+                                                 {"normals", &PulledMesh::normals},
+                                                 {"tangents", &PulledMesh::tangents},
+                                                 {"displayColor", &PulledMesh::display_color},
+                                                 {"displayOpacity", &PulledMesh::display_opacity}};
+inline bool is_refined(const PulledMesh& mesh) {
+  return !mesh.topology.scheme.empty() && !(mesh.topology.scheme == Token("none"));
+}
+
 /// The faces of a mesh's material slots from 1 on; all others have slot 0. Where they overlap, the later slot wins.
 struct FaceSlots {
   std::vector<Array<int32_t>> faces;

@@ -16,4 +16,16 @@ using support::set_parameter;
 void report_fault(const alabaster::DiagnosticSink& sink, const std::string& where, const std::string& name,
                   ParameterFault fault, const Value& value);
 
+/// Sets the parameters of a table: get(name), or the default where that is empty or faulty (reported).
+template <class Rows, class T, class Get>
+void read_parameters(const Rows& rows, const Get& get, const std::string& where, const alabaster::DiagnosticSink& sink,
+                     T* object) {
+  const T defaults;
+  for (const auto& row : rows) {
+    const Value value = get(row.name);
+    set_parameter(row, get_parameter(row, defaults), object);
+    if (!value.empty()) report_fault(sink, where, row.name, set_parameter(row, value, object), value);
+  }
+}
+
 }  // namespace alabaster::hd::prims

@@ -11,12 +11,12 @@
 
 namespace alabaster::hd::prims {
 
-/// A prim that is one record for the renderer. An exception in Sync is reported and leaves the bits as they were.
+/// An instancer or prim that is one record for the renderer. An exception in Sync is reported and leaves the bits as
+/// they were.
 template <class Base>
-class RecordedPrim : public Base {
+class Recorded : public Base {
  public:
   using Base::Base;
-  DirtyBits GetInitialDirtyBitsMask() const final { return dirty::kAll; }
   void Sync(SceneDelegate* scene, RenderParam* param, DirtyBits* bits) final {
     SceneParam& channel = SceneParam::of(param);
     const bool synced =
@@ -32,6 +32,13 @@ class RecordedPrim : public Base {
   /// Pulls what is dirty and posts the record. Returns the bits that are still dirty.
   virtual DirtyBits post_record(SceneDelegate& scene, SceneParam& param, DirtyBits bits) = 0;
   bool failed_ = false;
+};
+
+template <class Base>
+class RecordedPrim : public Recorded<Base> {
+ public:
+  using Recorded<Base>::Recorded;
+  DirtyBits GetInitialDirtyBitsMask() const final { return dirty::kAll; }
 };
 
 /// Pulls only: the shape is built where it is first drawn (built_meshes.h), once for each edit of it.
@@ -55,15 +62,13 @@ class MeshPrim final : public RecordedPrim<Rprim> {
   MeshRecord record_;
 };
 
-class InstancerPrim final : public Instancer {
+class InstancerPrim final : public Recorded<Instancer> {
  public:
-  using Instancer::Instancer;
-  void Sync(SceneDelegate* scene, RenderParam* param, DirtyBits* bits) override;
-  void Finalize(RenderParam* param) override;
+  using Recorded::Recorded;
 
  private:
+  DirtyBits post_record(SceneDelegate& scene, SceneParam& param, DirtyBits bits) override;
   InstancerRecord record_;
-  bool failed_ = false;
 };
 
 class MaterialPrim final : public RecordedPrim<Sprim> {

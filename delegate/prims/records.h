@@ -77,6 +77,13 @@ using Record = std::variant<std::monostate, MeshRecord, InstancerRecord, Materia
                             SettingsRecord>;
 using Records = std::map<Path, Record>;
 
+/// Null: there is none of that path, or it is of another kind.
+template <class T>
+const T* find_record(const Records& records, const Path& path) {
+  const auto found = records.find(path);
+  return found == records.end() ? nullptr : std::get_if<T>(&found->second);
+}
+
 /// True for records that a snapshot shows. Cameras and settings do not count: a render compares those when it starts.
 inline bool is_drawn(const Record& record) {
   return !std::holds_alternative<std::monostate>(record) && !std::holds_alternative<CameraRecord>(record) &&

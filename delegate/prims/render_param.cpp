@@ -121,6 +121,13 @@ std::shared_ptr<const IesProfile> SceneParam::profile(const TextureSource& sourc
   return nullptr;
 }
 
+TextureSource source_of(const Value& file) {
+  TextureSource source;
+  source.path = file.text_or("");
+  if (const auto* asset = file.get<AssetPath>()) source.bytes = asset->bytes, source.within = asset->within;
+  return source;
+}
+
 bool names_image(const std::string& name, const std::string& file) {
   if (file.empty() || name == file) return true;
   const std::string mark = "<UDIM>";

@@ -36,6 +36,9 @@ struct Edit {
 /// True if `file` is the image of that name, or one of a set (`name` with "<UDIM>"), or empty.
 bool names_image(const std::string& name, const std::string& file);
 
+/// The image or profile that a parameter names.
+TextureSource source_of(const Value& file);
+
 class SceneParam final : public RenderParam {
  public:
   /// `memory` counts what `device` takes, too.

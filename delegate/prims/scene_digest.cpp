@@ -26,39 +26,25 @@ void digest_all(Shared<T>* shared, const Add& add) {
   });
 }
 
+template <class... T>
+void add(Digest* digest, const T&... parts) {
+  (digest->add(parts), ...);
+}
+
 template <class Row, class T>
 void add_parameters(std::span<const Row> table, const T& object, Digest* digest) {
   for (const Row& parameter : table) std::visit([&](auto member) { digest->add(object.*member); }, parameter.member);
 }
 
-template <class T>
-void add_attribute(const MeshAttribute<T>& attribute, Digest* digest) {
-  digest->add(attribute.values);
-  digest->add(attribute.triangles);
-}
-
 void add_mesh(const MeshPrototype& prototype, Digest* digest) {
   const Mesh& mesh = prototype.mesh;
-  digest->add(mesh.points);
-  digest->add(mesh.triangles);
-  digest->add(mesh.normals);
-  digest->add(mesh.normal_triangles);
-  add_attribute(mesh.tangents, digest);
-  for (const UvSet& uvs : mesh.uv_sets) {
-    digest->add(uvs.name.text());
-    add_attribute(uvs, digest);
-  }
-  add_attribute(mesh.colors, digest);
-  add_attribute(mesh.opacities, digest);
-  for (const NamedVectors& primvar : mesh.primvars) {
-    digest->add(primvar.name.text());
-    add_attribute(primvar, digest);
-  }
+  add(digest, mesh.points, mesh.triangles, mesh.normals, mesh.normal_triangles);
+  add(digest, mesh.tangents.values, mesh.tangents.triangles);
+  for (const UvSet& uvs : mesh.uv_sets) add(digest, uvs.name.text(), uvs.values, uvs.triangles);
+  add(digest, mesh.colors.values, mesh.colors.triangles, mesh.opacities.values, mesh.opacities.triangles);
+  for (const NamedVectors& primvar : mesh.primvars) add(digest, primvar.name.text(), primvar.values, primvar.triangles);
   digest->add(mesh.triangle_face);
-  for (const MeshPose& pose : mesh.later_poses) {
-    digest->add(pose.points);
-    digest->add(pose.normals);
-  }
+  for (const MeshPose& pose : mesh.later_poses) add(digest, pose.points, pose.normals);
 }
 
 class SceneDigest {
@@ -102,51 +88,36 @@ class SceneDigest {
   void add_image(const Texture* image, Digest* digest) const { digest->add(image ? images_.at(image) : std::string()); }
   void add_lookup(const TextureLookup& lookup, Digest* digest) const {
     add_image(lookup.image.get(), digest);
-    digest->add(lookup.uv_set.text());
-    digest->add(lookup.transform);
-    digest->add(lookup.scale);
-    digest->add(lookup.bias);
-    digest->add(lookup.alpha_scale);
-    digest->add(lookup.alpha_bias);
+    add(digest, lookup.uv_set.text(), lookup.transform, lookup.scale, lookup.bias, lookup.alpha_scale,
+        lookup.alpha_bias);
   }
   void add_material(const DisneyMaterial& material, Digest* digest) const {
     add_parameters(material_parameters(), material.constants, digest);
     for (const MaterialTexture& texture : material.textures) {
       add_lookup(texture.lookup, digest);
-      for (const MaterialTexture::Use& use : texture.uses) {
-        digest->add(std::string(use.parameter->name));
-        digest->add(use.channel);
-      }
+      for (const MaterialTexture::Use& use : texture.uses) add(digest, std::string(use.parameter->name), use.channel);
     }
     for (const auto* map : {&material.normal_map, &material.coat_normal_map}) {
       digest->add(map->has_value());
       if (!*map) continue;
       add_lookup(**map, digest);
-      digest->add((*map)->is_bump);
-      digest->add((*map)->channel);
+      add(digest, (*map)->is_bump, (*map)->channel);
     }
   }
   void add_instance(const InstanceDescription& instance, Digest* digest) const {
-    digest->add(meshes_.at(instance.prototype.get()));
-    digest->add(instance.object_to_world);
-    digest->add(instance.poses);
+    add(digest, meshes_.at(instance.prototype.get()), instance.object_to_world, instance.poses);
     for (const auto& material : instance.materials) digest->add(material->name);
-    digest->add(slots_.at(&instance.triangle_slots()));
-    digest->add(instance.prim_id);
-    digest->add(instance.instance_id);
-    digest->add(instance.subsurface_set);
-    digest->add(instance.double_sided);
+    add(digest, slots_.at(&instance.triangle_slots()), instance.prim_id, instance.instance_id, instance.subsurface_set,
+        instance.double_sided);
     if (instance.category_set != 0) digest->add(translation_.scene.category_sets[instance.category_set]);
     digest->add(instance.camera_cull);
     if (instance.holdout) digest->add(instance.holdout);
   }
   std::string digest_light(const LightDescription& light) const {
     Digest digest;
-    digest.add(light.type);
-    digest.add(light.light_to_world);
+    add(&digest, light.type, light.light_to_world);
     add_parameters(light_parameters(), light, &digest);
-    digest.add(light.color_of_temperature);
-    digest.add(light.visible_to_camera);
+    add(&digest, light.color_of_temperature, light.visible_to_camera);
     for (const uint32_t link : {light.light_link, light.shadow_link})
       if (link != 0)
         digest.add(translation_.categories[link - 1].str());
@@ -184,14 +155,8 @@ std::map<std::string, std::string> digest_scene(const Translation& translation) 
 std::string digest_camera(const CameraParameters& camera) {
   Digest digest;
   add_parameters(camera_parameters(), camera, &digest);
-  digest.add(camera.camera_to_world);
-  digest.add(camera.clip_near);
-  digest.add(camera.clip_far);
-  digest.add(camera.clip_planes);
-  digest.add(camera.orthographic);
-  digest.add(camera.poses);
-  digest.add(camera.opens);
-  digest.add(camera.closes);
+  add(&digest, camera.camera_to_world, camera.clip_near, camera.clip_far, camera.clip_planes, camera.orthographic,
+      camera.poses, camera.opens, camera.closes);
   return digest.text();
 }
 

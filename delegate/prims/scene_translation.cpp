@@ -8,12 +8,6 @@
 namespace alabaster::hd::prims {
 namespace {
 
-const DisneyMaterial* find_material(const Records& records, const Path& path) {
-  const auto found = records.find(path);
-  const auto* record = found == records.end() ? nullptr : std::get_if<MaterialRecord>(&found->second);
-  return record ? record->material.get() : nullptr;
-}
-
 support::InstancePoints points_at(const hd::TimeSamples<support::InstancePoints>& samples, double time) {
   std::vector<Matrix4d> points;
   points.reserve(samples.values.front()->size());
@@ -220,12 +214,24 @@ struct SceneTranslator::Run {
            mesh.materials.size() * (sizeof instance.materials[0] + sizeof(Path));
   }
 
+  // Empty: they stand still.
+  static std::vector<double> sample_times(const std::vector<const InstancerRecord*>& instancers) {
+    std::vector<double> times;
+    for (const InstancerRecord* one : instancers)
+      for (const auto* own : {&one->motion.times, &one->moving_points.times})
+        times.insert(times.end(), own->begin(), own->end());
+    return times;
+  }
+
   // Throws MemoryRefused, with some of them added.
   void add_instances(const Path& path, const MeshRecord& mesh, const std::vector<Matrix4d>& own,
                      InstanceDescription instance) {
     support::PlacementSource placed = placements.source(path, mesh.instancer, mesh.instance_indices);
-    const std::vector<double> times = instancer_times(mesh.instancer);
-    const bool has_categories = !category_sets.empty() && have_categories(mesh.instancer);
+    const auto instancers = instancers_of(mesh.instancer);
+    const std::vector<double> times = sample_times(instancers);
+    const bool has_categories =
+        !category_sets.empty() &&
+        std::any_of(instancers.begin(), instancers.end(), [](const auto* one) { return one->categories != nullptr; });
     const bool stands_still = own.size() == 1 && times.empty();
     if (placed.size() >= kSmallestArray && stands_still && !has_categories) {
       out.array_materials.push_back(mesh.materials);
@@ -250,17 +256,6 @@ struct SceneTranslator::Run {
       if (has_categories) instance.category_set = category_sets.of(categories_of(mesh, i));
       add(instance, mesh);
     }
-  }
-
-  // True if instances of the instancer, or of one that places it, have categories of their own.
-  bool have_categories(Path path) const {
-    for (std::set<Path> seen; !path.empty() && seen.insert(path).second;) {
-      const auto* instancer = find_instancer(path);
-      if (!instancer) return false;
-      if (instancer->categories) return true;
-      path = instancer->parent;
-    }
-    return false;
   }
 
   // The mesh's, and those of its instance at each level.
@@ -295,19 +290,6 @@ struct SceneTranslator::Run {
     }
   };
 
-  // The sample times of all instancers that place a prim, from the innermost on. Empty: they stand still.
-  std::vector<double> instancer_times(Path path) const {
-    std::vector<double> times;
-    for (std::set<Path> seen; !path.empty() && seen.insert(path).second;) {
-      const auto* instancer = find_instancer(path);
-      if (!instancer) break;
-      for (const auto* own : {&instancer->motion.times, &instancer->moving_points.times})
-        times.insert(times.end(), own->begin(), own->end());
-      path = instancer->parent;
-    }
-    return times;
-  }
-
   PlacedSamples place_at(std::vector<double> times, const Path& path, const MeshRecord& mesh) const {
     times.insert(times.end(), mesh.motion.times.begin(), mesh.motion.times.end());
     std::sort(times.begin(), times.end());
@@ -334,9 +316,17 @@ struct SceneTranslator::Run {
     return samples;
   }
 
-  const InstancerRecord* find_instancer(const Path& path) const {
-    const auto found = records.find(path);
-    return found == records.end() ? nullptr : std::get_if<InstancerRecord>(&found->second);
+  const InstancerRecord* find_instancer(const Path& path) const { return find_record<InstancerRecord>(records, path); }
+
+  // The instancer, and those that place it: from the innermost on.
+  std::vector<const InstancerRecord*> instancers_of(Path path) const {
+    std::vector<const InstancerRecord*> all;
+    for (std::set<Path> seen; !path.empty() && seen.insert(path).second;) {
+      all.push_back(find_instancer(path));
+      if (!all.back()) return all.pop_back(), all;
+      path = all.back()->parent;
+    }
+    return all;
   }
 
   // A named set and the set of a material never meet. Among several materials the first that scatters names the set.
@@ -384,7 +374,8 @@ struct SceneTranslator::Run {
     const auto& own =
         translator.default_materials_[(mesh.colors.empty() ? 0u : 1u) | (mesh.opacities.empty() ? 0u : 2u)];
     if (id.empty()) return own;
-    if (find_material(records, id)) return std::get<MaterialRecord>(records.at(id)).material;
+    if (const auto* record = find_record<MaterialRecord>(records, id); record && record->material)
+      return record->material;
     translator.warn("mesh.material", prim, "material " + id.str() + " does not exist; the default is used");
     return own;
   }

@@ -1,14 +1,14 @@
 #include "delegate/rendering/checkpoint_file.h"
 
-#include <array>
+#include <algorithm>
 #include <cstring>
+#include <utility>
 
 #include "core/digest/digest.h"
 #include "core/integrator/path_integrator.h"
 #include "delegate/api/render_delegate.h"
 #include "delegate/prims/parameters.h"
 #include "delegate/prims/scene_digest.h"
-#include "delegate/rendering/checkpoint_header.h"
 #include "delegate/support/output_file.h"
 #include "delegate/support/retired_settings.h"
 
@@ -108,6 +108,78 @@ std::string was_and_is(const std::string& what, const std::string* was, const st
   return what + " was " + (was ? *was : "not known") + " and is " + (is ? *is : "not known");
 }
 
+constexpr size_t kMostHeaderBytes = size_t(64) << 20;  // a scene has some hundred bytes for each of its prims
+constexpr size_t kDigestBytes = 32;                    // of text: core/digest/digest.h
+constexpr std::pair<const char*, json::value_t> kMembers[] = {
+    {"library", json::value_t::object},   {"scene", json::value_t::object}, {"frame", json::value_t::object},
+    {"settings", json::value_t::object},  {"aovs", json::value_t::string},  {"note", json::value_t::string},
+    {"complete", json::value_t::boolean}, {"samples", json::value_t::array}};
+
+/// Parses a header without trust: as any JSON, a hostile text takes gigabytes. `held` holds what is made, by and by
+/// (MemoryRefused).
+class HeaderParser {
+ public:
+  explicit HeaderParser(MemoryReservation* held) : held_(*held) {}
+
+  /// Null if the text holds anything that no header has: deeper, longer or of another type.
+  json parse(std::string_view text) {
+    json header;
+    try {
+      header = json::parse(text.begin(), text.end(),
+                           [this](int depth, Event event, const json& value) { return check(depth, event, value); });
+    } catch (const json::exception&) {
+      return nullptr;
+    } catch (const NoHeader&) {
+      return nullptr;
+    }
+    return is_header(header) ? std::move(header) : json();
+  }
+
+ private:
+  using Event = json::parse_event_t;
+  struct NoHeader {};
+
+  // Ends the parser early. The header has objects of texts, one array of two numbers, and a flag.
+  bool check(int depth, Event event, const json& value) {
+    constexpr size_t kMemberBytes = 256, kStep = size_t(1) << 16, kNotTexts = 3;
+    const bool is_text = (event == Event::key || event == Event::value) && value.is_string();
+    if (is_text) bytes_ += value.get_ref<const std::string&>().size();
+    if (event == Event::key) ++keys_, bytes_ += kMemberBytes;
+    if (event == Event::value) ++(is_text ? texts_ : others_);
+    const bool is_too_deep = (event == Event::object_start && depth > 1) ||
+                             (event == Event::array_start && (depth != 1 || std::exchange(has_array_, true)));
+    if (is_too_deep || texts_ > keys_ || others_ > kNotTexts) throw NoHeader();
+    if (bytes_ > kStep) held_.resize(held_.bytes() + std::exchange(bytes_, 0), "the header of a checkpoint");
+    return true;
+  }
+
+  static bool is_header(const json& header) {
+    if (!header.is_object()) return false;
+    for (const auto& [name, value] : header.items()) {
+      const auto* known = std::find_if(std::begin(kMembers), std::end(kMembers),
+                                       [&member = name](const auto& one) { return member == one.first; });
+      if (known == std::end(kMembers) || value.type() != known->second) return false;
+      if (name == "note" && value.get_ref<const std::string&>().size() > kMostNoteBytes) return false;
+      if (value.is_structured() && !are_parts(value, name == "scene")) return false;
+    }
+    return true;
+  }
+  /// The members of an object, or the numbers of `samples`. Each of a scene's many names has a digest.
+  static bool are_parts(const json& parts, bool of_scene) {
+    constexpr size_t kMostNamed = 1000;
+    if (!of_scene && parts.size() > (parts.is_array() ? 2 : kMostNamed)) return false;
+    return std::all_of(parts.begin(), parts.end(), [&](const json& part) {
+      if (parts.is_array()) return part.is_number_unsigned();
+      return part.is_string() && (!of_scene || part.get_ref<const std::string&>().size() == kDigestBytes);
+    });
+  }
+
+  MemoryReservation& held_;
+  size_t bytes_ = 0;  // that are not held yet
+  size_t keys_ = 0, texts_ = 0, others_ = 0;
+  bool has_array_ = false;
+};
+
 }  // namespace
 
 CheckpointHeader checkpoint_header(const RenderRequest& request, const std::map<std::string, std::string>& scene) {
@@ -170,7 +242,7 @@ std::string write_checkpoint(const std::string& file, const CheckpointHeader& he
 }
 
 CheckpointReader::CheckpointReader(const std::string& file, const std::shared_ptr<MemoryBudget>& memory)
-    : file_(file), held_(memory, MemoryUse::frames) {
+    : file_(file), held_(memory, MemoryUse::frames), header_(json::object()) {
   if (!file_) {
     fault_ = file_.fault() == InputFile::Fault::missing ? "there is no such file" : file_.reason();
     return;
@@ -191,9 +263,9 @@ bool CheckpointReader::read_header() {
   if (magic != kMagic) return fail("it is a checkpoint of another version of Alabaster, in another format");
   std::vector<std::byte> block;
   if (!next(kMostHeaderBytes, &block)) return false;
-  const std::string fault =
-      parse_checkpoint_header({reinterpret_cast<const char*>(block.data()), block.size()}, &held_, &header_);
-  if (!fault.empty()) return fail(fault);
+  json parsed = HeaderParser(&held_).parse({reinterpret_cast<const char*>(block.data()), block.size()});
+  if (!parsed.is_object()) return fail("it is damaged: its header does not describe a render");
+  header_ = std::move(parsed);
   for (const auto& [name, value] : member(header_, "settings").items())
     if (const std::string retired = support::RetiredSetting(name, value.is_string() ? value.get<std::string>() : "");
         !retired.empty())

@@ -18,12 +18,9 @@ nlohmann::json samples_of(const RenderRequest& request) {
 }
 
 SampleRange range_of(const CheckpointHeader& header) {
-  SampleRange range;
-  const auto samples = header.find("samples");
-  if (samples == header.end() || !samples->is_array() || samples->size() != 2) return range;
-  for (const auto& end : *samples)
-    if (!end.is_number_unsigned() || end.get<uint64_t>() > kMostSummedSamples) return range;
-  return {(*samples)[0].get<uint32_t>(), (*samples)[1].get<uint32_t>()};
+  const auto samples = header.value("samples", std::vector<uint64_t>());
+  if (samples.size() != 2 || std::max(samples[0], samples[1]) > kMostSummedSamples) return {};
+  return {static_cast<uint32_t>(samples[0]), static_cast<uint32_t>(samples[1])};
 }
 
 // Without samples a part would lie before itself.
@@ -36,13 +33,11 @@ std::string text_of(const SampleRange& range) {
 }
 
 bool is_complete(const CheckpointHeader& header) {
-  const auto complete = header.find("complete");
-  return complete != header.end() && complete->is_boolean() && complete->get<bool>();
+  return header.value("complete", false);
 }
 
 std::string note_of(const CheckpointHeader& header) {
-  const auto note = header.find("note");
-  return note != header.end() && note->is_string() ? note->get<std::string>() : std::string();
+  return header.value("note", std::string());
 }
 
 CommandResult done_unless(std::string fault) {

@@ -2,87 +2,59 @@
 
 #include <half.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstddef>
 #include <cstring>
 
 namespace alabaster::hd::rendering {
 namespace {
 
-void write_component(float value, Format format, std::ptrdiff_t i, uint8_t* pixel) {
-  switch (format) {
-    case Format::unorm8:
-    case Format::unorm8vec3:
-    case Format::unorm8vec4:
-      pixel[i] = value > 0 ? static_cast<uint8_t>(std::min(value, 1.0f) * 255.0f + 0.5f) : uint8_t(0);
-      return;
-    case Format::float16:
-    case Format::float16vec3:
-    case Format::float16vec4: {
-      const half h(value);
-      std::memcpy(pixel + 2 * i, &h, 2);
-      return;
-    }
-    case Format::int32: {
-      const double rounded = std::isnan(value) ? 0.0 : std::round(static_cast<double>(value));
-      const auto integer = static_cast<int32_t>(std::clamp(rounded, -2147483648.0, 2147483647.0));
-      std::memcpy(pixel, &integer, 4);
-      return;
-    }
-    default:
-      std::memcpy(pixel + 4 * i, &value, 4);
+// Bytes of a component, which tell its type: 1 unorm, 2 half, 4 float, but for int32.
+size_t component_size(Format format) {
+  return FormatSize(format) / static_cast<size_t>(std::max(1, FormatComponents(format)));
+}
+
+void write_component(float value, Format format, size_t size, uint8_t* component) {
+  if (size == 1) {
+    *component = value > 0 ? static_cast<uint8_t>(std::min(value, 1.0f) * 255.0f + 0.5f) : uint8_t(0);
+  } else if (size == 2) {
+    const half h(value);
+    std::memcpy(component, &h, 2);
+  } else if (format == Format::int32) {
+    const double rounded = std::isnan(value) ? 0.0 : std::round(static_cast<double>(value));
+    const auto integer = static_cast<int32_t>(std::clamp(rounded, -2147483648.0, 2147483647.0));
+    std::memcpy(component, &integer, 4);
+  } else {
+    std::memcpy(component, &value, 4);
   }
 }
 
-float read_component(const uint8_t* pixel, Format format, std::ptrdiff_t i) {
-  switch (format) {
-    case Format::unorm8:
-    case Format::unorm8vec3:
-    case Format::unorm8vec4:
-      return static_cast<float>(pixel[i]) / 255;
-    case Format::float16:
-    case Format::float16vec3:
-    case Format::float16vec4: {
-      half h;
-      std::memcpy(&h, pixel + 2 * i, 2);
-      return h;
-    }
-    case Format::int32: {
-      int32_t integer;
-      std::memcpy(&integer, pixel, 4);
-      return static_cast<float>(integer);
-    }
-    default: {
-      float value;
-      std::memcpy(&value, pixel + 4 * i, 4);
-      return value;
-    }
-  }
+template <class T>
+float read_as(const uint8_t* component) {
+  T value;
+  std::memcpy(&value, component, sizeof value);
+  return static_cast<float>(value);
 }
 
-AovDescriptor described(Format format, Value clear) {
-  AovDescriptor descriptor;
-  descriptor.format = format;
-  descriptor.clearValue = std::move(clear);
-  return descriptor;
+float read_component(const uint8_t* component, Format format, size_t size) {
+  if (size == 1) return static_cast<float>(*component) / 255;
+  if (size == 2) return read_as<half>(component);
+  return format == Format::int32 ? read_as<int32_t>(component) : read_as<float>(component);
 }
 
 }  // namespace
 
 void write_pixels(std::span<const float> values, size_t components, Format format, uint8_t* pixels) {
   const auto wanted = static_cast<size_t>(FormatComponents(format));
-  const size_t size = FormatSize(format);
-  if (wanted == components && size == wanted * sizeof(float) && format != Format::int32) {
+  const size_t size = component_size(format);
+  if (wanted == components && size == sizeof(float) && format != Format::int32) {
     std::memcpy(pixels, values.data(), values.size_bytes());
     return;
   }
-  for (; !values.empty(); values = values.subspan(components), pixels += size)
-    for (size_t i = 0; i < wanted; ++i)
-      write_component(i < components ? values[i]
-                      : i == 3       ? 1.0f
-                                     : 0.0f,
-                      format, static_cast<std::ptrdiff_t>(i), pixels);
+  for (; !values.empty(); values = values.subspan(components))
+    for (size_t i = 0; i < wanted; ++i, pixels += size)
+      write_component(i < components ? values[i] : i == 3 ? 1.0f : 0.0f, format, size, pixels);
 }
 
 void write_pixels(std::span<const int32_t> values, Format format, uint8_t* pixels) {
@@ -99,11 +71,11 @@ void write_pixels(std::span<const int32_t> values, Format format, uint8_t* pixel
 }
 
 void read_pixels(const uint8_t* pixels, Format format, std::span<float> rgba) {
-  const int components = FormatComponents(format);
-  const size_t size = FormatSize(format);
-  for (; !rgba.empty(); rgba = rgba.subspan(4), pixels += size)
-    for (int i = 0; i < 4; ++i)
-      rgba[static_cast<size_t>(i)] = i < components ? read_component(pixels, format, i) : i == 3 ? 1.0f : 0.0f;
+  const auto components = static_cast<size_t>(FormatComponents(format));
+  const size_t size = component_size(format);
+  for (; !rgba.empty(); rgba = rgba.subspan(4), pixels += components * size)
+    for (size_t i = 0; i < 4; ++i)
+      rgba[i] = i < components ? read_component(pixels + i * size, format, size) : i == 3 ? 1.0f : 0.0f;
 }
 
 void write_clear(const Value& clear, Format format, uint8_t* pixel) {
@@ -115,20 +87,16 @@ void write_clear(const Value& clear, Format format, uint8_t* pixel) {
 }
 
 AovDescriptor default_aov_descriptor(const Token& name) {
-  const AovInfo* aov = find_aov(name.str());
+  const AovInfo* const aov = find_aov(name.str());
   if (!aov) return {};
+  constexpr Format kFormats[] = {Format::float32, Format::float32vec2, Format::float32vec3, Format::float32vec4};
   const float b = aov->background;
-  if (aov->is_integer()) return described(Format::int32, static_cast<int32_t>(b));
-  switch (aov->components()) {
-    case 1:
-      return described(Format::float32, b);
-    case 2:
-      return described(Format::float32vec2, Vec2f(b));
-    case 3:
-      return described(Format::float32vec3, Vec3f(b));
-    default:
-      return described(Format::float32vec4, Vec4f(b));
-  }
+  const Value clears[] = {b, Vec2f(b), Vec3f(b), Vec4f(b)};
+  const auto last = static_cast<size_t>(aov->components()) - 1;
+  AovDescriptor descriptor;
+  descriptor.format = aov->is_integer() ? Format::int32 : kFormats[last];
+  descriptor.clearValue = aov->is_integer() ? Value(static_cast<int32_t>(b)) : clears[last];
+  return descriptor;
 }
 
 }  // namespace alabaster::hd::rendering

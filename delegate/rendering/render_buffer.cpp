@@ -53,16 +53,6 @@ void BufferState::release_film() {
   source_.film = nullptr;
 }
 
-uint64_t BufferState::allocation() const {
-  const std::lock_guard lock(mutex_);
-  return allocation_;
-}
-
-RenderBufferDescriptor BufferState::wanted() const {
-  const std::lock_guard lock(mutex_);
-  return wanted_;
-}
-
 const std::shared_ptr<BufferStore>& BufferState::current() const {
   return mapped_.empty() ? store_ : mapped_.back();
 }
@@ -150,11 +140,6 @@ void BufferState::unmap() {
 bool BufferState::is_mapped() const {
   const std::lock_guard lock(mutex_);
   return map_count_ > 0;
-}
-
-uint64_t BufferState::generation() const {
-  const std::lock_guard lock(mutex_);
-  return generation_;
 }
 
 std::vector<std::shared_ptr<const void>> BufferState::mapped_stores() const {

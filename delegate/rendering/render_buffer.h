@@ -23,8 +23,8 @@ class BufferState {
   /// Lets go of the film, so that the session may use it again. The picture stays.
   void release_film();
   /// Rises with every allocation that is not a no-op.
-  uint64_t allocation() const;
-  RenderBufferDescriptor wanted() const;
+  uint64_t allocation() const { return locked(allocation_); }
+  RenderBufferDescriptor wanted() const { return locked(wanted_); }
 
   RenderBufferDescriptor shown() const;
   void resolve();
@@ -33,7 +33,7 @@ class BufferState {
   bool is_mapped() const;
   void set_converged(bool converged) { converged_ = converged; }
   bool converged() const { return converged_; }
-  uint64_t generation() const;
+  uint64_t generation() const { return locked(generation_); }
   /// The store that is current; a blank one before the first Resolve, null before Allocate.
   std::shared_ptr<const BufferStore> picture();
   /// Stores that a host may still read.
@@ -41,6 +41,11 @@ class BufferState {
 
  private:
   const std::shared_ptr<BufferStore>& current() const;
+  template <class T>
+  T locked(const T& member) const {
+    const std::lock_guard lock(mutex_);
+    return member;
+  }
 
   mutable std::mutex mutex_;          // held for pointers and numbers only, never while pixels are converted
   RenderBufferDescriptor wanted_;     // as last allocated

@@ -69,8 +69,7 @@ uint32_t RenderCore::settings_version() const {
 const prims::SettingsRecord* RenderCore::settings_prim() const {
   if (const auto held = settings_.find("renderSettingsPrimPath"); held != settings_.end())
     if (const Path named(held->second.text_or("")); !named.empty()) {
-      const auto found = views_.find(named);
-      return found == views_.end() ? nullptr : std::get_if<prims::SettingsRecord>(&found->second);
+      return prims::find_record<prims::SettingsRecord>(views_, named);
     }
   for (const auto& [path, record] : views_)
     if (const auto* settings = std::get_if<prims::SettingsRecord>(&record)) return settings;
@@ -101,8 +100,7 @@ Path RenderCore::settings_camera() const {
 
 std::optional<CameraParameters> RenderCore::camera(const Path& path, const Shutter& scene) const {
   const std::lock_guard lock(mutex_);
-  const auto found = views_.find(path);
-  const auto* record = found == views_.end() ? nullptr : std::get_if<prims::CameraRecord>(&found->second);
+  const auto* record = prims::find_record<prims::CameraRecord>(views_, path);
   if (!record) return std::nullopt;
   return prims::posed_camera(*record, scene);
 }

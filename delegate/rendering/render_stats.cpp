@@ -8,25 +8,11 @@
 namespace alabaster::hd::rendering {
 namespace {
 
-const char* state_name(PassState state) {
-  switch (state) {
-    case PassState::idle:
-      return "idle";
-    case PassState::preparing:
-      return "preparing";
-    case PassState::rendering:
-      return "rendering";
-    case PassState::paused:
-      return "paused";
-    case PassState::stopped:
-      return "stopped";
-    case PassState::converged:
-      return "converged";
-    case PassState::failed:
-      return "failed";
-  }
-  return "";
-}
+// Names of PassState and of RenderEnd.
+constexpr const char* kStates[] = {"idle", "preparing", "rendering", "paused", "stopped", "converged", "failed"};
+constexpr const char* kEnds[] = {"", "samples", "targetError", "timeLimit"};
+static_assert(std::size(kStates) == size_t(PassState::failed) + 1 &&
+              std::size(kEnds) == size_t(RenderEnd::time_limit) + 1);
 
 Value count(uint64_t n) {
   return static_cast<int64_t>(n);
@@ -52,9 +38,6 @@ void add_counters(const RenderCounters& c, Dictionary* stats) {
     s[std::string("nonfiniteSamples.") + kNonfiniteCauses[i]] = count(c.nonfinite_causes[i]);
   s["rejectedRays"] = count(c.rejected_rays);
 }
-
-// Names of RenderEnd.
-constexpr const char* kEnds[] = {"", "samples", "targetError", "timeLimit"};
 
 // A render that missed its target error, or may have, tells the error that it reached and the cost of the target.
 std::string missed_target_text(const RenderProgress& p, double samples, double more) {
@@ -109,7 +92,7 @@ void add_progress(const PassControl& pass, Dictionary* stats) {
   PassState state = pass.state();
   // GetState changes at Execute alone. Readers of statistics need not execute: the last sample is the end.
   if (state == PassState::rendering && p.state == SessionState::finished) state = PassState::converged;
-  s["state"] = std::string(state_name(state));
+  s["state"] = std::string(kStates[static_cast<size_t>(state)]);
   const double fraction = pass.is_converged() ? 1.0 : p.fraction;
   s["fractionDone"] = fraction;
   s["percentDone"] = 100.0 * fraction;
