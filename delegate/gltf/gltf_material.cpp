@@ -25,7 +25,8 @@ struct BaseColor {
 
 BaseColor base_color_of(const MaterialBuilder& material) {
   const bool glossiness = material.has(kGlossiness);
-  const char *layer = glossiness ? kGlossiness : kCore, *factor = glossiness ? "diffuseFactor" : "baseColorFactor";
+  const std::string_view layer = glossiness ? kGlossiness : kCore;
+  const char* factor = glossiness ? "diffuseFactor" : "baseColorFactor";
   const Json& components = at(material.layer(layer), factor);
   return {material.color(layer, factor), components.is_null() ? 1 : components[3].get<double>(),
           material.texture(layer, glossiness ? "diffuseTexture" : "baseColorTexture")};

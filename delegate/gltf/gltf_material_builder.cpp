@@ -22,9 +22,8 @@ void set_transform(const Json& transform, MaterialNode* node) {
 
 const MaterialRow& row_of(std::string_view layer, std::string_view factor) {
   const auto rows = material_rows();
-  return *std::find_if(rows.begin(), rows.end(), [&](const MaterialRow& row) {
-    return row.factor && layer == row.layer && factor == row.factor;
-  });
+  return *std::find_if(rows.begin(), rows.end(),
+                       [&](const MaterialRow& row) { return layer == row.layer && factor == row.factor; });
 }
 
 double number_in(const Json& layer, const MaterialRow& row) {
@@ -72,30 +71,30 @@ MaterialBuilder::MaterialBuilder(const Document& document, const Json& material,
 
 const Json& MaterialBuilder::layer(std::string_view name) const {
   if (name.empty()) return material_;
-  return name == kCore ? at(material_, kCore) : extension_of(material_, name.data());
+  return name == kCore ? at(material_, kCore) : extension_of(material_, name);
 }
 
-double MaterialBuilder::number(const char* of_layer, std::string_view factor) const {
+double MaterialBuilder::number(std::string_view of_layer, std::string_view factor) const {
   return number_in(layer(of_layer), row_of(of_layer, factor));
 }
 
-Vec3f MaterialBuilder::color(const char* of_layer, std::string_view factor) const {
+Vec3f MaterialBuilder::color(std::string_view of_layer, std::string_view factor) const {
   return color_in(layer(of_layer), row_of(of_layer, factor));
 }
 
-bool MaterialBuilder::has_weight(const char* of_layer) const {
+bool MaterialBuilder::has_weight(std::string_view of_layer) const {
   if (!has(of_layer)) return false;
   const auto rows = material_rows();
-  const auto row = std::find_if(rows.begin(), rows.end(),
-                                [&](const MaterialRow& one) { return std::string_view(one.layer) == of_layer; });
+  const auto row =
+      std::find_if(rows.begin(), rows.end(), [&](const MaterialRow& one) { return one.layer == of_layer; });
   return row->kind == FactorKind::number ? number_in(layer(of_layer), *row) != 0
                                          : color_in(layer(of_layer), *row) != Vec3f(0);
 }
 
-void MaterialBuilder::emit(const char* of_layer) {
+void MaterialBuilder::emit(std::string_view of_layer) {
   const Json& values = layer(of_layer);
   for (const MaterialRow& row : material_rows()) {
-    if (!row.parameter || std::string_view(row.layer) != of_layer) continue;
+    if (!row.parameter || row.layer != of_layer) continue;
     if (row.kind == FactorKind::number)
       set(row.parameter, number_in(values, row));
     else

@@ -27,14 +27,14 @@ class MaterialBuilder {
   const Json& layer(std::string_view name) const;
   bool has(std::string_view name) const { return !layer(name).is_null(); }
   /// True if the material has the layer, and its first factor is not 0.
-  bool has_weight(const char* layer) const;
+  bool has_weight(std::string_view layer) const;
   /// Factors of the table's rows; the row's fallback without.
-  double number(const char* layer, std::string_view factor) const;
-  Vec3f color(const char* layer, std::string_view factor) const;
+  double number(std::string_view layer, std::string_view factor) const;
+  Vec3f color(std::string_view layer, std::string_view factor) const;
   TextureUse texture(std::string_view of_layer, const char* name) const { return texture_in(layer(of_layer), name); }
 
   /// Sets the parameters that the rows of a layer become, and connects their textures.
-  void emit(const char* layer);
+  void emit(std::string_view layer);
 
   void set(const char* name, double value) { surface_.parameters[name] = float(value); }
   void set(const char* name, const Vec3f& value) { surface_.parameters[name] = value; }

@@ -31,8 +31,8 @@ enum class FactorKind { number, color, color_alpha };
 
 /// A factor and the texture that multiplies it, either of which may be missing. Factors out of range are clamped.
 struct MaterialRow {
-  const char* layer;  // the extension that has it, or kCore; "" for the material itself
-  const char* factor = nullptr;
+  std::string_view layer;   // the extension that has it, or kCore; "" for the material itself
+  std::string_view factor;  // empty: none
   FactorKind kind = FactorKind::number;
   double low = 0, high = 1, fallback = 0;  // of each component
   const char* texture = nullptr;
@@ -43,21 +43,21 @@ struct MaterialRow {
 /// Layers follow each other. The first row of a layer has its weight: 0 switches it off.
 std::span<const MaterialRow> material_rows();
 
-inline constexpr const char* kCore = "pbrMetallicRoughness";
-inline constexpr const char* kAnisotropy = "KHR_materials_anisotropy";
-inline constexpr const char* kClearcoat = "KHR_materials_clearcoat";
-inline constexpr const char* kDiffuse = "KHR_materials_diffuse_transmission";
-inline constexpr const char* kDispersion = "KHR_materials_dispersion";
-inline constexpr const char* kEmissiveStrength = "KHR_materials_emissive_strength";
-inline constexpr const char* kGlossiness = "KHR_materials_pbrSpecularGlossiness";
-inline constexpr const char* kIor = "KHR_materials_ior";
-inline constexpr const char* kIridescence = "KHR_materials_iridescence";
-inline constexpr const char* kScatter = "KHR_materials_volume_scatter";
-inline constexpr const char* kSheen = "KHR_materials_sheen";
-inline constexpr const char* kSpecular = "KHR_materials_specular";
-inline constexpr const char* kTransmission = "KHR_materials_transmission";
-inline constexpr const char* kUnlit = "KHR_materials_unlit";
-inline constexpr const char* kVolume = "KHR_materials_volume";
-inline constexpr const char* kDisney = "ALAB_materials_disney";
+inline constexpr std::string_view kCore = "pbrMetallicRoughness";
+inline constexpr std::string_view kAnisotropy = "KHR_materials_anisotropy";
+inline constexpr std::string_view kClearcoat = "KHR_materials_clearcoat";
+inline constexpr std::string_view kDiffuse = "KHR_materials_diffuse_transmission";
+inline constexpr std::string_view kDispersion = "KHR_materials_dispersion";
+inline constexpr std::string_view kEmissiveStrength = "KHR_materials_emissive_strength";
+inline constexpr std::string_view kGlossiness = "KHR_materials_pbrSpecularGlossiness";
+inline constexpr std::string_view kIor = "KHR_materials_ior";
+inline constexpr std::string_view kIridescence = "KHR_materials_iridescence";
+inline constexpr std::string_view kScatter = "KHR_materials_volume_scatter";
+inline constexpr std::string_view kSheen = "KHR_materials_sheen";
+inline constexpr std::string_view kSpecular = "KHR_materials_specular";
+inline constexpr std::string_view kTransmission = "KHR_materials_transmission";
+inline constexpr std::string_view kUnlit = "KHR_materials_unlit";
+inline constexpr std::string_view kVolume = "KHR_materials_volume";
+inline constexpr std::string_view kDisney = "ALAB_materials_disney";
 
 }  // namespace alabaster::hd::gltf

@@ -112,7 +112,7 @@ struct Surface {
   std::vector<uint32_t> triangles;
   std::vector<size_t> ends;  // of the primitives, in `triangles`
 
-  void add(const VertexReader& reader, SkinnedVertices more, const std::vector<uint32_t>& corners) {
+  void add(const VertexReader& reader, SkinnedVertices more, std::vector<uint32_t> corners) {
     const auto first = uint32_t(vertices.points.size());
     vertices.mirrored = more.mirrored;
     append(std::move(more.points), &vertices.points);
@@ -123,7 +123,8 @@ struct Surface {
     for (size_t i = 0; i < primvars.size(); ++i)
       append(std::move(values[i].attribute.values), &primvars[i].attribute.values);
     if (first == 0) primvars = std::move(values);
-    for (const uint32_t corner : corners) triangles.push_back(first + corner);
+    for (uint32_t& corner : corners) corner += first;
+    append(std::move(corners), &triangles);
     ends.push_back(triangles.size());
   }
 };
@@ -257,7 +258,7 @@ std::vector<MeshPart> translate_mesh(const Document& document, size_t index, con
     if (place < parts.size() && vertices.points.size() > kMostPoints - surfaces[place].vertices.points.size())
       place = parts.size();
     if (place == parts.size()) parts.emplace_back(), surfaces.emplace_back();
-    surfaces[place].add(reader, std::move(vertices), triangles);
+    surfaces[place].add(reader, std::move(vertices), std::move(triangles));
     parts[place].primitives.push_back(p);
   }
   for (size_t i = 0; i < parts.size(); ++i) {

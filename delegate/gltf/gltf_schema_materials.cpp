@@ -42,15 +42,15 @@ const Schema& disney_schema() {
 }
 
 Property factor_of(const MaterialRow& row) {
-  if (row.kind == FactorKind::number) return factor(row.factor, row.low, row.high);
-  return color(row.factor, row.high, row.kind == FactorKind::color ? 3 : 4);
+  if (row.kind == FactorKind::number) return factor(row.factor.data(), row.low, row.high);
+  return color(row.factor.data(), row.high, row.kind == FactorKind::color ? 3 : 4);
 }
 
 std::vector<Property> properties_of(std::string_view layer) {
   std::vector<Property> properties;
   for (const MaterialRow& row : material_rows()) {
     if (layer != row.layer) continue;
-    if (row.factor) properties.push_back(factor_of(row));
+    if (!row.factor.empty()) properties.push_back(factor_of(row));
     const auto is_same = [&](const Property& known) { return std::string_view(known.name) == row.texture; };
     if (row.texture && std::none_of(properties.begin(), properties.end(), is_same))
       properties.push_back(texture(row.texture));
@@ -68,8 +68,8 @@ std::span<const MaterialRow> material_rows() {
   static const MaterialRow rows[] = {
       {"", "emissiveFactor", color, 0, 1, 0, "emissiveTexture"},
       {"", "alphaCutoff", number, 0, kLimit, 0.5},
-      {"", nullptr, number, 0, 0, 0, "normalTexture"},
-      {"", nullptr, number, 0, 0, 0, "occlusionTexture"},
+      {"", "", number, 0, 0, 0, "normalTexture"},
+      {"", "", number, 0, 0, 0, "occlusionTexture"},
       {kCore, "baseColorFactor", color_alpha, 0, 1, 1, "baseColorTexture"},
       {kCore, "metallicFactor", number, 0, 1, 1, "metallicRoughnessTexture", "metallic", blue},
       {kCore, "roughnessFactor", number, 0, 1, 1, "metallicRoughnessTexture", "roughness", green},
@@ -84,7 +84,7 @@ std::span<const MaterialRow> material_rows() {
       {kAnisotropy, "anisotropyRotation", number, -kLimit, kLimit},
       {kClearcoat, "clearcoatFactor", number, 0, 1, 0, "clearcoatTexture", "coat", red},
       {kClearcoat, "clearcoatRoughnessFactor", number, 0, 1, 0, "clearcoatRoughnessTexture", "coatRoughness", green},
-      {kClearcoat, nullptr, number, 0, 0, 0, "clearcoatNormalTexture"},
+      {kClearcoat, "", number, 0, 0, 0, "clearcoatNormalTexture"},
       {kSheen, "sheenColorFactor", color, 0, 1, 0, "sheenColorTexture", "sheenColor", colors},
       {kSheen, "sheenRoughnessFactor", number, 0, 1, 0, "sheenRoughnessTexture", "sheenRoughness", alpha},
       {kIridescence, "iridescenceFactor", number, 0, 1, 0, "iridescenceTexture", "iridescence", red},
@@ -111,14 +111,14 @@ const Schema& material_schema() {
   static const std::map<std::string_view, Schema> layers = [] {
     std::map<std::string_view, Schema> made;
     for (const MaterialRow& row : material_rows())
-      if (std::string_view(row.layer).starts_with("KHR_")) made[row.layer].properties = properties_of(row.layer);
+      if (row.layer.starts_with("KHR_")) made[row.layer].properties = properties_of(row.layer);
     return made;
   }();
   static const Schema schema = [] {
-    Schema made{properties_of(""), {object(kUnlit, kMarker), object(kDisney, disney_schema())}};
+    Schema made{properties_of(""), {object(kUnlit.data(), kMarker), object(kDisney.data(), disney_schema())}};
     for (const auto& [layer, of_layer] : layers) made.extensions.push_back(object(layer.data(), of_layer));
     made.properties.push_back(text("name"));
-    made.properties.push_back(object(kCore, core));
+    made.properties.push_back(object(kCore.data(), core));
     made.properties.push_back(text("alphaMode", "|OPAQUE|MASK|BLEND|"));
     made.properties.push_back({.name = "doubleSided", .kind = Kind::boolean});
     return made;
