@@ -107,7 +107,8 @@ struct GltfSource::Open {
     translator->forget_shapes();
     std::vector<Path> now = placed_paths(prims);
     const std::set<Path> kept(now.begin(), now.end());
-    for (const Path& path : std::exchange(posed, std::move(now)))
+    const std::vector<Path> before = std::exchange(posed, std::move(now));
+    for (const Path& path : before)
       if (!kept.contains(path)) prims.removed.push_back(path);
     return prims;
   }
