@@ -15,19 +15,26 @@ size_t component_size(Format format) {
   return FormatSize(format) / static_cast<size_t>(std::max(1, FormatComponents(format)));
 }
 
-void write_component(float value, Format format, size_t size, uint8_t* component) {
-  if (size == 1) {
-    *component = value > 0 ? static_cast<uint8_t>(std::min(value, 1.0f) * 255.0f + 0.5f) : uint8_t(0);
-  } else if (size == 2) {
-    const half h(value);
-    std::memcpy(component, &h, 2);
-  } else if (format == Format::int32) {
-    const double rounded = std::isnan(value) ? 0.0 : std::round(static_cast<double>(value));
-    const auto integer = static_cast<int32_t>(std::clamp(rounded, -2147483648.0, 2147483647.0));
-    std::memcpy(component, &integer, 4);
-  } else {
-    std::memcpy(component, &value, 4);
-  }
+void convert(float value, uint8_t* component) {
+  *component = value > 0 ? static_cast<uint8_t>(std::min(value, 1.0f) * 255.0f + 0.5f) : uint8_t(0);
+}
+void convert(float value, int32_t* component) {
+  const double rounded = std::isnan(value) ? 0.0 : std::round(static_cast<double>(value));
+  *component = static_cast<int32_t>(std::clamp(rounded, -2147483648.0, 2147483647.0));
+}
+template <class T>
+void convert(float value, T* component) {
+  *component = value;
+}
+
+template <class T>
+void write_as(std::span<const float> values, size_t components, size_t wanted, uint8_t* pixels) {
+  for (; !values.empty(); values = values.subspan(components))
+    for (size_t i = 0; i < wanted; ++i, pixels += sizeof(T)) {
+      T component;
+      convert(i < components ? values[i] : i == 3 ? 1.0f : 0.0f, &component);
+      std::memcpy(pixels, &component, sizeof component);
+    }
 }
 
 template <class T>
@@ -48,13 +55,11 @@ float read_component(const uint8_t* component, Format format, size_t size) {
 void write_pixels(std::span<const float> values, size_t components, Format format, uint8_t* pixels) {
   const auto wanted = static_cast<size_t>(FormatComponents(format));
   const size_t size = component_size(format);
-  if (wanted == components && size == sizeof(float) && format != Format::int32) {
-    std::memcpy(pixels, values.data(), values.size_bytes());
-    return;
-  }
-  for (; !values.empty(); values = values.subspan(components))
-    for (size_t i = 0; i < wanted; ++i, pixels += size)
-      write_component(i < components ? values[i] : i == 3 ? 1.0f : 0.0f, format, size, pixels);
+  if (size == 1) return write_as<uint8_t>(values, components, wanted, pixels);
+  if (size == 2) return write_as<half>(values, components, wanted, pixels);
+  if (format == Format::int32) return write_as<int32_t>(values, components, wanted, pixels);
+  if (wanted != components) return write_as<float>(values, components, wanted, pixels);
+  std::memcpy(pixels, values.data(), values.size_bytes());
 }
 
 void write_pixels(std::span<const int32_t> values, Format format, uint8_t* pixels) {
