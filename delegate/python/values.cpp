@@ -173,6 +173,16 @@ size_t count_of(size_t numbers, size_t components, const std::string& name) {
   return numbers / components;
 }
 
+/// Rows of another length than that of the elements are other values. One element may stand alone.
+void check_rows(const std::vector<size_t>& shape, size_t components, const std::string& name) {
+  size_t row = 1;
+  for (size_t axis = 1; axis < shape.size(); ++axis) row *= shape[axis];
+  const bool is_empty = shape.size() < 2 || shape[0] == 0 || row == 0;
+  if (is_empty || components == 1 || row == components || row * shape[0] == components) return;
+  throw py::value_error(name + " must have the shape (n, " + (components == 16 ? "4, 4" : std::to_string(components)) +
+                        "), or be their numbers one after the other");
+}
+
 std::vector<size_t> shape_within(py::handle values, const std::string& name, int depth) {
   if (is_characters(values)) throw wrong_type(name, "numbers", values);
   if (depth > kMostNested) throw py::value_error(name + ": lists are nested too deeply");
@@ -260,6 +270,7 @@ Value array(int32_t type, py::handle values, const std::string& name) {
   if (values.is_none()) return {};
   if (is_characters(values)) throw wrong_type(name, "numbers", values);
   const Elements element = elements_of(type);
+  check_rows(shape_of(values, name), element.components, name);
   if (View view(values); view && view.can_be_lent(element.of)) {
     const size_t count = count_of(view.numbers(), element.components, name);
     const void* data = view.get().buf;

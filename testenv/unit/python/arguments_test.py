@@ -187,6 +187,18 @@ class Arguments(unittest.TestCase):
         self.scene.set_mesh("/m", CORNERS, (ctypes.c_long * 3)(0, 1, 2), holes=array.array("d"))
         self.scene.set_primvar("/square", "mixed", [1, 2.5, 3, 4])
 
+    def test_rows_of_another_length_are_refused(self):
+        """Nine numbers in three rows are three points, and six in three rows are none."""
+        self.scene.set_mesh("/m", [0, 0, 0, 1, 0, 0, 0, 1, 0], [0, 1, 2])
+        wrong = [[(0, 0), (1, 0), (0, 1)], [(0, 0, 0, 1), (1, 0, 0, 1), (0, 1, 0, 1)]]
+        for points in wrong + ([numpy.zeros((3, 2), numpy.float32), numpy.zeros((3, 4))] if numpy else []):
+            with self.assertRaisesRegex(ValueError, r"points.*\(n, 3\)"):
+                self.scene.set_mesh("/m", points, [0, 1, 2])
+        with self.assertRaisesRegex(ValueError, r"rotations.*\(n, 4\)"):
+            self.scene.set_instancer("/i", {"/m": [0]}, rotations=[(1, 0)] * 4)
+        for matrices in ([BACK], BACK, [[c for row in BACK for c in row]]):
+            self.scene.set_instancer("/i", {"/m": [0]}, transforms=matrices)
+
     def test_names_in_messages(self):
         for call, kind, says in [
                 (lambda: self.renderer.render(width=-5, height=8), ValueError, "width.*-5"),
