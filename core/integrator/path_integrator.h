@@ -1,4 +1,4 @@
-// Path tracing with next-event estimation, multiple importance sampling and subsurface walks. What biases it:
+// Path tracing with next-event estimation, multiple importance sampling and subsurface walks. Unbiased but for
 // max_depth, textureFilter, glossyFilter, walk_sphere_steps, and the subsurface modes diffusion and lambert.
 #pragma once
 

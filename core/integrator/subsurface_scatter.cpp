@@ -175,16 +175,21 @@ void cross_to_interiors(const PathContext& context, const PixelSampler& sampler,
   }
 }
 
-/// The exit lobe: light sampling, and the direction in which the path goes on. Its albedo is kMeanDiffuseTransmittance.
-/// The lobes at the entry compensate for that. For a walk without an entry the exit lobe is normalised instead.
+/// Before the exit lobe, whose albedo is kMeanDiffuseTransmittance. The lobes at the entry compensate for that; for a
+/// walk without an entry the exit lobe is normalised instead.
+Rgb throughput_at_exit(const Leaving& leaving, const Interiors& beyond) {
+  Rgb throughput = leaving.exit.throughput;
+  if (const Rgb index = beyond.indices(); !(leaving.index == index)) [[unlikely]]
+    throughput *= index_factor(leaving.index, index);
+  return leaving.below.within ? throughput * (1 / kMeanDiffuseTransmittance) : throughput;
+}
+
+/// The exit lobe: light sampling, and the direction in which the path goes on.
 bool leave_surface(const PathContext& context, const PixelSampler& sampler, const Leaving& leaving, PathState* path) {
   const SubsurfaceExit& exit = leaving.exit;
   const Instance& instance = context.scene.instance(exit.hit.instance);
   const std::optional<FlatExit>& flat = leaving.below.flat;
-  path->throughput = exit.throughput;
-  if (const Rgb beyond = path->interiors.indices(); !(leaving.index == beyond)) [[unlikely]]
-    path->throughput *= index_factor(leaving.index, beyond);
-  if (leaving.below.within) path->throughput *= 1 / kMeanDiffuseTransmittance;
+  path->throughput = throughput_at_exit(leaving, path->interiors);
   // Draw the random numbers while the triangle comes from memory.
   const Mesh& mesh = instance.prototype->mesh;
   const auto u_light = flat ? flat->numbers : sampler.draw(Dimension::exit_light, path->depth);

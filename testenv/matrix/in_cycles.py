@@ -1,9 +1,11 @@
-"""White furnaces in which bodies meet, rendered by Cycles: what another path tracer shows where the matrix asks for 1.
+"""White furnaces in which bodies meet, rendered by Cycles, another path tracer. The matrix asks for 1 there.
 
   blender --background --factory-startup --python in_cycles.py -- FOLDER [--size 128] [--samples 256]
+  blender --background --factory-startup --python in_cycles.py -- FOLDER --measure NAME.exr ...
 
 Writes FOLDER/cut.exr, hole.exr and drop.exr (linear, sky of 1, white subsurface, no specular) and prints for each the mean, the least and
-the largest mean of blocks of 8 x 8 pixels within the ball. FOLDER/NAME.glb and NAME.json are the same scenes for `alabaster render`.
+the largest mean of blocks of 8 x 8 pixels within the ball. FOLDER/NAME.glb and NAME.json are the same scenes for `alabaster render NAME.json --size 128x128 --spp 256`, whose
+pictures in FOLDER --measure measures alike.
 """
 import argparse
 import json
@@ -74,9 +76,10 @@ def settings(scene, size, samples, file):
     scene.render.filepath = str(file)
 
 
-def blocks_of_ball(file, size):
+def blocks_of_ball(file):
     image = bpy.data.images.load(str(file))
     image.colorspace_settings.name = "Raw"
+    size = image.size[0]
     pixels = np.array(image.pixels[:], dtype=float).reshape(size, size, 4)
     half = FOCAL / SENSOR * size / math.sqrt(EYE ** 2 - 1)  # of the ball of radius 1, in pixels
     means = []
@@ -86,6 +89,12 @@ def blocks_of_ball(file, size):
             if far < 0.95 * half:
                 means.append(pixels[y:y + 8, x:x + 8].mean(axis=(0, 1)))
     return np.array(means)
+
+
+def measure(file):
+    means = blocks_of_ball(file)
+    grey = means[:, :3].mean(axis=1)
+    print(f"{file.stem}: alpha {means[:, 3].mean():.4f}, colour {grey.mean():.4f}, blocks {grey.min():.4f} to {grey.max():.4f}")
 
 
 def description(scene, balls, near, opacity):
@@ -106,7 +115,12 @@ def main():
     parser.add_argument("folder", type=pathlib.Path)
     parser.add_argument("--size", type=int, default=128)
     parser.add_argument("--samples", type=int, default=256)
+    parser.add_argument("--measure", nargs="+", default=[])
     options = parser.parse_args(sys.argv[sys.argv.index("--") + 1:])
+    for name in options.measure:
+        measure(options.folder / name)
+    if options.measure:
+        return
     options.folder.mkdir(parents=True, exist_ok=True)
     for name, (balls, near, opacity) in SCENES.items():
         scene = build(balls, near, opacity)
@@ -115,9 +129,7 @@ def main():
         bpy.ops.export_scene.gltf(filepath=str(options.folder / f"{name}.glb"), export_format="GLB", export_yup=False)
         (options.folder / f"{name}.json").write_text(json.dumps(description(name, balls, near, opacity), indent=1))
         bpy.ops.render.render(write_still=True)
-        means = blocks_of_ball(file, options.size)
-        grey = means[:, :3].mean(axis=1)
-        print(f"{name}: alpha {means[:, 3].mean():.4f}, colour {grey.mean():.4f}, blocks {grey.min():.4f} to {grey.max():.4f}")
+        measure(file)
 
 
 main()
