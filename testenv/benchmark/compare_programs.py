@@ -5,7 +5,8 @@ testenv/regression/pictures_of_base.py AFTER --base BEFORE.
   compare_programs.py BEFORE AFTER --instructions [--size WxH] [--scene NAME ...]
 
 Instructions of one sample are counted with valgrind (callgrind): the difference of two renders, one with twice the samples of
-the other, so that loading and building are not counted. BEFORE and AFTER are paths of the program; each finds its library
+the other, so that loading and building are not counted. Those of core's functions alone, because what the program does while it
+waits depends on the machine's load. BEFORE and AFTER are paths of the program; each finds its library
 beside itself, in ../lib.
 """
 import argparse
@@ -65,6 +66,17 @@ def render(program, scene, output, flags, prefix=()):
     return done.stderr
 
 
+def instructions_of_core(counts):
+    """Instructions of core's own functions, without those of the delegate and of libraries."""
+    done = subprocess.run(["callgrind_annotate", "--threshold=99.99", str(counts)], capture_output=True, text=True, check=True)
+    total = 0
+    for line in done.stdout.splitlines():
+        found = re.match(r"\s*([\d,]+) \(.*?%\)\s+(.*)", line)
+        if found and "alabaster::" in found[2] and "alabaster::hd::" not in found[2].split("(")[0]:
+            total += int(found[1].replace(",", ""))
+    return total
+
+
 def instructions_per_sample(scene, program, folder, size):
     """Instructions of one camera sample in one thread, without AOVs."""
     (width, height), few = size, 4
@@ -72,8 +84,8 @@ def instructions_per_sample(scene, program, folder, size):
     for samples in (few, 2 * few):
         flags = ["--size", f"{width}x{height}", "--spp", str(samples), "--threads", "1"]
         prefix = ["valgrind", "--tool=callgrind", f"--callgrind-out-file={folder / 'callgrind.out'}"]
-        text = render(program, scene, folder / "cost.exr", flags, prefix)
-        totals.append(int(re.search(r"Collected : (\d+)", text).group(1)))
+        render(program, scene, folder / "cost.exr", flags, prefix)
+        totals.append(instructions_of_core(folder / "callgrind.out"))
     return (totals[1] - totals[0]) / (width * height * few)
 
 
@@ -85,7 +97,7 @@ def main():
     parser.add_argument("--scene", action="append", choices=BUNDLED, help="only this scene; may be repeated")
     add_size(parser)
     arguments = parser.parse_args()
-    require(arguments.before, arguments.after, "valgrind")
+    require(arguments.before, arguments.after, "valgrind", "callgrind_annotate")
     with tempfile.TemporaryDirectory() as name:
         print("| scene | before: instructions a sample | after | after / before |\n|--|--|--|--|")
         for scene in arguments.scene or BUNDLED:

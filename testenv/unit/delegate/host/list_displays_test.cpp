@@ -27,7 +27,7 @@ TEST(ListDisplays, AConfigurationThatCannotBeReadIsReported) {
   colors.ocio = "/nowhere/missing.ocio";
   EXPECT_TRUE(ListDisplays(colors, [&](const Diagnostic& d) { reports.push_back(d); }).empty());
   ASSERT_EQ(reports.size(), 1u);
-  EXPECT_NE(reports[0].text.find("missing.ocio"), std::string::npos) << reports[0].text;
+  EXPECT_NE(reports[0].where.find("missing.ocio"), std::string::npos) << reports[0].where;
 }
 
 }  // namespace
