@@ -4,6 +4,8 @@
 #include <limits>
 #include <utility>
 
+#include "delegate/support/json_values.h"
+
 namespace alabaster::hd::archive {
 namespace {
 
@@ -18,37 +20,9 @@ int32_t type_named(const std::string& name) {
   throw Fault("there are no values of type '" + name + "'");
 }
 
-bool is_whole(Scalar scalar) {
-  return scalar == Scalar::int32 || scalar == Scalar::int64 || scalar == Scalar::uint32;
-}
-
-json write_numbers(const Value& value, TensorWriter* tensors) {
-  const TypeInfo& info = GetTypeInfo(value.type());
-  if (const auto* flag = value.get<bool>()) return *flag;
-  if (const auto* number = value.get<int64_t>()) return *number;
-  json numbers = json::array();
-  for (size_t i = 0; i < info.components; ++i) {
-    const double number = value.component(i);
-    if (!std::isfinite(number)) return tensors->add(value);
-    if (is_whole(info.scalar))
-      numbers.push_back(int64_t(number));
-    else
-      numbers.push_back(number);
-  }
-  return info.components == 1 ? numbers[0] : numbers;
-}
-
-template <class T>
-bool write_texts(const Value& value, json* list) {
-  const auto* array = value.get<Array<T>>();
-  if (!array) return false;
-  *list = json::array();
-  for (const T& text : *array) {
-    if constexpr (std::is_same_v<T, std::string>)
-      list->push_back(text);
-    else
-      list->push_back(text.str());
-  }
+bool is_finite(const Value& value) {
+  for (size_t i = 0; i < GetTypeInfo(value.type()).components; ++i)
+    if (!std::isfinite(value.component(i))) return false;
   return true;
 }
 
@@ -120,8 +94,8 @@ Value read_numbers(const json& given, int32_t type, const TensorReader& tensors)
 json write_value(const Value& value, TensorWriter* tensors, const std::function<json(const AssetPath&)>& asset) {
   if (value.empty()) return nullptr;
   json written;
-  if (GetTypeInfo(value.type()).bytes > 0) {
-    written = value.is_array() ? json(tensors->add(value)) : write_numbers(value, tensors);
+  if (GetTypeInfo(value.type()).bytes > 0 && (value.is_array() || !is_finite(value))) {
+    written = tensors->add(value);
   } else if (const auto* path = value.get<AssetPath>()) {
     written = asset(*path);
   } else if (const auto* samples = value.get<std::shared_ptr<const TimeSamples<Value>>>()) {
@@ -130,9 +104,8 @@ json write_value(const Value& value, TensorWriter* tensors, const std::function<
       written.push_back({(*samples)->times[i], write_value((*samples)->values[i], tensors, asset)});
   } else if (value.type() == ALABASTER_DICTIONARY) {
     throw Fault("a dictionary is no value of a field");
-  } else if (!write_texts<Token>(value, &written) && !write_texts<std::string>(value, &written) &&
-             !write_texts<Path>(value, &written)) {
-    written = value.text_or("");
+  } else {
+    written = support::json_of(value);
   }
   return {{type_key(value), written}};
 }

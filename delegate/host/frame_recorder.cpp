@@ -14,11 +14,13 @@
 #include "delegate/host/own_buffer.h"
 #include "delegate/host/product_metadata.h"
 #include "delegate/host/recorded_checkpoints.h"
+#include "delegate/support/lookup.h"
 #include "delegate/support/process_usage.h"
 
 namespace alabaster::hd::host {
 namespace {
 
+using support::number_in;
 using Clock = std::chrono::steady_clock;
 
 double seconds_since(Clock::time_point start) {
@@ -117,11 +119,6 @@ class MappedPixels {
   RenderBuffer* buffer_;
   bool mapped_ = false;
 };
-
-double stat(const Dictionary& stats, const char* key) {
-  const auto found = stats.find(key);
-  return found == stats.end() ? 0 : found->second.number_or(0);
-}
 
 /// One recording, from checks to files: picture by picture.
 class Recording {
@@ -258,9 +255,9 @@ class Recording {
   bool scene_is_whole() {
     const Dictionary stats = delegate_->GetRenderStats();
     if (stats.empty()) return refuse(RecordStatus::render_failed, "record.memory", "memory ran out");
-    const auto faults = static_cast<uint64_t>(stat(stats, "scene.faultCount"));
+    const auto faults = static_cast<uint64_t>(number_in(stats, "scene.faultCount"));
     if (faults == 0 || options_.keep_going) return true;
-    const bool memory = stat(stats, "scene.outOfMemory") != 0;
+    const bool memory = number_in(stats, "scene.outOfMemory") != 0;
     return refuse(memory ? RecordStatus::render_failed : RecordStatus::input_failed, "record.scene",
                   std::to_string(faults) + (faults == 1 ? " fault" : " faults") +
                       " of the scene (see above): nothing is rendered. Mend the scene, or render without what is "
@@ -336,12 +333,12 @@ class Recording {
     result_.stats = delegate_->GetRenderStats();
     if (result_.stats.empty()) refuse(RecordStatus::render_failed, "record.memory", "memory ran out");
     if (pass->GetState() == PassState::failed) {
-      const bool refused = stat(result_.stats, "refused") != 0;
+      const bool refused = number_in(result_.stats, "refused") != 0;
       const auto error = result_.stats.find("error");
       end({refused ? RecordStatus::input_failed : RecordStatus::render_failed, "record.render",
            error == result_.stats.end() ? std::string("the render failed") : error->second.text_or({})});
     } else if (result_.status == RecordStatus::done && result_.stats.contains("scene.faults")) {
-      result_.out_of_memory = stat(result_.stats, "scene.outOfMemory") != 0;
+      result_.out_of_memory = number_in(result_.stats, "scene.outOfMemory") != 0;
       const auto faults = result_.stats.find("scene.faults");
       end({RecordStatus::degraded, "record.scene", faults->second.text_or({})});
     }
@@ -353,7 +350,7 @@ class Recording {
 
   // An interrupted picture is marked incomplete anyway.
   void warn_of_empty_pixels() const {
-    const auto empty = static_cast<uint64_t>(stat(result_.stats, "pixelsWithoutSample"));
+    const auto empty = static_cast<uint64_t>(number_in(result_.stats, "pixelsWithoutSample"));
     if (empty == 0 || !succeeded() || !options_.diagnostics) return;
     const uint64_t all = static_cast<uint64_t>(size().x) * static_cast<uint64_t>(size().y);
     options_.diagnostics(
@@ -375,17 +372,17 @@ class Recording {
   RecordProgress progress() const {
     const Dictionary stats = delegate_->GetRenderStats();
     RecordProgress p;
-    const double fraction = stat(stats, "fractionDone");
+    const double fraction = number_in(stats, "fractionDone");
     p.fraction = (static_cast<double>(at_) + fraction) / static_cast<double>(requests_.size());
     p.seconds = seconds_since(started_);
-    const double rays =
-        stat(stats, "rays.camera") + stat(stats, "rays.bounce") + stat(stats, "rays.shadow") + stat(stats, "rays.walk");
-    const double rendering = stat(stats, "totalClockTime");
+    const double rays = number_in(stats, "rays.camera") + number_in(stats, "rays.bounce") +
+                        number_in(stats, "rays.shadow") + number_in(stats, "rays.walk");
+    const double rendering = number_in(stats, "totalClockTime");
     p.rays_per_second = rendering > 0 ? rays / rendering : 0;
     p.seconds_left = fraction > 0.005 ? rendering * (1 - fraction) / fraction : -1;
-    if (stats.contains("denoise.fraction")) p.denoised = stat(stats, "denoise.fraction");
-    p.samples_done = static_cast<uint64_t>(stat(stats, "numCompletedSamples"));
-    p.samples_total = static_cast<uint64_t>(stat(stats, "samplesTotal"));
+    if (stats.contains("denoise.fraction")) p.denoised = number_in(stats, "denoise.fraction");
+    p.samples_done = static_cast<uint64_t>(number_in(stats, "numCompletedSamples"));
+    p.samples_total = static_cast<uint64_t>(number_in(stats, "samplesTotal"));
     return p;
   }
 

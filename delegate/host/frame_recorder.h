@@ -70,6 +70,14 @@ struct RecordResult : RecordEnd {
 ALABASTER_API RecordResult RecordFrame(RenderIndex* index, RetainedSceneDelegate* scene, const Path& settings,
                                        const RecordOptions& options);
 
+/// The frame that a checkpoint of a recording is of, without its products and the limits of memory and threads.
+struct FrameNote {
+  RenderSettingsDescription frame;
+  bool degraded = false;  // rendered without all of its scene
+};
+/// `text`: the note of a checkpoint, as command describeCheckpoint has it. Empty if RecordFrame did not write it.
+ALABASTER_API std::optional<FrameNote> ReadFrameNote(const std::string& text);
+
 /// A message: there is no AOV of that name, and which one may be meant.
 ALABASTER_API std::string NoSuchAov(const std::string& name);
 

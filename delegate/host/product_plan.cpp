@@ -1,12 +1,12 @@
 #include "delegate/host/product_plan.h"
 
 #include <algorithm>
-#include <filesystem>
 #include <set>
 
 #include "core/film/aov.h"
 #include "core/images/format_limits.h"
 #include "delegate/host/product_writer.h"
+#include "delegate/support/extension.h"
 
 namespace alabaster::hd::host {
 namespace {
@@ -18,9 +18,7 @@ std::string known_aov_names() {
 }
 
 bool kind_of(const std::string& file, FileKind& kind) {
-  std::string ending = std::filesystem::path(file).extension().string();
-  std::transform(ending.begin(), ending.end(), ending.begin(),
-                 [](char c) { return c >= 'A' && c <= 'Z' ? char(c + 32) : c; });
+  const std::string ending = support::lower_extension(file);
   if (ending == ".exr") return kind = FileKind::exr, true;
   if (ending == ".png") return kind = FileKind::png, true;
   if (ending == ".tif" || ending == ".tiff") return kind = FileKind::tiff, true;

@@ -3,6 +3,9 @@
 #include <nlohmann/json.hpp>
 #include <utility>
 
+#include "delegate/host/scene_fields.h"
+#include "delegate/support/json_values.h"
+
 namespace alabaster::hd::host {
 
 void RecordedCheckpoints::report(Severity severity, const std::string& text) const {
@@ -16,28 +19,32 @@ CommandResult RecordedCheckpoints::resume() {
   return resumed;
 }
 
-// The values from which `alabaster merge` writes the files of a render of all samples.
 std::string RecordedCheckpoints::note(const RenderSettingsDescription& d) const {
-  const Rect2i window = d.window();
-  nlohmann::json note = {{"camera", d.camera.str()},
-                         {"size", {d.width, d.height}},
-                         {"window", {window.minX, window.minY, window.maxX, window.maxY}},
-                         {"pixelAspectRatio", d.pixelAspectRatio},
-                         {"frame", d.frame},
-                         {"degraded", delegate_->GetRenderStats().contains("scene.faults")}};
-  for (const RenderSettingDescriptor& setting : delegate_->GetRenderSettingDescriptors()) {
-    const Value value = delegate_->GetRenderSetting(setting.key);
-    nlohmann::json& noted = note["settings"][setting.key.str()];
-    if (const bool* held = value.get<bool>())
-      noted = *held;
-    else if (const float* held = value.get<float>())
-      noted = *held;
-    else if (const std::string text = value.text_or(""); !text.empty())
-      noted = text;
-    else
-      noted = static_cast<int64_t>(value.number_or(0));
-  }
+  RenderSettingsDescription frame = d;
+  frame.products.clear();
+  frame.settings.clear();
+  nlohmann::json note = {{"degraded", delegate_->GetRenderStats().contains("scene.faults")},
+                         {"fields", nlohmann::json::object()},
+                         {"settings", nlohmann::json::object()}};
+  for (const auto& [name, value] : GetFields(frame)) note["fields"][name] = support::json_of(value);
+  for (const RenderSettingDescriptor& setting : delegate_->GetRenderSettingDescriptors())
+    note["settings"][setting.key.str()] = support::json_of(delegate_->GetRenderSetting(setting.key));
   return note.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
+}
+
+std::optional<FrameNote> ReadFrameNote(const std::string& text) {
+  try {
+    const nlohmann::json note = nlohmann::json::parse(text);
+    Fields fields;
+    for (const auto& [name, value] : note.at("fields").items()) fields.emplace_back(name, support::value_of(value));
+    FrameNote read{{}, note.at("degraded").get<bool>()};
+    if (!ReadSettings(fields, &read.frame).empty()) return std::nullopt;
+    for (const auto& [name, value] : note.at("settings").items()) read.frame.settings[name] = support::value_of(value);
+    for (const char* limit : {"memoryLimit", "textureMemory", "threads"}) read.frame.settings.erase(limit);
+    return read;
+  } catch (const nlohmann::json::exception&) {
+    return std::nullopt;
+  }
 }
 
 std::string RecordedCheckpoints::write(const RenderSettingsDescription& settings) {

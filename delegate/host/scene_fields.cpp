@@ -341,6 +341,9 @@ SetResult EditPrim(RetainedSceneDelegate* scene, const Path& path, const Fields&
 std::string ReadCamera(const Fields& fields, CameraDescription* camera) {
   return fill_fields(fields, {}, camera);
 }
+std::string ReadSettings(const Fields& fields, RenderSettingsDescription* settings) {
+  return fill(fields, settings);
+}
 
 namespace {
 

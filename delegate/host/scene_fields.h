@@ -30,8 +30,9 @@ ALABASTER_API Fields GetFields(const CameraDescription& camera);
 ALABASTER_API Fields GetFields(const RenderSettingsDescription& settings);
 /// Nodes that do not lie below `id`, the material's path, have their own paths as names.
 ALABASTER_API Fields GetFields(const MaterialNetwork& network, const Path& id);
-/// A camera that is no prim. Returns a fault, or "".
+/// A camera, or settings, that are no prim: changes the named fields. Returns a fault, or "".
 ALABASTER_API std::string ReadCamera(const Fields& fields, CameraDescription* camera);
+ALABASTER_API std::string ReadSettings(const Fields& fields, RenderSettingsDescription* settings);
 /// "" if it is a setting of schemas/render_settings.json and the value fits it; else a sentence.
 ALABASTER_API std::string CheckSetting(const std::string& name, const Value& value);
 

@@ -4,6 +4,8 @@
 #include <chrono>
 #include <cmath>
 
+#include "delegate/support/lookup.h"
+
 namespace alabaster::tradeoff {
 namespace {
 
@@ -23,11 +25,6 @@ Image color_of(const hd::host::ProductImage& picture, const char* aov) {
   }
   const bool finite = std::all_of(image.rgb.begin(), image.rgb.end(), [](float v) { return std::isfinite(v); });
   return finite ? image : Image{};
-}
-
-double stat(const hd::Dictionary& stats, const char* key, double fallback) {
-  const auto found = stats.find(key);
-  return found == stats.end() ? fallback : found->second.number_or(fallback);
 }
 
 }  // namespace
@@ -82,11 +79,12 @@ std::optional<RenderedFrame> SceneRenderer::render(const Configuration& configur
                           "the render has no colour or holds values that are not finite; please report the scene"});
     return std::nullopt;
   }
-  rendered.cost.cpu_seconds = stat(result.stats, "cpuSeconds", 0);
-  rendered.cost.denoise_cpu_seconds = stat(result.stats, "denoise.cpuSeconds", 0);
-  rendered.cost.denoise_wall_seconds = stat(result.stats, "denoise.seconds", 0);
-  rendered.cost.wall_seconds = stat(result.stats, "totalClockTime", 0) - rendered.cost.denoise_wall_seconds;
-  rendered.cost.reported_error = stat(result.stats, "error.relativeRmse", -1);
+  rendered.cost.cpu_seconds = hd::support::number_in(result.stats, "cpuSeconds", 0);
+  rendered.cost.denoise_cpu_seconds = hd::support::number_in(result.stats, "denoise.cpuSeconds", 0);
+  rendered.cost.denoise_wall_seconds = hd::support::number_in(result.stats, "denoise.seconds", 0);
+  rendered.cost.wall_seconds =
+      hd::support::number_in(result.stats, "totalClockTime", 0) - rendered.cost.denoise_wall_seconds;
+  rendered.cost.reported_error = hd::support::number_in(result.stats, "error.relativeRmse", -1);
   rendered.cost.total_seconds = std::chrono::duration<double>(Clock::now() - started).count();
   return rendered;
 }

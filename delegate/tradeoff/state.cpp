@@ -23,39 +23,34 @@ std::string file_name(const StoredRender& render, const char* ending) {
   return name + "." + std::to_string(render.samples) + "." + std::to_string(render.replica) + ending;
 }
 
+/// Calls visit(name, member) for each member that is stored.
+template <class Render, class Visit>
+void for_each_member(Render& render, const Visit& visit) {
+  visit("configuration", render.configuration);
+  visit("settings", render.fingerprint);
+  visit("samples", render.samples);
+  visit("replica", render.replica);
+  visit("cpuSeconds", render.cost.cpu_seconds);
+  visit("wallSeconds", render.cost.wall_seconds);
+  visit("totalSeconds", render.cost.total_seconds);
+  visit("reportedError", render.cost.reported_error);
+  visit("file", render.file);
+  visit("checksum", render.checksum);
+  visit("denoiseCpuSeconds", render.cost.denoise_cpu_seconds);
+  visit("denoiseWallSeconds", render.cost.denoise_wall_seconds);
+  visit("denoisedFile", render.denoised_file);
+  visit("denoisedChecksum", render.denoised_checksum);
+}
+
 json to_json(const StoredRender& render) {
-  return {{"configuration", render.configuration},
-          {"settings", render.fingerprint},
-          {"samples", render.samples},
-          {"replica", render.replica},
-          {"cpuSeconds", render.cost.cpu_seconds},
-          {"wallSeconds", render.cost.wall_seconds},
-          {"totalSeconds", render.cost.total_seconds},
-          {"reportedError", render.cost.reported_error},
-          {"file", render.file},
-          {"checksum", render.checksum},
-          {"denoiseCpuSeconds", render.cost.denoise_cpu_seconds},
-          {"denoiseWallSeconds", render.cost.denoise_wall_seconds},
-          {"denoisedFile", render.denoised_file},
-          {"denoisedChecksum", render.denoised_checksum}};
+  json entry;
+  for_each_member(render, [&](const char* name, const auto& member) { entry[name] = member; });
+  return entry;
 }
 
 StoredRender from_json(const json& entry) {
   StoredRender render;
-  entry.at("configuration").get_to(render.configuration);
-  entry.at("settings").get_to(render.fingerprint);
-  entry.at("samples").get_to(render.samples);
-  entry.at("replica").get_to(render.replica);
-  entry.at("cpuSeconds").get_to(render.cost.cpu_seconds);
-  entry.at("wallSeconds").get_to(render.cost.wall_seconds);
-  entry.at("totalSeconds").get_to(render.cost.total_seconds);
-  entry.at("reportedError").get_to(render.cost.reported_error);
-  entry.at("file").get_to(render.file);
-  entry.at("checksum").get_to(render.checksum);
-  entry.at("denoiseCpuSeconds").get_to(render.cost.denoise_cpu_seconds);
-  entry.at("denoiseWallSeconds").get_to(render.cost.denoise_wall_seconds);
-  entry.at("denoisedFile").get_to(render.denoised_file);
-  entry.at("denoisedChecksum").get_to(render.denoised_checksum);
+  for_each_member(render, [&](const char* name, auto& member) { entry.at(name).get_to(member); });
   return render;
 }
 

@@ -23,5 +23,28 @@ TEST(RecordedCheckpoints, ADelegateWithoutThemSavesNone) {
   EXPECT_EQ(said[0], "checkpoint 'frame.checkpoint': there are no commands");
 }
 
+TEST(RecordedCheckpoints, ANoteSaysWhatFrameItIsOf) {
+  const auto note = ReadFrameNote(
+      R"({"degraded": true, "fields": {"camera": "/c", "width": 64, "height": 48, "crop": [1, 2, 30, 40], "frame": 7.0},
+          "settings": {"samples": 4, "targetError": 0.02, "subsurface": "walk", "adaptive": false}})");
+  ASSERT_TRUE(note);
+  EXPECT_TRUE(note->degraded);
+  EXPECT_EQ(note->frame.camera, Path("/c"));
+  EXPECT_EQ(note->frame.width, 64);
+  EXPECT_EQ(note->frame.crop, (Rect2i{1, 2, 30, 40}));
+  EXPECT_EQ(note->frame.frame, 7);
+  EXPECT_EQ(note->frame.settings.at("targetError"), Value(0.02f));
+  EXPECT_EQ(note->frame.settings.at("subsurface"), Value("walk"));
+}
+
+TEST(RecordedCheckpoints, TextsThatAreNoNotesAreRefused) {
+  for (const char* text :
+       {"", "[]", "{}", "null", R"({"degraded": 1, "fields": {}, "settings": {}})",
+        R"({"degraded": false, "fields": {"width": "wide"}, "settings": {}})",
+        R"({"degraded": false, "fields": {"width": -1}, "settings": {}})",
+        R"({"degraded": false, "fields": {"crop": [1, 2]}, "settings": {}})", R"({"degraded": false, "fields": {}})"})
+    EXPECT_FALSE(ReadFrameNote(text)) << text;
+}
+
 }  // namespace
 }  // namespace alabaster::hd::host

@@ -1,0 +1,19 @@
+// Values as JSON, for files that programs read: statistics, notes of checkpoints, descriptions.
+#pragma once
+
+#include <nlohmann/json_fwd.hpp>
+
+#include "delegate/api/types.h"
+
+namespace alabaster::hd::support {
+
+/// Numbers, with floats as their shortest decimals; texts; lists of vectors, matrices and arrays; objects of
+/// dictionaries. An empty value is null.
+nlohmann::json json_of(const Value& value);
+
+/// The value of a flag, a text, a whole number, another number (a float, or a double that no float's shortest decimal
+/// is), of 2 or 3 numbers (a vector of floats), or of an array of whole numbers, of numbers or of texts. Empty: there
+/// is none.
+Value value_of(const nlohmann::json& json);
+
+}  // namespace alabaster::hd::support
