@@ -7,14 +7,13 @@
 
 #include "delegate/cli/commands.h"
 #include "delegate/cli/exit_codes.h"
-#include "delegate/cli/outputs.h"
 #include "delegate/cli/scene_session.h"
 #include "delegate/host/product_limits.h"
 
 namespace alabaster::cli {
 namespace {
 
-constexpr double kDefaultSeconds = 60, kForever = 1e9;
+constexpr double kForever = 1e9;
 
 /// Ends the program when its time is over. A check writes no files, so that nothing is lost.
 class Deadline {
@@ -59,16 +58,15 @@ int check_products(const SceneSession& session, const hd::DiagnosticSink& sink) 
 
 int check(const CheckArguments& a, Console* console) {
   SceneSession session;
-  hd::description::LoadOptions options;
-  if (!a.memory_limit.empty()) options.overrides.push_back("memoryLimit=" + a.memory_limit);
-  options.overrides.insert(options.overrides.end(), a.overrides.begin(), a.overrides.end());
-  options.allow_outside = a.allow_outside;
-  if (const int code = session.load(a.scene, options, console->sink()); code != kDone) return code;
-  if (!session.choose_colors("", console->sink())) return kInput;
+  std::vector<hd::description::Override> flags;
+  if (!a.memory_limit.empty()) flags.emplace_back("--memory-limit " + a.memory_limit, "memoryLimit", a.memory_limit);
+  const hd::description::LoadOptions options = scene_load_options(a, std::move(flags));
+  session.load(a.scene, options, console->sink());
+  session.choose_colors("", console->sink(), kInput);
   const int products = check_products(session, console->sink());
-  if (!session.start(console->sink())) return kRender;
+  session.start(console->sink());
   if (!session.index()->SyncAll()) return kRender;
-  if (const int code = session.scene_faults(); code != kDone) return code;
+  session.require_whole();
   return products;
 }
 
@@ -76,10 +74,7 @@ int check(const CheckArguments& a, Console* console) {
 
 int run_check(const CheckArguments& a) {
   Console console(a.quiet);
-  const auto seconds = a.time_limit.empty() ? kDefaultSeconds : parse_nonnegative(a.time_limit);
-  if (seconds.value_or(0) == 0)
-    return console.usage_error("--time-limit", "'" + a.time_limit + "' is not a number of seconds above 0.");
-  const Deadline deadline(*seconds, a.scene);
+  const Deadline deadline(a.time_limit, a.scene);
   const int code = check(a, &console);
   if (code == kDone) console.note(a.scene + ": can be rendered");
   return code;

@@ -7,13 +7,11 @@
 
 namespace alabaster::cli {
 
-// These return an exit code, after a message if it is not kDone.
-/// Checks --checkpoint, --checkpoint-interval, --resume and --samples before the scene is read.
-int check_checkpoint(const RenderArguments& arguments, Console& console);
+// These end the command after a message.
 /// Checks that the checkpoints can be written, and that none would be lost.
-int check_checkpoint_files(const RenderArguments& arguments, Console& console);
+void check_checkpoint_files(const RenderArguments& arguments, Console& console);
 /// Checks them against the scene. `renders`: how many it describes.
-int check_parts(const RenderArguments& arguments, const SceneSession& session, size_t renders, Console& console);
+void check_parts(const RenderArguments& arguments, const SceneSession& session, size_t renders, Console& console);
 
 /// The files of all frames; none without --checkpoint.
 std::vector<std::string> checkpoint_files(const RenderArguments& arguments);

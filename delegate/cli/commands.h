@@ -1,11 +1,11 @@
 // The program's commands. Each returns an exit code and reports through a Console.
 #pragma once
 
-#include <map>
 #include <optional>
 #include <string>
 #include <vector>
 
+#include "delegate/cli/flags.h"
 #include "delegate/cli/scene_options.h"
 
 namespace alabaster::cli {
@@ -13,76 +13,76 @@ namespace alabaster::cli {
 /// Samples per pixel at which a render to an error ends, unless --spp is given or a preset of --quality allows more.
 inline constexpr int kMostSamplesToAnError = 65536;
 
-/// Arguments as given; empty if not given.
-struct RenderArguments : SceneArguments {
-  std::vector<std::string> outputs;
-  std::string frames;   // "1:100" or "1:100:10"
-  std::string fps;      // frames per second
-  std::string shutter;  // "open:close", frames
-  std::string size;     // "1280x720"
-  std::string crop;     // "x0,y0,x1,y1"
-  std::string pixel;    // "x,y" or "x,y,sample"
-  std::string words;    // all arguments as typed, quoted for a shell, each after a space
-  std::string quality;
-  std::map<std::string, std::string> settings;  // of the flags that name a render setting, by its name
+/// The files of pictures, and how they show them. Empty: not given.
+struct PictureArguments {
+  std::vector<std::string> outputs, aovs;
   std::string display, view, look;
   std::optional<float> exposure;
-  std::vector<std::string> aovs;
+  bool denoise = false;
+};
+
+/// Empty: not given.
+struct RenderArguments : SceneArguments, PictureArguments {
+  std::vector<hd::description::Override> settings;  // of the flags that name a render setting
+  std::vector<uint32_t> frames;
+  std::optional<double> fps;
+  std::optional<std::pair<double, double>> shutter;  // open and close, in frames
+  std::optional<hd::Vec2i> size;
+  std::optional<hd::Rect2i> crop;
+  std::optional<PixelChoice> pixel;
+  std::string words;  // all arguments as typed, quoted for a shell, each after a space
   std::string stats;
-  std::string samples;              // "256:512"
-  std::string checkpoint;           // file
-  std::string checkpoint_interval;  // seconds
-  bool denoise = false, quiet = false, keep_going = false, resume = false;
+  std::optional<std::pair<uint32_t, uint32_t>> samples;  // begin and end
+  std::string checkpoint;                                // file
+  std::optional<double> checkpoint_interval;             // seconds
+  bool quiet = false, keep_going = false, resume = false;
 };
 int run_render(const RenderArguments& arguments);
 
-/// Arguments as given; empty if not given.
-struct InfoArguments {
-  std::string scene;
-  std::vector<std::string> overrides;
-  std::string predict, size, threads;
-  bool allow_outside = false;
+struct InfoArguments : SceneArguments {
+  std::optional<double> predict;  // a relative RMSE
+  std::optional<hd::Vec2i> size;
+  std::string threads;
 };
 int run_info(const InfoArguments& arguments);
 
-struct CheckArguments {
-  std::string scene;
-  std::vector<std::string> overrides;
-  std::string time_limit, memory_limit;  // seconds, MiB
-  bool allow_outside = false, quiet = false;
+struct CheckArguments : SceneArguments {
+  double time_limit = 60;    // seconds
+  std::string memory_limit;  // MiB
+  bool quiet = false;
 };
 int run_check(const CheckArguments& arguments);
 
 struct ConvertArguments : SceneArguments {
-  std::string output, size;
+  std::string output;
+  std::optional<hd::Vec2i> size;
   bool embed = false;
 };
 int run_convert(const ConvertArguments& arguments);
 
 struct FarmArguments {
   RenderArguments render;
-  std::string tasks, engine = "script", folder;
+  uint32_t tasks = 0;
+  std::string engine = "script", folder;
   std::vector<std::string> task_options, merge_options;  // of each task and of the merge, a word each
 };
 int run_farm(const FarmArguments& arguments);
 
 /// Without outputs, tells how far the parts are.
-struct MergeArguments {
-  std::vector<std::string> parts, outputs;
-  std::string display, view, look, ocio;
-  std::optional<float> exposure;
-  std::vector<std::string> aovs;
+struct MergeArguments : PictureArguments {
+  std::vector<std::string> parts;
+  std::string ocio;
   bool quiet = false;
 };
 int run_merge(const MergeArguments& arguments);
 
-struct TradeoffArguments {
-  std::string scene, folder;
-  std::string budget;  // minutes
-  std::string size;    // "320x180"
-  std::string only;    // regular expression
-  std::vector<std::string> overrides;
-  bool denoise = false, restart = false, quiet = false, allow_outside = false;
+struct TradeoffArguments : SceneArguments {
+  std::string folder;
+  double budget = 10;  // minutes
+  std::optional<hd::Vec2i> size;
+  std::string only;                // regular expression
+  std::vector<std::string> words;  // that make the same study, such as --size=64x64
+  bool denoise = false, restart = false, quiet = false;
 };
 int run_tradeoff(const TradeoffArguments& arguments);
 

@@ -98,9 +98,28 @@ void Console::error(const std::string& where, const std::string& text) {
   show({hd::Severity::error, "cli", where, text});
 }
 
-int Console::usage_error(const std::string& where, const std::string& text) {
+void Console::fail(int code, const std::string& where, const std::string& text) {
   error(where, text);
-  return kUsage;
+  throw Exit{code};
+}
+
+void Console::usage_error(const std::string& where, const std::string& text) {
+  fail(kUsage, where, text);
+}
+
+void Console::require(int code, const std::string& where, const std::string& fault) {
+  if (!fault.empty()) fail(code, where, fault);
+}
+
+void Console::require_usage(const std::string& where, const std::string& fault) {
+  require(kUsage, where, fault);
+}
+
+void Console::write_file(const std::string& file, const std::string& text, const std::string& what,
+                         hd::support::Flush flush) {
+  const std::string problem =
+      hd::support::WriteOutputFile(file, {reinterpret_cast<const uint8_t*>(text.data()), text.size()}, flush);
+  if (!problem.empty()) fail(kOutput, file, what + " could not be written: " + problem + ".");
 }
 
 void Console::count_rest() {

@@ -5,6 +5,7 @@
 #include <string>
 
 #include "delegate/host/frame_recorder.h"
+#include "delegate/support/output_file.h"
 
 namespace alabaster::cli {
 
@@ -25,8 +26,17 @@ class Console {
   hd::DiagnosticSink sink();
   void note(const std::string& text);
   void error(const std::string& where, const std::string& text);
-  /// Reports a fault of the command line. Returns the exit code for it.
-  int usage_error(const std::string& where, const std::string& text);
+  /// Reports an error and ends the command with the exit code.
+  [[noreturn]] void fail(int code, const std::string& where, const std::string& text);
+  /// The same for a fault of the command line.
+  [[noreturn]] void usage_error(const std::string& where, const std::string& text);
+  // These do so if there is a fault or a problem, a sentence.
+  void require(int code, const std::string& where, const std::string& fault);
+  void require_usage(const std::string& where, const std::string& fault);
+
+  /// Writes a file, or reports that `what` could not be written and ends the command.
+  void write_file(const std::string& file, const std::string& text, const std::string& what,
+                  hd::support::Flush flush = hd::support::Flush::disk);
 
   /// Shows a bar that redraws itself on a terminal; elsewhere prints a line at the start and at every tenth.
   void progress(const hd::host::RecordProgress& progress);

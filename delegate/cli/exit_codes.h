@@ -9,6 +9,15 @@ namespace alabaster::cli {
 /// kDegraded: with --keep-going, rendered and written without what the scene's faults left out.
 enum ExitCode { kDone = 0, kUsage = 2, kInput = 3, kRender = 4, kOutput = 5, kDegraded = 6, kInterrupted = 130 };
 
+/// Thrown to end a command, after a report of why.
+struct Exit {
+  int code = kDone;
+};
+/// Ends the command, unless the code is kDone.
+inline void require(int code) {
+  if (code != kDone) throw Exit{code};
+}
+
 // Where memory was refused, neither the scene nor the command is at fault, whether or not the run went on without it:
 // the code is kRender.
 

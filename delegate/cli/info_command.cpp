@@ -5,12 +5,10 @@
 #include "delegate/cli/control_characters.h"
 #include "delegate/cli/exit_codes.h"
 #include "delegate/cli/interrupt.h"
-#include "delegate/cli/outputs.h"
 #include "delegate/cli/predict.h"
 #include "delegate/cli/scene_session.h"
 #include "delegate/cli/stopwatch.h"
 #include "delegate/host/schemas.h"
-#include "delegate/support/output_file.h"
 #include "delegate/support/process_usage.h"
 
 namespace alabaster::cli {
@@ -114,45 +112,18 @@ void print_lights_and_cameras(const SceneSession& session) {
   for (const std::string& note : session.file.notes) std::printf("note: %s\n", printable(note).c_str());
 }
 
-int check_arguments(const InfoArguments& a, Console* console) {
-  if (!a.predict.empty() && !parse_target_error(a.predict))
-    return console->usage_error(
-        "--predict",
-        "'" + a.predict + "' is not a target error: write a relative RMSE above 0 and at most 1, for example 0.02.");
-  const std::string fault = size_fault(a.size);
-  return fault.empty() ? kDone : console->usage_error("--size", fault);
-}
-
 hd::description::LoadOptions load_options(const InfoArguments& a) {
-  hd::description::LoadOptions options;
-  options.allow_outside = a.allow_outside;
-  if (const auto size = parse_size(a.size))
-    options.overrides.push_back("resolution=[" + std::to_string(size->x) + "," + std::to_string(size->y) + "]");
-  if (!a.threads.empty()) options.overrides.push_back("threads=" + a.threads);
-  options.overrides.insert(options.overrides.end(), a.overrides.begin(), a.overrides.end());
+  std::vector<hd::description::Override> flags;
+  if (!a.threads.empty()) flags.emplace_back("--threads " + a.threads, "threads", a.threads);
+  hd::description::LoadOptions options = scene_load_options(a, std::move(flags));
+  options.size = a.size;
   return options;
 }
 
-// --size overrides the resolution of single products, as it does when rendering.
-void resize(SceneSession* session, const hd::Vec2i& size) {
-  hd::RenderSettingsDescription settings = session->scene.GetAllRenderSettings().at(session->file.settings);
-  settings.width = size.x;
-  settings.height = size.y;
-  session->scene.SetRenderSettings(session->file.settings, std::move(settings));
-}
-
-int write_table_files(const std::string& sources, Console* console) {
+void write_table_files(const std::string& sources, Console* console) {
   std::map<std::string, std::string> texts = hd::host::TableFiles();
   texts["schemas/render_description.json"] = hd::host::WithTables(hd::description::SchemaText("render_description"));
-  for (const auto& [name, text] : texts) {
-    const std::string file = sources + "/" + name;
-    const std::string fault =
-        hd::support::WriteOutputFile(file, {reinterpret_cast<const uint8_t*>(text.data()), text.size()});
-    if (fault.empty()) continue;
-    console->error(file, fault);
-    return kOutput;
-  }
-  return kDone;
+  for (const auto& [name, text] : texts) console->write_file(sources + "/" + name, text, "The file");
 }
 
 }  // namespace
@@ -163,18 +134,16 @@ int run_info(const InfoArguments& arguments) {
   const Stopwatch watch;
   catch_interrupts();
   Console console(false);
-  if (const int code = check_arguments(arguments, &console); code != kDone) return code;
   SceneSession session;
   const hd::description::LoadOptions options = load_options(arguments);
-  if (const int code = session.load(arguments.scene, options, console.sink()); code != kDone) return code;
-  if (!session.choose_colors("", console.sink())) return kInput;
-  if (const auto size = parse_size(arguments.size)) resize(&session, *size);
+  session.load(arguments.scene, options, console.sink());
+  session.choose_colors("", console.sink(), kInput);
   print_geometry(session.scene);
   for (const hd::gltf::GltfSummary& model : session.file.gltf) print_choices(model);
   print_materials(session.scene);
   print_lights_and_cameras(session);
   std::fflush(stdout);
-  if (!session.start(console.sink())) return kRender;
+  session.start(console.sink());
   Preparation spent{{linked + watch.wall(), linked + watch.cpu()}, {}};
   const Stopwatch sync_watch;
   session.index()->SyncAll();
@@ -185,21 +154,20 @@ int run_info(const InfoArguments& arguments) {
   std::printf("requires:\n%s%s", requirements.c_str(), requirements.ends_with('\n') ? "" : "\n");
   std::printf("peak memory so far: %.1f MB\n", double(hd::support::peak_memory_bytes()) / 1e6);
   std::fflush(stdout);
-  if (const int code = session.scene_faults(); code != kDone) return code;
-  const auto target = parse_target_error(arguments.predict);
-  return target ? print_prediction(&session, &console, spent, *target) : kDone;
+  session.require_whole();
+  return arguments.predict ? print_prediction(&session, &console, spent, *arguments.predict) : kDone;
 }
 
 int run_schema(const SchemaArguments& arguments) {
   Console console(false);
-  if (!arguments.folder.empty()) return write_table_files(arguments.folder, &console);
+  if (!arguments.folder.empty()) return write_table_files(arguments.folder, &console), kDone;
   if (const char* text = hd::description::SchemaText(arguments.name)) {
     std::fputs(text, stdout);
     return kDone;
   }
-  return console.usage_error("schema", "There is no schema '" + arguments.name +
-                                           "': choose from disney_material, textures, lights, camera, "
-                                           "render_settings, render_description and quality_presets.");
+  console.usage_error("schema", "There is no schema '" + arguments.name +
+                                    "': choose from disney_material, textures, lights, camera, "
+                                    "render_settings, render_description and quality_presets.");
 }
 
 int run_ocio(const OcioArguments& arguments) {

@@ -7,13 +7,10 @@
 #include <functional>
 #include <iostream>
 #include <set>
-#include <sstream>
-#include <tuple>
 
 #include "delegate/api/render_delegate.h"
 #include "delegate/cli/commands.h"
 #include "delegate/cli/console.h"
-#include "delegate/cli/control_characters.h"
 #include "delegate/cli/exit_codes.h"
 #include "delegate/cli/shell_word.h"
 
@@ -25,11 +22,15 @@ constexpr const char* kExitCodes =
     "output failed, 6 rendered with --keep-going without all that the scene names, 130 interrupted (the picture so far "
     "is written and marked incomplete). After 2 and 3 nothing was rendered.";
 
-/// A flag that only names a render setting.
+/// A flag that only names a setting. A preset of quality comes first: all others come over it.
 struct SettingFlag {
   const char *flag, *setting, *type, *help;
 };
 constexpr SettingFlag kSettingFlags[] = {
+    {"--quality", "quality", "PRESET",
+     "preview, draft, production or reference: measured settings (alabaster schema quality_presets). A "
+     "preset overrides the scene's settings, and every other flag overrides the preset. A render ends at "
+     "the preset's targetError unless --target-error is given"},
     {"--spp", "samples", "N",
      "Samples per pixel, at most. Default: the scene's, else 64; with --target-error or --time-limit 65536. With "
      "--quality the render still ends at the preset's targetError if that comes first"},
@@ -58,72 +59,79 @@ constexpr SettingFlag kSettingFlags[] = {
      "Memory for the texels of images; more texels are read from a temporary file as they are needed. Default: 4096"},
 };
 
-/// Options of a sequence of frames.
-struct TextFlag {
-  const char* flag;
-  std::string RenderArguments::*value;
-  const char *type, *help;
-};
-constexpr TextFlag kFrameFlags[] = {
-    {"--frames", &RenderArguments::frames, "A:B[:STEP]",
-     "Render the frames from A to B, each to files of its own: -o frame.####.exr. Frame N shows the models at N / fps "
-     "seconds and has a noise pattern of its own"},
-    {"--fps", &RenderArguments::fps, "N", "Frames per second, for --frames and --shutter; default: 24"},
-    {"--shutter", &RenderArguments::shutter, "OPEN:CLOSE",
-     "Motion blur: when the shutter opens and closes, in frames relative to the frame that is drawn, such as 0:0.5 or "
-     "-0.25:0.25. Default: the camera's own, else closed at once"},
-};
-
 void add_checkpoint(CLI::App* c, RenderArguments* a) {
   c->add_option(
        "--checkpoint", a->checkpoint,
        "File that the state of the render is written to every minute, when it is interrupted and at its end. A "
        "killed render loses no more than that. With --frames: part.####.checkpoint")
       ->type_name("FILE");
-  c->add_option("--checkpoint-interval", a->checkpoint_interval, "Seconds between two checkpoints; default: 60")
-      ->type_name("S");
+  add_parsed(c, "--checkpoint-interval", &a->checkpoint_interval, parse_nonnegative,
+             "is not a number of seconds from 0 up.", "S", "Seconds between two checkpoints; default: 60");
   c->add_flag("--resume", a->resume,
               "Continue from the --checkpoint FILE, to the very bits of a render that nothing interrupted; without the "
               "file, begin. It must be of the same scene, settings and version. --spp may be raised, and --time-limit "
               "counts the time before, too");
-  c->add_option("--samples", a->samples,
-                "Take samples A to B - 1 of each pixel only: a part of a frame of B or more, which 'alabaster merge' "
-                "adds to the others. Needs --checkpoint, which the part is written to; files of -o show the part alone")
-      ->type_name("A:B");
+  add_parsed(c, "--samples", &a->samples, parse_samples,
+             "is not a range of samples: write begin:end, such as 256:512 for the samples from 256 to 511; end is at "
+             "most 1048576.",
+             "A:B",
+             "Take samples A to B - 1 of each pixel only: a part of a frame of B or more, which 'alabaster merge' "
+             "adds to the others. Needs --checkpoint, which the part is written to; files of -o show the part alone");
+}
+
+/// The options of pictures but for --denoise and --ocio.
+void add_picture_options(CLI::App* c, PictureArguments* a, const char* aov_help) {
+  add_repeated(c, "-o,--output", &a->outputs, "FILE", "File to write: .exr, .png, .tif or .jpg; may be repeated");
+  c->add_option("--display", a->display, "Display of the OCIO config, for .png, .tif and .jpg")->type_name("NAME");
+  c->add_option("--view", a->view, "View of that display")->type_name("NAME");
+  c->add_option("--look", a->look, "Look of the OCIO config")->type_name("NAME");
+  add_parsed(c, "--exposure", &a->exposure, parse_stops, "is not a number of stops from -64 to 64.", "STOPS",
+             "Exposure in stops, applied before the view");
+  add_repeated(c, "--aov", &a->aovs, "NAME", aov_help);
+}
+
+void add_frames(CLI::App* c, RenderArguments* a) {
+  add_parsed(c, "--frames", &a->frames, parse_frames,
+             "is not a range of frames, at most 100000: write first:last or first:last:step, in whole numbers.",
+             "A:B[:STEP]",
+             "Render the frames from A to B, each to files of its own: -o frame.####.exr. Frame N shows the models at "
+             "N / fps seconds and has a noise pattern of its own");
+  add_parsed(c, "--fps", &a->fps, parse_positive, "is not a number of frames per second above 0.", "N",
+             "Frames per second, for --frames and --shutter; default: 24");
+  add_parsed(c, "--shutter", &a->shutter, parse_interval, "is not a shutter: write open:close in frames.", "OPEN:CLOSE",
+             "Motion blur: when the shutter opens and closes, in frames relative to the frame that is drawn, such as "
+             "0:0.5 or -0.25:0.25. Default: the camera's own, else closed at once");
 }
 
 /// The options of render but for those of checkpoints.
 void add_render_options(CLI::App* c, RenderArguments* a) {
   add_scene_options(c, a);
-  add_repeated(c, "-o,--output", &a->outputs, "FILE", "File to write: .exr, .png, .tif or .jpg; may be repeated");
-  for (const TextFlag& flag : kFrameFlags) c->add_option(flag.flag, a->*flag.value, flag.help)->type_name(flag.type);
-  c->add_option("--size", a->size, "Resolution in pixels")->type_name("WxH");
-  c->add_option("--crop", a->crop, "Region to render, in pixels from the upper left corner")->type_name("X0,Y0,X1,Y1");
-  c->add_option("--quality", a->quality,
-                "preview, draft, production or reference: measured settings (alabaster schema quality_presets). A "
-                "preset overrides the scene's settings, and every other flag overrides the preset. A render ends at "
-                "the preset's targetError unless --target-error is given")
-      ->type_name("PRESET");
+  add_picture_options(c, a,
+                      "Extra layer for every .exr: depth, normal, albedo, primId, diffuse, subsurface, specular, "
+                      "emission, error, ...; may be repeated");
+  add_frames(c, a);
+  add_size(c, &a->size, "Resolution in pixels");
+  add_parsed(c, "--crop", &a->crop, parse_crop,
+             "is not a rectangle: write four whole numbers, x0,y0,x1,y1, each from -2147483648 to 2147483647.",
+             "X0,Y0,X1,Y1", "Region to render, in pixels from the upper left corner");
   for (const SettingFlag& flag : kSettingFlags)
-    c->add_option(flag.flag, a->settings[flag.setting], flag.help)->type_name(flag.type);
-  c->add_option("--display", a->display, "Display of the OCIO config, for .png, .tif and .jpg")->type_name("NAME");
-  c->add_option("--view", a->view, "View of that display")->type_name("NAME");
-  c->add_option("--look", a->look, "Look of the OCIO config")->type_name("NAME");
-  c->add_option("--exposure", a->exposure, "Exposure in stops, applied before the view")->type_name("STOPS");
-  add_repeated(c, "--aov", &a->aovs, "NAME",
-               "Extra layer for every .exr: depth, normal, albedo, primId, diffuse, subsurface, specular, emission, "
-               "error, ...; may be repeated");
+    c->add_option_function<std::string>(
+         flag.flag,
+         [a, &flag](const std::string& text) {
+           a->settings.emplace_back(std::string(flag.flag) + " " + text, flag.setting, text);
+         },
+         flag.help)
+        ->type_name(flag.type);
   c->add_flag(
       "--denoise", a->denoise,
       "Denoise the picture after its last sample (Open Image Denoise 2, if installed): .png, .tif and .jpg show "
       "it denoised, and .exr gets it as layer 'denoised' beside the colour as rendered");
-  c->add_option(
-       "--pixel", a->pixel,
-       "Print the path of one sample of a pixel, vertex by vertex, instead of writing files. X and Y count from "
-       "the upper left corner of the frame; pixels beyond its edges (overscan) are allowed if the scene's crop "
-       "has them. Without SAMPLE, list the samples that the pixel has without adaptive sampling, and follow "
-       "the brightest")
-      ->type_name("X,Y[,SAMPLE]");
+  add_parsed(c, "--pixel", &a->pixel, parse_pixel,
+             "is not a pixel: write x,y or x,y,sample, for example 320,200 or 320,200,5.", "X,Y[,SAMPLE]",
+             "Print the path of one sample of a pixel, vertex by vertex, instead of writing files. X and Y count from "
+             "the upper left corner of the frame; pixels beyond its edges (overscan) are allowed if the scene's crop "
+             "has them. Without SAMPLE, list the samples that the pixel has without adaptive sampling, and follow "
+             "the brightest");
   c->add_option("--stats", a->stats, "Write the render's statistics as JSON")->type_name("FILE.json");
   c->add_flag("--keep-going", a->keep_going,
               "Render although an image is missing or damaged, or an object or light cannot be built: without it. The "
@@ -145,7 +153,8 @@ CLI::App* add_farm(CLI::App& app, FarmArguments* a) {
       "Writes the jobs that render a frame on several machines, each a part of its samples, and merge the parts to the "
       "bytes of one machine's frame. Takes the options of render; renders nothing itself.");
   add_render_options(c, &a->render);
-  c->add_option("--tasks", a->tasks, "Number of parts")->required()->type_name("N");
+  add_parsed(c, "--tasks", &a->tasks, parse_tasks, "is not a whole number from 1 to 10000.", "N", "Number of parts");
+  c->get_option("--tasks")->required();
   c->add_option(
        "--engine", a->engine,
        "slurm: a job array and its merge; openjd: the same as a template of Open Job Description, which AWS Deadline "
@@ -165,15 +174,8 @@ CLI::App* add_merge(CLI::App& app, MergeArguments* a) {
   c->add_option("parts", a->parts, "Checkpoints of 'alabaster render --samples A:B', in any order")
       ->required()
       ->type_name("PART...");
-  add_repeated(c, "-o,--output", &a->outputs, "FILE", "File to write: .exr, .png, .tif or .jpg; may be repeated");
-  for (const auto& [flag, text, help] :
-       {std::tuple{"--display", &a->display, "Display of the OCIO config, for .png, .tif and .jpg"},
-        std::tuple{"--view", &a->view, "View of that display"},
-        std::tuple{"--look", &a->look, "Look of the OCIO config"}})
-    c->add_option(flag, *text, help)->type_name("NAME");
-  c->add_option("--exposure", a->exposure, "Exposure in stops, applied before the view")->type_name("STOPS");
+  add_picture_options(c, a, "Extra layer for every .exr, which the parts must have; may be repeated");
   c->add_option("--ocio", a->ocio, "OpenColorIO config; default: $OCIO, else the built-in one")->type_name("FILE");
-  add_repeated(c, "--aov", &a->aovs, "NAME", "Extra layer for every .exr, which the parts must have; may be repeated");
   c->add_flag("--quiet", a->quiet, "Print errors and warnings only");
   c->footer(kExitCodes);
   return c;
@@ -183,20 +185,18 @@ CLI::App* add_tradeoff(CLI::App& app, TradeoffArguments* a) {
   CLI::App* c = app.add_subcommand(
       "tradeoff",
       "Measures speed against accuracy on a scene: noise and bias of every subsurface mode and quality setting.");
-  c->add_option("file", a->scene, "Scene file")->required()->type_name("SCENE");
+  add_scene_file(c, a);
   c->add_option("-o,--output", a->folder,
                 "Folder for tradeoff.csv, .json, .md, .svg, .png and the state to resume from; default: SCENE_tradeoff")
       ->type_name("DIR");
-  c->add_option("--budget", a->budget, "Rendering time, including earlier runs in the same folder; default: 10")
-      ->type_name("MINUTES");
-  c->add_option("--size", a->size, "Resolution in pixels; default: the scene's, reduced if the budget requires it")
-      ->type_name("WxH");
+  add_parsed(c, "--budget", &a->budget, parse_minutes,
+             "is not a time: write a number of minutes above 0 and up to 10080 (a week), for example 10.", "MINUTES",
+             "Rendering time, including earlier runs in the same folder; default: 10");
+  add_size(c, &a->size, "Resolution in pixels; default: the scene's, reduced if the budget requires it");
   c->add_option("--only", a->only,
                 "Measure only walk and the configurations whose names match; '^quality=' selects the presets")
       ->type_name("REGEX");
-  add_repeated(c, "--set", &a->overrides, "KEY=VALUE", "Override a value, as in render");
   c->add_flag("--denoise", a->denoise, "Measure each picture denoised, too (Open Image Denoise 2, if installed)");
-  add_allow_outside(c, &a->allow_outside);
   c->add_flag("--restart", a->restart, "Discard an earlier study in the folder and start afresh");
   c->add_flag("--quiet", a->quiet, "Print errors and warnings only");
   c->footer(kExitCodes);
@@ -245,11 +245,10 @@ CLI::App* add_check(CLI::App& app, CheckArguments* a) {
       "check",
       "Checks a scene without rendering it: reads it and all files that it names, builds what would be rendered, and "
       "reports every fault that a render would. Writes nothing.");
-  c->add_option("file", a->scene, "Scene file")->required()->type_name("SCENE");
-  add_repeated(c, "--set", &a->overrides, "KEY=VALUE", "Override a value, as in render");
-  c->add_option("--time-limit", a->time_limit, "Give up after this many seconds; default: 60")->type_name("S");
+  add_scene_file(c, a);
+  add_parsed(c, "--time-limit", &a->time_limit, parse_positive, "is not a number of seconds above 0.", "S",
+             "Give up after this many seconds; default: 60");
   c->add_option("--memory-limit", a->memory_limit, "Memory for the scene, as in render")->type_name("MIB");
-  add_allow_outside(c, &a->allow_outside);
   c->add_flag("--quiet", a->quiet, "Print errors and warnings only");
   c->footer(kExitCodes);
   return c;
@@ -266,22 +265,20 @@ CLI::App* add_convert(CLI::App& app, ConvertArguments* a) {
       "convert", "Writes a scene, as the options change it, to one file (.alab) that every command reads.");
   add_scene_options(c, a);
   c->add_option("-o,--output", a->output, "File to write: NAME.alab")->required()->type_name("FILE");
-  c->add_option("--size", a->size, "Size of the frame, by which a scene without a camera is framed")->type_name("WxH");
+  add_size(c, &a->size, "Size of the frame, by which a scene without a camera is framed");
   c->add_flag("--embed", a->embed, "Store images in the file; else it names them by path and digest");
   return c;
 }
 
 CLI::App* add_info(CLI::App& app, InfoArguments* a) {
   CLI::App* c = app.add_subcommand("info", "Lists what a scene contains and what rendering it requires.");
-  c->add_option("file", a->scene, "Scene file")->required()->type_name("SCENE");
-  add_repeated(c, "--set", &a->overrides, "KEY=VALUE", "Override a value, as in render");
-  c->add_option("--predict", a->predict,
-                "Predict the cost of rendering to this relative RMSE (0.02 is two per cent) from a probe of a few "
-                "seconds")
-      ->type_name("E");
-  c->add_option("--size", a->size, "Resolution in pixels, for --predict")->type_name("WxH");
+  add_scene_file(c, a);
+  add_parsed(c, "--predict", &a->predict, parse_target_error,
+             "is not a target error: write a relative RMSE above 0 and at most 1, for example 0.02.", "E",
+             "Predict the cost of rendering to this relative RMSE (0.02 is two per cent) from a probe of a few "
+             "seconds");
+  add_size(c, &a->size, "Resolution in pixels, for --predict");
   c->add_option("--threads", a->threads, "Render threads, for --predict; 0 uses all cores")->type_name("N");
-  add_allow_outside(c, &a->allow_outside);
   return c;
 }
 
@@ -304,14 +301,6 @@ CLI::App* add_ocio(CLI::App& app, OcioArguments* a) {
   return c;
 }
 
-/// Prints what a parser says; it may repeat the name of any file.
-int exit_code_of(const CLI::App& app, const CLI::ParseError& error) {
-  std::ostringstream errors;
-  const int code = app.exit(error, std::cout, errors);
-  std::cerr << without_control_characters(errors.str(), "\n");
-  return code == 0 ? kDone : kUsage;
-}
-
 struct Arguments {
   RenderArguments render;
   InfoArguments info;
@@ -326,7 +315,7 @@ struct Arguments {
 
 int run(int argc, char** argv) {
   if (const std::string fault = empty_argument(argc, argv); !fault.empty())
-    return Console(false).usage_error("command line", fault + ": give a value, or leave it out.");
+    Console(false).usage_error("command line", fault + ": give a value, or leave it out.");
   if (argc > 1 && std::string(argv[1]) == "view") return run_view(argv + 1);
   CLI::App app("Alabaster, a path tracer for translucent materials.", "alabaster");
   app.set_version_flag("--version", std::string(AlabasterVersions()));
@@ -342,7 +331,7 @@ int run(int argc, char** argv) {
   add(add_render, &a.render, run_render);
   add(add_merge, &a.merge, run_merge);
   const CLI::App* farm_command = add(add_farm, &a.farm, run_farm);
-  add(add_tradeoff, &a.tradeoff, run_tradeoff);
+  const CLI::App* tradeoff_command = add(add_tradeoff, &a.tradeoff, run_tradeoff);
   add(add_info, &a.info, run_info);
   add(add_check, &a.check, run_check);
   add(add_convert, &a.convert, run_convert);
@@ -352,10 +341,11 @@ int run(int argc, char** argv) {
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& e) {
-    return exit_code_of(app, e);
+    return exit_code(app, e);
   }
   for (int i = 2; i < argc; ++i) a.render.words += " " + shell_word(argv[i]);
   if (farm_command->parsed()) split_options(farm_command, &a.farm);
+  a.tradeoff.words = given_options(tradeoff_command, {"--restart", "--quiet"});
   for (const auto& [command, run_command] : commands)
     if (command->parsed()) return run_command();
   return kUsage;
@@ -384,6 +374,8 @@ int main(int argc, char** argv) {
   alabaster::cli::take_closed_descriptors();
   try {
     return alabaster::cli::flushed(alabaster::cli::run(argc, argv));
+  } catch (const alabaster::cli::Exit& exit) {
+    return alabaster::cli::flushed(exit.code);
   } catch (const std::bad_alloc&) {
     std::fputs("error: not enough memory\n", stderr);
   } catch (const std::exception& e) {

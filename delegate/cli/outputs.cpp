@@ -1,20 +1,18 @@
 #include "delegate/cli/outputs.h"
 
 #include <algorithm>
-#include <cctype>
-#include <charconv>
-#include <cmath>
 #include <filesystem>
 #include <map>
+
+#include "delegate/cli/exit_codes.h"
+#include "delegate/host/product_limits.h"
+#include "delegate/support/extension.h"
 
 namespace alabaster::cli {
 namespace {
 
 bool is_exr(const hd::RenderProduct& product) {
-  std::string extension = std::filesystem::path(product.file).extension();
-  std::transform(extension.begin(), extension.end(), extension.begin(),
-                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-  return extension == ".exr";
+  return hd::support::lower_extension(product.file) == ".exr";
 }
 
 void add_layers(const std::vector<std::string>& aovs, hd::RenderProduct* product) {
@@ -23,20 +21,6 @@ void add_layers(const std::vector<std::string>& aovs, hd::RenderProduct* product
     const auto same = [&](const hd::RenderVar& var) { return var.aov == hd::Token(aov); };
     if (std::none_of(product->vars.begin(), product->vars.end(), same))
       product->vars.push_back(hd::host::UsualRenderVar(aov));
-  }
-}
-
-// Parses numbers with one of `separators` between them. Empty if `text` holds anything else or a number does not fit.
-template <class Number>
-std::vector<Number> parse_numbers(const std::string& text, const std::string& separators) {
-  std::vector<Number> numbers;
-  const char *at = text.data(), *end = at + text.size();
-  while (true) {
-    const auto [next, error] = std::from_chars(at, end, numbers.emplace_back());
-    if (error != std::errc()) return {};
-    if (next == end) return numbers;
-    if (separators.find(*next) == std::string::npos) return {};
-    at = next + 1;
   }
 }
 
@@ -54,26 +38,23 @@ std::string unknown_aov(const std::vector<std::string>& aovs) {
 
 }  // namespace
 
-std::vector<hd::RenderProduct> make_products(const RenderArguments& a, const std::vector<hd::RenderProduct>& existing,
-                                             std::string* error) {
+std::vector<hd::RenderProduct> make_products(const PictureArguments& a, const std::vector<hd::RenderProduct>& existing,
+                                             const char* command, Console& console) {
   std::vector<hd::RenderProduct> products;
   for (const std::string& file : a.outputs) products.emplace_back().file = file;
   if (products.empty()) products = existing;
   const bool any_exr = std::any_of(products.begin(), products.end(), is_exr);
   const bool any_display = !std::all_of(products.begin(), products.end(), is_exr);
   const bool display_options = !a.display.empty() || !a.view.empty() || !a.look.empty() || a.exposure;
-  *error = unknown_aov(a.aovs);
-  if (!error->empty()) return {};
-  if (products.empty()) {
-    *error = "There is nothing to write: add -o FILE, or products to the render description.";
-  } else if (!a.aovs.empty() && !any_exr) {
-    *error = "--aov adds layers to EXR files, but no EXR file is written: add -o FILE.exr.";
-  } else if (display_options && !any_display) {
-    *error =
-        "--display, --view, --look and --exposure apply to .png, .tif and .jpg files, but none is written; EXR stays "
-        "scene-linear.";
-  }
-  if (!error->empty()) return {};
+  console.require_usage(command, unknown_aov(a.aovs));
+  if (products.empty())
+    console.usage_error(command, "There is nothing to write: add -o FILE, or products to the render description.");
+  if (!a.aovs.empty() && !any_exr)
+    console.usage_error(command, "--aov adds layers to EXR files, but no EXR file is written: add -o FILE.exr.");
+  if (display_options && !any_display)
+    console.usage_error(command,
+                        "--display, --view, --look and --exposure apply to .png, .tif and .jpg files, but none is "
+                        "written; EXR stays scene-linear.");
   for (hd::RenderProduct& product : products) {
     if (a.denoise) product.denoise = true;
     if (is_exr(product)) {
@@ -89,53 +70,13 @@ std::vector<hd::RenderProduct> make_products(const RenderArguments& a, const std
   return products;
 }
 
-std::optional<hd::Vec2i> parse_size(const std::string& text) {
-  const auto numbers = parse_numbers<int>(text, "xX");
-  if (numbers.size() != 2) return std::nullopt;
-  for (const int side : numbers)
-    if (side < 1 || side > 65536) return std::nullopt;
-  return hd::Vec2i(numbers[0], numbers[1]);
-}
-
-std::string size_fault(const std::string& text) {
-  if (text.empty() || parse_size(text)) return "";
-  return "'" + text + "' is not a resolution: write for example 1280x720, up to 65536x65536.";
-}
-
-std::optional<hd::Rect2i> parse_crop(const std::string& text) {
-  const auto numbers = parse_numbers<int>(text, ",");
-  if (numbers.size() != 4) return std::nullopt;
-  return hd::Rect2i{numbers[0], numbers[1], numbers[2], numbers[3]};
-}
-
-std::optional<PixelChoice> parse_pixel(const std::string& text) {
-  const auto numbers = parse_numbers<int>(text, ",");
-  if (numbers.size() == 2) return PixelChoice{numbers[0], numbers[1], {}};
-  if (numbers.size() != 3 || numbers[2] < 0) return std::nullopt;
-  return PixelChoice{numbers[0], numbers[1], static_cast<uint32_t>(numbers[2])};
-}
-
-std::optional<std::pair<double, double>> parse_interval(const std::string& text) {
-  const auto numbers = parse_numbers<double>(text, ":");
-  if (numbers.size() != 2 || !std::isfinite(numbers[0]) || !std::isfinite(numbers[1]) || numbers[1] < numbers[0])
-    return std::nullopt;
-  return std::pair(numbers[0], numbers[1]);
-}
-
-std::optional<std::pair<uint32_t, uint32_t>> parse_samples(const std::string& text) {
-  const auto numbers = parse_numbers<uint32_t>(text, ":");
-  if (numbers.size() != 2 || numbers[0] >= numbers[1] || numbers[1] > 1048576) return std::nullopt;
-  return std::pair(numbers[0], numbers[1]);
-}
-
-std::vector<uint32_t> parse_frames(const std::string& text) {
-  constexpr uint64_t kMost = 100'000;
-  std::vector<uint32_t> range = parse_numbers<uint32_t>(text, ":");
-  if (range.size() == 2) range.push_back(1);
-  if (range.size() != 3 || range[2] == 0 || range[0] > range[1] || (range[1] - range[0]) / range[2] >= kMost) return {};
-  std::vector<uint32_t> frames;
-  for (uint64_t frame = range[0]; frame <= range[1]; frame += range[2]) frames.push_back(uint32_t(frame));
-  return frames;
+void check_products(const hd::RenderSettingsDescription& frame, const hd::host::OutputColors& colors, bool named,
+                    Console& console) {
+  for (const hd::RenderProduct& product : frame.products) {
+    hd::host::ProductCheck check = hd::host::CheckProduct(product, colors, console.sink());
+    if (check) check = hd::host::CheckProductSize(product, frame.window(), console.sink());
+    require(exit_code(check.status, named));
+  }
 }
 
 std::string frame_file(const std::string& file, uint32_t frame) {

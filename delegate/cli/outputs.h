@@ -7,29 +7,16 @@
 
 namespace alabaster::cli {
 
-/// The products of -o with --aov, --denoise, --display, --view, --look and --exposure applied. Empty, with *error set,
-/// if the options contradict each other. `existing` are the description's products, used where -o is not given.
-std::vector<hd::RenderProduct> make_products(const RenderArguments& arguments,
-                                             const std::vector<hd::RenderProduct>& existing, std::string* error);
+/// The products of -o with --aov, --denoise, --display, --view, --look and --exposure applied. Ends the
+/// command if the options contradict each other. `existing` are the description's products, used where -o is not given.
+std::vector<hd::RenderProduct> make_products(const PictureArguments& arguments,
+                                             const std::vector<hd::RenderProduct>& existing, const char* command,
+                                             Console& console);
+/// Checks the products of a frame and their sizes before anything is rendered. `named`: the command names what they are
+/// and how they are shown, and not a file. Ends the command after a report.
+void check_products(const hd::RenderSettingsDescription& frame, const hd::host::OutputColors& colors, bool named,
+                    Console& console);
 
-/// Parses "1280x720", with sides of 1 to 65536. Empty if malformed.
-std::optional<hd::Vec2i> parse_size(const std::string& text);
-/// The error message if the value of --size is malformed; empty if it is good or was not given.
-std::string size_fault(const std::string& text);
-/// Parses "x0,y0,x1,y1". Empty if malformed.
-std::optional<hd::Rect2i> parse_crop(const std::string& text);
-struct PixelChoice {
-  int x = 0, y = 0;  // from the frame's upper left corner
-  std::optional<uint32_t> sample;
-};
-/// Parses "x,y" and "x,y,sample"; the sample is not negative. Empty if malformed.
-std::optional<PixelChoice> parse_pixel(const std::string& text);
-/// Parses "open:close", two finite numbers in order.
-std::optional<std::pair<double, double>> parse_interval(const std::string& text);
-/// Parses "begin:end", whole numbers, 0 <= begin < end <= 1048576. Empty if malformed.
-std::optional<std::pair<uint32_t, uint32_t>> parse_samples(const std::string& text);
-/// Parses "first:last" and "first:last:step" as the frames' numbers, at most 100,000. Empty if malformed or none.
-std::vector<uint32_t> parse_frames(const std::string& text);
 /// `file` with the last '#'s of its name replaced by the frame's number, which has leading zeros to their count. Empty
 /// if the name has none.
 std::string frame_file(const std::string& file, uint32_t frame);

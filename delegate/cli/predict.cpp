@@ -1,7 +1,6 @@
 #include "delegate/cli/predict.h"
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <cstdio>
 #include <filesystem>
@@ -12,6 +11,7 @@
 #include "delegate/cli/exit_codes.h"
 #include "delegate/cli/interrupt.h"
 #include "delegate/cli/stopwatch.h"
+#include "delegate/support/lookup.h"
 #include "delegate/support/process_usage.h"
 #include "delegate/tradeoff/prediction.h"
 #include "delegate/tradeoff/temporary_folder.h"
@@ -20,6 +20,7 @@ namespace alabaster::cli {
 namespace {
 
 namespace fs = std::filesystem;
+using hd::support::number_in;
 using tradeoff::Prediction;
 using tradeoff::Probe;
 using tradeoff::Range;
@@ -28,11 +29,6 @@ constexpr double kProbeSeconds = 2.5;
 // Samples per pixel after which a render looks at its error for the first time.
 constexpr double kFirstLook = 16;
 constexpr double kPilotPixels = 1536;
-
-double number(const hd::Dictionary& values, const char* key, double fallback = 0) {
-  const auto found = values.find(key);
-  return found == values.end() ? fallback : found->second.number_or(fallback);
-}
 
 double pixels_of(const hd::RenderSettingsDescription& s) {
   const hd::Rect2i window = s.window();
@@ -98,7 +94,7 @@ class ProbeRenders {
   /// Bytes of a frame of `pixels` pixels like the last: the films (a second one holds the pixels that end early), and
   /// for each AOV the buffer (shown and being resolved) and the product (bytes and numbers).
   double frame_bytes(double pixels, int films) const {
-    double bytes = films * number(stats_, "filmMemory") / pixels_of(last_);
+    double bytes = films * number_in(stats_, "filmMemory") / pixels_of(last_);
     std::set<std::string> aovs;
     for (const hd::RenderProduct& product : last_.products)
       for (const hd::RenderVar& var : product.vars) aovs.insert(var.aov.str());
@@ -115,7 +111,7 @@ class ProbeRenders {
   };
 
   double threads() const {
-    const double asked = number(full_.settings, "threads");
+    const double asked = number_in(full_.settings, "threads");
     return asked > 0 ? asked : std::max(1u, std::thread::hardware_concurrency());
   }
 
@@ -161,10 +157,10 @@ class ProbeRenders {
     if (result.status != hd::host::RecordStatus::done) return false;
     stats_ = result.stats;
     const double pixels = pixels_of(last_);
-    probes_.push_back({pixels, number(stats_, "rays.camera") / pixels, number(stats_, "phase.render.wall"),
-                       number(stats_, "phase.render.cpu"), number(stats_, "error.relativeRmse"),
-                       number(stats_, "error.low"), number(stats_, "error.high"),
-                       number(stats_, "error.groupsOverFrame", 1)});
+    probes_.push_back({pixels, number_in(stats_, "rays.camera") / pixels, number_in(stats_, "phase.render.wall"),
+                       number_in(stats_, "phase.render.cpu"), number_in(stats_, "error.relativeRmse"),
+                       number_in(stats_, "error.low"), number_in(stats_, "error.high"),
+                       number_in(stats_, "error.groupsOverFrame", 1)});
     return true;
   }
 
@@ -219,15 +215,15 @@ Range memory(const ProbeRenders& renders) {
 }
 
 std::string phases_text(const Seconds& load, const hd::Dictionary& stats, double render, double write) {
-  return ": load " + amount_text(load.wall) + ", refine " + amount_text(number(stats, "sync.refineWallSeconds")) +
-         ", build " + amount_text(number(stats, "sync.bvhWallSeconds")) + ", render " + amount_text(render) +
+  return ": load " + amount_text(load.wall) + ", refine " + amount_text(number_in(stats, "sync.refineWallSeconds")) +
+         ", build " + amount_text(number_in(stats, "sync.bvhWallSeconds")) + ", render " + amount_text(render) +
          ", write " + amount_text(write);
 }
 
 void print(const ProbeRenders& renders, const Preparation& spent, const Prediction& p) {
   const double growth = pixels_of(renders.full()) / pixels_of(renders.last());
-  const Seconds write{number(renders.stats(), "phase.write.wall") * growth,
-                      number(renders.stats(), "phase.write.cpu") * growth};
+  const Seconds write{number_in(renders.stats(), "phase.write.wall") * growth,
+                      number_in(renders.stats(), "phase.write.cpu") * growth};
   const Seconds load{spent.load.wall + renders.opening().wall, spent.load.cpu + renders.opening().cpu};
   print_range("samples per pixel", p.samples, "", "");
   print_range("wall time", plus(p.wall, load.wall + spent.sync.wall + write.wall), " s",
@@ -237,13 +233,6 @@ void print(const ProbeRenders& renders, const Preparation& spent, const Predicti
 }
 
 }  // namespace
-
-std::optional<double> parse_target_error(const std::string& text) {
-  double error = 0;
-  const char* const end = text.data() + text.size();
-  const auto [rest, fault] = std::from_chars(text.data(), end, error);
-  return fault == std::errc() && rest == end && error > 0 && error <= 1 ? std::optional(error) : std::nullopt;
-}
 
 int print_prediction(SceneSession* session, Console* console, const Preparation& spent, double target) {
   const Stopwatch watch;

@@ -1,9 +1,6 @@
 // alabaster info --predict E: predicts the cost of rendering a loaded scene to an error.
 #pragma once
 
-#include <optional>
-#include <string>
-
 #include "delegate/cli/scene_session.h"
 
 namespace alabaster::cli {
@@ -12,9 +9,6 @@ namespace alabaster::cli {
 struct Seconds {
   double wall = 0, cpu = 0;
 };
-
-/// A relative RMSE: above 0, at most 1. Empty if malformed.
-std::optional<double> parse_target_error(const std::string& text);
 
 /// Time spent on the scene before its first sample.
 struct Preparation {

@@ -11,7 +11,6 @@
 #include "delegate/cli/render_options.h"
 #include "delegate/cli/stats_file.h"
 #include "delegate/cli/stopwatch.h"
-#include "delegate/description/quality_presets.h"
 #include "delegate/host/product_limits.h"
 #include "delegate/support/output_file.h"
 #include "delegate/support/process_usage.h"
@@ -28,92 +27,73 @@ class RenderCommand {
 
   int run() {
     catch_interrupts();
-    int code = check_arguments();
-    if (code == kDone) code = load();
-    if (code == kDone && a_.pixel.empty()) code = plan_products();
-    if (code != kDone) return code;
-    if (!session_.start(console_.sink())) return kRender;
-    if (!a_.pixel.empty()) return trace_pixel();
-    code = render();
-    const int stats_code = write_stats(code);
-    if ((code == kDone || code == kDegraded) && stats_code != kDone) code = stats_code;
+    check_combinations();
+    check_outputs();
+    load();
+    if (!a_.pixel) plan_products();
+    session_.start(console_.sink());
+    if (a_.pixel) return trace_pixel();
+    const int code = render();
+    write_stats(code);
     if (code == kDone || code == kDegraded) summarize();
     return code;
   }
 
  private:
-  // Refuses bad arguments before the scene is read.
-  int check_arguments() {
-    if (const int code = check_values(a_, console_); code != kDone) return code;
-    if (!a_.pixel.empty() && !parse_pixel(a_.pixel))
-      return console_.usage_error(
-          "--pixel", "'" + a_.pixel + "' is not a pixel: write x,y or x,y,sample, for example 320,200 or 320,200,5.");
-    if (const int code = check_times(); code != kDone) return code;
-    if (const int code = check_checkpoint(a_, console_); code != kDone) return code;
-    if (const int code = check_checkpoint_files(a_, console_); code != kDone) return code;
+  // Flags that need others, or exclude them.
+  void check_combinations() {
+    const bool frames = !a_.frames.empty(), no_checkpoint = a_.checkpoint.empty();
+    const auto is_spp = [](const hd::description::Override& one) { return one.place == "samples"; };
+    const bool spp = std::any_of(a_.settings.begin(), a_.settings.end(), is_spp);
+    const struct {
+      bool is_wrong;
+      const char *flag, *text;
+    } combinations[] = {
+        {a_.fps && !frames && !a_.shutter, "--fps", "It needs --frames or --shutter."},
+        {frames && (a_.time || a_.pixel), "--frames",
+         "It cannot be given with --time or --pixel, which show one frame."},
+        {a_.samples && spp, "--samples", "It cannot be given with --spp: its end says how many samples there are."},
+        {a_.pixel && !no_checkpoint, "--checkpoint", "It cannot be given with --pixel."},
+        {a_.resume && no_checkpoint, "--resume", "It needs --checkpoint FILE."},
+        {a_.samples && no_checkpoint, "--samples", "It needs --checkpoint FILE."},
+        {a_.checkpoint_interval && no_checkpoint, "--checkpoint-interval", "It needs --checkpoint FILE."}};
+    for (const auto& [is_wrong, flag, text] : combinations)
+      if (is_wrong) console_.usage_error(flag, text);
+  }
+
+  // Checks what is written before the scene is read. The files of a description are checked once it is loaded.
+  void check_outputs() {
+    if (!a_.frames.empty()) check_frame_names(a_.outputs);
+    check_checkpoint_files(a_, console_);
     std::vector<std::string> files = a_.outputs;
     if (!a_.stats.empty()) files.push_back(a_.stats);
     if (!a_.checkpoint.empty()) files.push_back(a_.checkpoint);
-    if (const std::string problem = same_file_twice(files); !problem.empty())
-      return console_.usage_error("render", problem);
-    if (!a_.stats.empty())
-      if (const std::string fault = hd::support::OutputFault(a_.stats); !fault.empty()) {
-        console_.error(a_.stats, fault);
-        return kOutput;
-      }
-    // -o can be checked without the scene; the files of a description are checked once it is loaded.
-    if (a_.outputs.empty()) return kDone;
-    std::string problem;
-    const auto products = make_products(a_, {}, &problem);
-    if (!problem.empty()) return console_.usage_error("render", problem);
+    console_.require_usage("render", same_file_twice(files));
+    if (!a_.stats.empty()) console_.require(kOutput, a_.stats, hd::support::OutputFault(a_.stats));
+    if (a_.outputs.empty()) return;
     // The scene may name the OCIO config, so names of displays are checked once it is loaded.
-    for (hd::RenderProduct product : products) {
+    for (hd::RenderProduct product : make_products(a_, {}, "render", console_)) {
       product.display = product.view = product.look = "";
-      if (const auto check = hd::host::CheckProduct(product, {"built-in"}, console_.sink()); !check)
-        return product_failure(check.status);
+      require(exit_code(hd::host::CheckProduct(product, {"built-in"}, console_.sink()).status, true));
     }
-    return kDone;
   }
 
-  int check_times() {
-    const bool uses_fps = !a_.frames.empty() || !a_.shutter.empty();
-    if (!a_.fps.empty() && !uses_fps) return console_.usage_error("--fps", "It needs --frames or --shutter.");
-    if (a_.frames.empty()) return kDone;
-    if (parse_frames(a_.frames).empty())
-      return console_.usage_error("--frames", "'" + a_.frames + "' is not a range of frames, at most 100000: write " +
-                                                  "first:last or first:last:step, in whole numbers.");
-    if (!a_.time.empty() || !a_.pixel.empty())
-      return console_.usage_error("--frames", "It cannot be given with --time or --pixel, which show one frame.");
-    return check_frame_names(a_.outputs);
-  }
-
-  int check_frame_names(const std::vector<std::string>& files) {
+  void check_frame_names(const std::vector<std::string>& files) {
     for (const std::string& file : files)
       if (frame_file(file, 0).empty())
-        return console_.usage_error("--frames", "All frames would go to '" + file +
-                                                    "': give the name a place for their numbers, such as "
-                                                    "frame.####.exr.");
-    return kDone;
+        console_.usage_error("--frames", "All frames would go to '" + file +
+                                             "': give the name a place for their numbers, such as frame.####.exr.");
   }
 
-  // An invalid product is a fault of the command line or of the description.
-  int product_failure(hd::host::ProductStatus status) const {
-    return exit_code(status, !a_.outputs.empty() || !a_.display.empty() || !a_.view.empty() || !a_.look.empty());
-  }
-
-  int load() {
+  template <class Work>
+  void timed_load(const Work& work) {
     const Stopwatch watch;
-    const hd::description::LoadOptions options = load_options(a_);
-    const int code = load_scene(a_, options, console_, console_.sink(), &session_);
+    work();
     stats_.add_load(watch.wall(), watch.cpu());
-    return code;
   }
 
-  int pose(double seconds) {
-    const Stopwatch watch;
-    const int code = session_.pose(seconds, console_.sink());
-    stats_.add_load(watch.wall(), watch.cpu());
-    return code;
+  void load() {
+    timed_load([&] { load_scene(a_, load_options(a_), console_, console_.sink(), &session_); });
   }
 
   std::vector<hd::Path> settings_paths() const {
@@ -123,100 +103,63 @@ class RenderCommand {
     return paths;
   }
 
-  // Gives every render its products, sizes and crops, and checks all files before anything is rendered.
-  int plan_products() {
-    if (const int code = check_parts(a_, session_, settings_paths().size(), console_); code != kDone) return code;
-    if (!a_.samples.empty() && a_.outputs.empty()) {
+  // Gives every render its products, and checks all files before anything is rendered.
+  void plan_products() {
+    check_parts(a_, session_, settings_paths().size(), console_);
+    if (a_.samples && a_.outputs.empty()) {
       part_aovs_ = take_part_aovs(a_, &session_);
       return check_names({});
     }
-    const auto all = session_.scene.GetAllRenderSettings();
-    const hd::RenderSettingsDescription& first = all.at(session_.file.settings);
     if (!a_.outputs.empty())
       for (const hd::Path& path : session_.file.further_settings) session_.scene.Remove(path);
+    const auto all = session_.scene.GetAllRenderSettings();
     std::vector<hd::RenderProduct> described;
     for (const hd::Path& path : settings_paths())
       described.insert(described.end(), all.at(path).products.begin(), all.at(path).products.end());
-    std::string problem;
-    const auto products = make_products(a_, described, &problem);
-    if (!problem.empty()) return console_.usage_error("render", problem);
-    if (const int code = check_names(products); code != kDone) return code;
-    size_t next = 0;
+    const auto products = make_products(a_, described, "render", console_);
+    check_names(products);
+    auto next = products.begin();
     for (const hd::Path& path : settings_paths()) {
-      hd::RenderSettingsDescription settings = a_.outputs.empty() ? all.at(path) : first;
-      const size_t count = a_.outputs.empty() ? settings.products.size() : products.size();
-      settings.products.assign(products.begin() + static_cast<std::ptrdiff_t>(next),
-                               products.begin() + static_cast<std::ptrdiff_t>(next + count));
-      next += count;
-      override_size(&settings);
-      if (!a_.crop.empty() && !settings.window().overlaps(settings.frame_window()))
-        return console_.usage_error("--crop", "'" + a_.crop + "' lies wholly outside the frame of " +
-                                                  std::to_string(settings.width) + "x" +
-                                                  std::to_string(settings.height) + ".");
-      for (const hd::RenderProduct& product : settings.products) {
-        hd::host::ProductCheck check = hd::host::CheckProduct(product, session_.colors(), console_.sink());
-        if (check) check = hd::host::CheckProductSize(product, settings.window(), console_.sink());
-        if (!check) return product_failure(check.status);
-      }
+      hd::RenderSettingsDescription settings = all.at(path);
+      const auto end = a_.outputs.empty() ? next + std::ptrdiff_t(settings.products.size()) : products.end();
+      settings.products.assign(next, end);
+      next = end;
+      // An invalid product is a fault of the command line or of the description.
+      const bool named = !a_.outputs.empty() || !a_.display.empty() || !a_.view.empty() || !a_.look.empty();
+      check_products(settings, session_.colors(), named, console_);
       session_.scene.SetRenderSettings(path, std::move(settings));
     }
-    return kDone;
-  }
-
-  // A description's file lies in its folder once it has its number, too. Where it is written that is judged again.
-  int check_place(const std::string& file, const std::string& within) {
-    const std::string fault = within.empty() ? std::string() : outside_fault(within, file);
-    if (!fault.empty()) console_.error(file, fault);
-    return fault.empty() ? kDone : kInput;
   }
 
   // Checks the description's file names, and --stats against them. Names given with -o have been checked before.
-  int check_names(const std::vector<hd::RenderProduct>& products) {
+  void check_names(const std::vector<hd::RenderProduct>& products) {
     std::vector<std::string> files;
     for (const hd::RenderProduct& product : products) files.push_back(product.file);
-    if (!frames_.empty()) {
-      if (const int code = check_frame_names(files); code != kDone) return code;
+    if (!a_.frames.empty()) {
+      check_frame_names(files);
       files.clear();
-      for (const uint32_t frame : frames_)
+      for (const uint32_t frame : a_.frames)
         for (const hd::RenderProduct& product : products) {
           files.push_back(frame_file(product.file, frame));
-          if (const int code = check_place(files.back(), product.within); code != kDone) return code;
+          // A description's file lies in its folder once it has its number, too. Its writer judges that again.
+          if (!product.within.empty())
+            console_.require(kInput, files.back(), outside_fault(product.within, files.back()));
         }
     }
-    std::string problem = same_file_twice(files);
-    if (!problem.empty()) {
-      console_.error(a_.scene, problem);
-      return kInput;
-    }
-    if (a_.outputs.empty())
-      if (problem = input_overwritten(files, session_, a_.scene); !problem.empty()) {
-        console_.error(a_.scene, problem);
-        return kInput;
-      }
+    console_.require(kInput, a_.scene, same_file_twice(files));
+    if (a_.outputs.empty()) console_.require(kInput, a_.scene, input_overwritten(files, session_, a_.scene));
     if (!a_.stats.empty()) files.push_back(a_.stats);
     const std::vector<std::string> checkpoints = checkpoint_files(a_);
     files.insert(files.end(), checkpoints.begin(), checkpoints.end());
-    problem = input_overwritten(files, session_, a_.scene);
-    if (!problem.empty()) return console_.usage_error("render", problem);
-    problem = same_file_twice(files);
-    return problem.empty() ? kDone : console_.usage_error("--stats", problem);
-  }
-
-  // Applies --size and --crop to settings other than the first, which got them while loading. They override the
-  // products'.
-  void override_size(hd::RenderSettingsDescription* settings) const {
-    if (const auto size = parse_size(a_.size)) {
-      settings->width = size->x;
-      settings->height = size->y;
-    }
-    if (const auto crop = parse_crop(a_.crop)) settings->crop = crop;
+    console_.require_usage("render", input_overwritten(files, session_, a_.scene));
+    console_.require_usage("--stats", same_file_twice(files));
   }
 
   int render() {
-    const int code = frames_.empty() ? render_frame() : render_frames();
+    const int code = a_.frames.empty() ? render_frame() : render_frames();
     if (code == kInterrupted) {
       for (const std::string& file : written_)
-        console_.note((frames_.empty() ? "interrupted: wrote the picture so far to " : "interrupted: wrote ") + file);
+        console_.note((a_.frames.empty() ? "interrupted: wrote the picture so far to " : "interrupted: wrote ") + file);
       if (written_.empty()) console_.note("interrupted: nothing was written");
       if (!a_.checkpoint.empty()) console_.note("the same command with --resume continues from the checkpoint");
     }
@@ -227,11 +170,11 @@ class RenderCommand {
   int render_frames() {
     const auto described = session_.scene.GetAllRenderSettings();
     int code = kDone;
-    for (size_t i = 0; i < frames_.size(); ++i) {
+    for (size_t i = 0; i < a_.frames.size(); ++i) {
       if (interrupted()) return kInterrupted;
-      const uint32_t frame = frames_[i];
+      const uint32_t frame = a_.frames[i];
       const double seconds = seconds_at(a_, frame);
-      if (const int posed = i > 0 ? pose(seconds) : kDone; posed != kDone) return posed;
+      if (i > 0) timed_load([&] { session_.pose(seconds, console_.sink()); });
       for (const hd::Path& path : settings_paths()) {
         hd::RenderSettingsDescription settings = described.at(path);
         settings.settings["frame"] = int64_t(frame);
@@ -239,7 +182,7 @@ class RenderCommand {
         session_.scene.SetRenderSettings(path, std::move(settings));
       }
       char text[120];
-      std::snprintf(text, sizeof text, "frame %u at %.4g s (%zu of %zu)", frame, seconds, i + 1, frames_.size());
+      std::snprintf(text, sizeof text, "frame %u at %.4g s (%zu of %zu)", frame, seconds, i + 1, a_.frames.size());
       console_.note(text);
       const int one = render_frame();
       if (one != kDone) code = one;
@@ -279,13 +222,12 @@ class RenderCommand {
 
   // Renders the pixel alone in each of the scene's frames that has it, and prints its paths.
   int trace_pixel() {
-    const PixelChoice pixel = *parse_pixel(a_.pixel);
+    const PixelChoice& pixel = *a_.pixel;
     const std::vector<hd::Path> paths = settings_paths();
     int code = kUsage;
     std::string sizes;
     for (const hd::Path& path : paths) {
       hd::RenderSettingsDescription settings = session_.scene.GetAllRenderSettings().at(path);
-      override_size(&settings);
       const std::string size = std::to_string(settings.width) + "x" + std::to_string(settings.height);
       sizes += (sizes.empty() ? "" : " and of ") + size;
       const bool overscan = settings.window().contains(pixel.x, pixel.y);
@@ -295,7 +237,9 @@ class RenderCommand {
       code = trace_pixel(path, pixel, std::move(settings));
       if (code != kDone && code != kDegraded) return code;
     }
-    if (code == kUsage) console_.usage_error("--pixel", "'" + a_.pixel + "' lies outside the frame of " + sizes + ".");
+    if (code == kUsage)
+      console_.usage_error("--pixel", "'" + std::to_string(pixel.x) + "," + std::to_string(pixel.y) +
+                                          "' lies outside the frame of " + sizes + ".");
     return code;
   }
 
@@ -354,24 +298,25 @@ class RenderCommand {
     if (const std::string text = noise_text(stats); !text.empty()) console_.note(text);
   }
 
-  int write_stats(int code) {
-    if (a_.stats.empty()) return kDone;
-    nlohmann::json settings = nlohmann::json::object();
+  void write_stats(int code) {
+    if (a_.stats.empty()) return;
+    hd::Dictionary settings;
     for (const hd::RenderSettingDescriptor& descriptor : session_.delegate()->GetRenderSettingDescriptors())
-      settings[descriptor.key.str()] = value_to_json(session_.delegate()->GetRenderSetting(descriptor.key));
+      settings[descriptor.key.str()] = session_.delegate()->GetRenderSetting(descriptor.key);
     const char* status = code == kDone          ? "done"
                          : code == kInterrupted ? "interrupted"
                          : code == kDegraded    ? "degraded"
                                                 : "failed";
-    const std::string text =
-        stats_.to_json(a_.scene, status, settings).dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + "\n";
     set_writing(true);
-    const std::string problem =
-        hd::support::WriteOutputFile(a_.stats, {reinterpret_cast<const uint8_t*>(text.data()), text.size()},
-                                     code == kInterrupted ? hd::support::Flush::none : hd::support::Flush::disk);
-    if (problem.empty()) return kDone;
-    console_.error(a_.stats, "The statistics could not be written: " + problem + ".");
-    return kOutput;
+    try {
+      console_.write_file(
+          a_.stats,
+          stats_.to_json(a_.scene, status, settings).dump(2, ' ', false, nlohmann::json::error_handler_t::replace) +
+              "\n",
+          "The statistics", code == kInterrupted ? hd::support::Flush::none : hd::support::Flush::disk);
+    } catch (const Exit&) {
+      if (code == kDone || code == kDegraded) throw;  // else the command ends by what came before
+    }
   }
 
   void summarize() {
@@ -386,9 +331,8 @@ class RenderCommand {
   }
 
   const RenderArguments& a_;
-  const std::vector<uint32_t> frames_ = parse_frames(a_.frames);  // empty: one picture
   Console console_;
-  SceneSession session_{!frames_.empty()};
+  SceneSession session_{!a_.frames.empty()};
   RunStats stats_;
   std::vector<std::string> written_;
   std::vector<std::string> part_aovs_;  // of a part without files

@@ -5,89 +5,68 @@
 #include <cstdio>
 
 #include "delegate/cli/exit_codes.h"
-#include "delegate/cli/outputs.h"
 #include "delegate/description/quality_presets.h"
+#include "delegate/support/lookup.h"
 
 namespace alabaster::cli {
 namespace {
 
+using Overrides = std::vector<hd::description::Override>;
+
+const hd::Value* given(const Overrides& settings, const char* name) {
+  const auto found = std::find_if(settings.begin(), settings.end(), [&](const auto& one) { return one.place == name; });
+  return found == settings.end() ? nullptr : &found->value;
+}
+
+// 0 is none. A text that is no number is refused where it is read.
+bool is_set(const Overrides& settings, const char* name) {
+  const hd::Value* value = given(settings, name);
+  return value && parse_nonnegative(value->text_or("")) != 0.0;
+}
+
 // The bound on samples where an error or a time ends the render. It is never below the preset's own.
-int most_samples(const RenderArguments& a) {
-  const auto* preset = hd::description::FindQualityPreset(a.quality);
-  if (!preset) return kMostSamplesToAnError;
-  const double own = preset->settings.at("samples").number_or(0);
-  return std::max(kMostSamplesToAnError, static_cast<int>(own));
+int most_samples(const Overrides& settings) {
+  const hd::Value* quality = given(settings, "quality");
+  const auto* preset = quality ? hd::description::FindQualityPreset(quality->text_or("")) : nullptr;
+  return preset ? std::max(kMostSamplesToAnError, int(preset->settings.at("samples").number_or(0)))
+                : kMostSamplesToAnError;
 }
 
 }  // namespace
 
-int check_values(const RenderArguments& a, Console& console) {
-  if (const int code = check_scene_arguments(a, console); code != kDone) return code;
-  if (const std::string fault = size_fault(a.size); !fault.empty()) return console.usage_error("--size", fault);
-  if (!a.crop.empty() && !parse_crop(a.crop))
-    return console.usage_error(
-        "--crop",
-        "'" + a.crop +
-            "' is not a rectangle: write four whole numbers, x0,y0,x1,y1, each from -2147483648 to 2147483647.");
-  if (!a.shutter.empty() && !parse_interval(a.shutter))
-    return console.usage_error("--shutter", "'" + a.shutter + "' is not a shutter: write open:close in frames.");
-  if (!a.fps.empty() && parse_nonnegative(a.fps).value_or(0) == 0)
-    return console.usage_error("--fps", "'" + a.fps + "' is not a number of frames per second above 0.");
-  if (a.exposure && !(std::abs(*a.exposure) <= 64))
-    return console.usage_error("--exposure", "expected a number of stops from -64 to 64.");
-  return kDone;
-}
-
 double seconds_at(const RenderArguments& a, uint32_t frame) {
-  return frame / parse_nonnegative(a.fps).value_or(24);
+  return frame / a.fps.value_or(24);
 }
 
 hd::description::LoadOptions load_options(const RenderArguments& a) {
-  hd::description::LoadOptions options = scene_load_options(a);
-  options.overrides.clear();  // those of --set come last
-  const auto add = [&](const std::string& key, const std::string& value) {
-    if (!value.empty()) options.overrides.push_back(key + "=" + value);
-  };
-  const std::vector<uint32_t> frames = parse_frames(a.frames);
-  if (!frames.empty()) options.time = seconds_at(a, frames[0]);
-  if (const auto shutter = parse_interval(a.shutter)) options.shutter = {shutter->first, shutter->second};
-  options.frames_per_second = 1 / seconds_at(a, 1);
-  if (const auto size = parse_size(a.size))
-    add("resolution", "[" + std::to_string(size->x) + "," + std::to_string(size->y) + "]");
-  if (parse_crop(a.crop)) add("crop", "[" + a.crop + "]");
-  add("quality", a.quality);  // first, so that all others override it
-  std::map<std::string, std::string> settings = a.settings;
-  if (a.denoise) settings["denoise"] = "true";
-  if (!a.pixel.empty()) {
-    settings["targetError"] = settings["timeLimit"] = "0";  // the samples of an even frame
-    settings["denoise"] = "false";
+  Overrides settings = a.settings;
+  if (a.denoise) settings.emplace_back("--denoise", "denoise", true);
+  if (a.pixel) {
+    for (const char* name : {"targetError", "timeLimit"}) settings.emplace_back("--pixel", name, 0);
+    settings.emplace_back("--pixel", "denoise", false);  // the samples of an even frame
+  } else if ((is_set(settings, "targetError") || is_set(settings, "timeLimit")) && !given(settings, "samples")) {
+    settings.emplace_back("--target-error or --time-limit", "samples", most_samples(settings));
   }
-  const auto is_set = [&](const char* name) {  // 0 is none. A text that is no number is refused where it is read.
-    return !settings[name].empty() && parse_nonnegative(settings[name]) != 0.0;
-  };
-  const bool decided = is_set("targetError") || is_set("timeLimit");
-  if (decided && settings["samples"].empty()) settings["samples"] = std::to_string(most_samples(a));
-  for (const auto& [name, value] : settings) add(name, value);
-  options.overrides.insert(options.overrides.end(), a.overrides.begin(), a.overrides.end());
-  if (const auto range = parse_samples(a.samples)) {  // last: no override may change a part's samples
-    add("firstSample", std::to_string(range->first));
-    add("samples", std::to_string(range->second));
+  hd::description::LoadOptions options = scene_load_options(a, std::move(settings));
+  if (!a.frames.empty()) options.time = seconds_at(a, a.frames[0]);
+  if (a.shutter) options.shutter = {a.shutter->first, a.shutter->second};
+  options.size = a.size, options.crop = a.crop;
+  options.frames_per_second = 1 / seconds_at(a, 1);
+  if (a.samples) {  // last: no override may change a part's samples
+    options.overrides.emplace_back("--samples", "firstSample", int64_t(a.samples->first));
+    options.overrides.emplace_back("--samples", "samples", int64_t(a.samples->second));
   }
   options.keep_going = a.keep_going;
   return options;
 }
 
 std::string noise_text(const hd::Dictionary& stats) {
-  const auto percent = [&](const char* key) {
-    const auto found = stats.find(key);
-    return found == stats.end() ? -1 : 100 * found->second.number_or(-1);
-  };
+  const auto percent = [&](const char* key) { return 100 * hd::support::number_in(stats, key, -0.01); };
   const double error = percent("error.relativeRmse");
   if (!(error >= 0) || std::isinf(error)) return {};
   const double low = percent("error.low"), high = percent("error.high");
-  const auto is_known = stats.find("error.isKnown");
   char noise[120], after[80];
-  if (is_known == stats.end() || is_known->second.get_or(true))
+  if (hd::support::number_in(stats, "error.isKnown", 1) != 0)
     std::snprintf(noise, sizeof noise, "%.2f %% relative RMSE (95 %%: %.2f to %.2f, a factor of %.2f)", error, low,
                   high, high / low);
   else if (low > 0)

@@ -4,13 +4,9 @@
 #include <string>
 
 #include "delegate/cli/commands.h"
-#include "delegate/cli/console.h"
 #include "delegate/description/render_description.h"
 
 namespace alabaster::cli {
-
-/// Refuses values that are malformed, before the scene is read; an exit code.
-int check_values(const RenderArguments& a, Console& console);
 
 /// When frame `frame` is shown, by --fps.
 double seconds_at(const RenderArguments& a, uint32_t frame);

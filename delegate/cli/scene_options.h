@@ -17,28 +17,23 @@ namespace alabaster::cli {
 struct SceneArguments {
   std::string scene;
   std::string camera, dome, ocio;
-  std::string time;                             // seconds
+  std::optional<double> time;                   // seconds
   std::string model_scene, animation, variant;  // of a glTF model: name or index
   std::vector<std::string> overrides;
   bool allow_outside = false;
 };
 
+/// Adds SCENE, --set and --allow-outside.
+void add_scene_file(CLI::App* command, SceneArguments* arguments);
 /// Adds SCENE, --camera, --time, --scene, --animation, --variant, --dome, --ocio, --set and --allow-outside.
 void add_scene_options(CLI::App* command, SceneArguments* arguments);
-/// An option that may be given several times, each time with one value.
-void add_repeated(CLI::App* command, const char* flags, std::vector<std::string>* values, const char* type,
-                  const char* help);
-void add_allow_outside(CLI::App* command, bool* allowed);
 
-/// Parses a number of seconds or of frames per second, finite and not negative. Empty if malformed.
-std::optional<double> parse_nonnegative(const std::string& text);
-
-/// Refuses what is malformed before the scene is read; an exit code.
-int check_scene_arguments(const SceneArguments& arguments, Console& console);
-/// For arguments that check_scene_arguments() accepts.
-hd::description::LoadOptions scene_load_options(const SceneArguments& arguments);
-/// Loads the scene, chooses its colours and prints its notes. `sink` shows reports in the console, too. An exit code.
-int load_scene(const SceneArguments& arguments, const hd::description::LoadOptions& options, Console& console,
-               const hd::DiagnosticSink& sink, SceneSession* session);
+/// `flags`: those of the command that set a value; --set comes over them.
+hd::description::LoadOptions scene_load_options(const SceneArguments& arguments,
+                                                std::vector<hd::description::Override> flags = {});
+/// Loads the scene, chooses its colours and prints its notes. `sink` shows reports in the console, too. Ends the
+/// command if it cannot be loaded.
+void load_scene(const SceneArguments& arguments, const hd::description::LoadOptions& options, Console& console,
+                const hd::DiagnosticSink& sink, SceneSession* session);
 
 }  // namespace alabaster::cli

@@ -12,22 +12,22 @@ SceneSession::~SceneSession() {
   delegate_.reset();
 }
 
-int SceneSession::load(const std::string& name, const hd::description::LoadOptions& options,
-                       const hd::DiagnosticSink& sink) {
+void SceneSession::load(const std::string& name, const hd::description::LoadOptions& options,
+                        const hd::DiagnosticSink& sink) {
   options_ = options;
   file = source_.Load(name, &scene, sink, options);
   if (!is_posed_) source_ = {};
-  return exit_code(file.cause);
+  require(exit_code(file.cause));
 }
 
-int SceneSession::pose(double time, const hd::DiagnosticSink& sink) {
-  return exit_code(source_.Pose(time, sink));
+void SceneSession::pose(double time, const hd::DiagnosticSink& sink) {
+  require(exit_code(source_.Pose(time, sink)));
 }
 
-bool SceneSession::choose_colors(const std::string& asked, const hd::DiagnosticSink& sink) {
+void SceneSession::choose_colors(const std::string& asked, const hd::DiagnosticSink& sink, int code) {
   colors_.ocio = asked.empty() ? file.color_config : asked;
   colors_.within = asked.empty() ? file.color_config_within : std::string();
-  return !hd::host::DescribeColors(colors_, sink).empty();
+  if (hd::host::DescribeColors(colors_, sink).empty()) throw Exit{code};
 }
 
 // Their images would be decoded for nothing.
@@ -42,23 +42,21 @@ void SceneSession::remove_unused_materials() {
     if (!used.contains(path)) scene.Remove(path);
 }
 
-bool SceneSession::start(const hd::DiagnosticSink& sink) {
+void SceneSession::start(const hd::DiagnosticSink& sink) {
   remove_unused_materials();
   hd::DelegateOptions options;
   options.diagnostics = sink;
   if (!colors_.ocio.empty()) options.settings["ocio"] = hd::AssetPath{colors_.ocio, colors_.ocio, {}, colors_.within};
   delegate_.reset(CreateAlabasterRenderDelegate(hd::kAbiVersion, &options));
-  if (!delegate_) return false;
+  if (!delegate_) throw Exit{kRender};
   index_ = std::make_unique<hd::host::RenderIndex>(delegate_.get());
   scene.Populate(index_.get());
-  return true;
 }
 
-int SceneSession::scene_faults() const {
+void SceneSession::require_whole() const {
   delegate_->InvokeCommand("waitForScene", {});
   const hd::Dictionary stats = delegate_->GetRenderStats();
-  if (!stats.contains("scene.faults")) return kDone;
-  return stats.at("scene.outOfMemory").number_or(0) != 0 ? kRender : kInput;
+  if (stats.contains("scene.faults")) throw Exit{stats.at("scene.outOfMemory").number_or(0) != 0 ? kRender : kInput};
 }
 
 }  // namespace alabaster::cli

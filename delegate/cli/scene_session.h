@@ -17,24 +17,21 @@ class SceneSession {
   hd::host::RetainedSceneDelegate scene;
   hd::description::SceneFile file;
 
-  /// An exit code; else than kDone after a report.
-  int load(const std::string& name, const hd::description::LoadOptions& options, const hd::DiagnosticSink& sink);
+  // These end the command after a report of why.
+  void load(const std::string& name, const hd::description::LoadOptions& options, const hd::DiagnosticSink& sink);
   /// Those that the scene was loaded with.
   const hd::description::LoadOptions& options() const { return options_; }
   /// Gives the models of the loaded scene the pose of LoadOptions::time `time`. The default look stays as it was
-  /// loaded. An exit code.
-  int pose(double time, const hd::DiagnosticSink& sink);
-  /// Chooses the colour configuration: `asked`, or the scene's if that is empty. False after a report if it cannot be
-  /// used.
-  bool choose_colors(const std::string& asked, const hd::DiagnosticSink& sink);
+  /// loaded.
+  void pose(double time, const hd::DiagnosticSink& sink);
+  /// Chooses the colour configuration: `asked`, or the scene's if that is empty. `code`: of one that cannot be used.
+  void choose_colors(const std::string& asked, const hd::DiagnosticSink& sink, int code);
   /// The configuration that was chosen.
   const hd::host::OutputColors& colors() const { return colors_; }
-  /// Removes materials that no mesh uses, makes the delegate and the index, and populates the index. False after a
-  /// report.
-  bool start(const hd::DiagnosticSink& sink);
-
-  /// After a Sync: the exit code for the faults of the scene, kDone if it has none.
-  int scene_faults() const;
+  /// Removes materials that no mesh uses, makes the delegate and the index, and populates the index.
+  void start(const hd::DiagnosticSink& sink);
+  /// After a Sync: ends the command if the scene has faults, which have been reported.
+  void require_whole() const;
 
   hd::RenderDelegate* delegate() const { return delegate_.get(); }
   hd::host::RenderIndex* index() const { return index_.get(); }

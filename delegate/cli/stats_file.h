@@ -14,7 +14,7 @@ class RunStats {
   void add_load(double wall, double cpu);  // also of each pose
   void add_render(const hd::RenderSettingsDescription& settings, const hd::host::RecordResult& result);
   /// `settings`: the effective values of every render setting.
-  nlohmann::json to_json(const std::string& scene, const std::string& status, const nlohmann::json& settings) const;
+  nlohmann::json to_json(const std::string& scene, const std::string& status, const hd::Dictionary& settings) const;
 
   double load_wall() const { return load_wall_; }
   double total(const std::string& key) const;
@@ -25,7 +25,5 @@ class RunStats {
   nlohmann::json resolutions_ = nlohmann::json::array(), frames_ = nlohmann::json::array();
   std::vector<std::string> written_;
 };
-
-nlohmann::json value_to_json(const hd::Value& value);
 
 }  // namespace alabaster::cli

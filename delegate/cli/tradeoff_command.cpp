@@ -1,4 +1,3 @@
-#include <charconv>
 #include <cmath>
 #include <cstdio>
 #include <filesystem>
@@ -19,13 +18,6 @@ namespace {
 
 namespace fs = std::filesystem;
 using tradeoff::StudyOutcome;
-
-std::optional<double> parse_minutes(const std::string& text) {
-  double minutes = 0;
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), minutes);
-  const bool good = error == std::errc() && end == text.data() + text.size() && minutes > 0 && minutes <= 10080;
-  return good ? std::optional(minutes) : std::nullopt;
-}
 
 template <class T>
 std::string array_checksum(const hd::Array<T>& array) {
@@ -72,67 +64,46 @@ class TradeoffCommand {
 
   int run() {
     catch_interrupts();
-    int code = check_arguments();
-    if (code == kDone) code = load();
-    if (code == kDone) code = open_store();
-    if (code == kDone) code = choose_identity();
-    if (code != kDone) return code;
+    check_arguments();
+    load();
+    open_store();
+    choose_identity();
     std::string problem;
     const StudyOutcome outcome = run_study(list_, budget_, &store_, hooks(), &problem);
     if (outcome == StudyOutcome::output_failed) console_.error("tradeoff", problem);
-    code = outcome == StudyOutcome::finished        ? kDone
-           : outcome == StudyOutcome::cancelled     ? kInterrupted
-           : outcome == StudyOutcome::output_failed ? kOutput
-                                                    : kRender;
+    const int code = outcome == StudyOutcome::finished        ? kDone
+                     : outcome == StudyOutcome::cancelled     ? kInterrupted
+                     : outcome == StudyOutcome::output_failed ? kOutput
+                                                              : kRender;
     const int reported = report(outcome);
     return code == kDone ? reported : code;
   }
 
  private:
-  int check_arguments() {
-    if (const std::string fault = size_fault(a_.size); !fault.empty()) return console_.usage_error("--size", fault);
-    const auto minutes = a_.budget.empty() ? std::optional(10.0) : parse_minutes(a_.budget);
-    if (!minutes)
-      return console_.usage_error(
-          "--budget",
-          "'" + a_.budget +
-              "' is not a time: write a number of minutes above 0 and up to 10080 (a week), for example 10.");
-    budget_ = 60 * *minutes;
-    if (const std::string fault = tradeoff::NamePattern(a_.only).fault(); !fault.empty())
-      return console_.usage_error("--only", fault);
+  void check_arguments() {
+    console_.require_usage("--only", tradeoff::NamePattern(a_.only).fault());
     folder_ = a_.folder.empty() ? fs::path(a_.scene).stem().string() + "_tradeoff" : a_.folder;
-    return kDone;
   }
 
-  int open_store() {
+  void open_store() {
     std::vector<std::string> reports;
     for (const char* name :
          {"tradeoff.csv", "tradeoff.json", "tradeoff.md", "tradeoff.svg", "tradeoff.png", "pictures.png"})
       reports.push_back((folder_ / name).string());
-    if (const std::string problem = input_overwritten(reports, session_, a_.scene); !problem.empty())
-      return console_.usage_error("-o", problem);
+    console_.require_usage("-o", input_overwritten(reports, session_, a_.scene));
     const std::string problem = store_.open(folder_ / "state", a_.restart);
     for (const std::string& note : store_.notes()) console_.note("note: " + note);
-    if (problem.empty()) return kDone;
-    console_.error(folder_.string(), problem);
-    return kOutput;
+    console_.require(kOutput, folder_.string(), problem);
   }
 
-  int load() {
-    hd::description::LoadOptions options;
-    options.overrides = a_.overrides;
-    options.allow_outside = a_.allow_outside;
-    if (const int code = session_.load(a_.scene, options, console_.sink()); code != kDone) return code;
-    if (!session_.choose_colors("", console_.sink())) return kInput;
-    for (const std::string& note : session_.file.notes) console_.note("note: " + note);
+  void load() {
+    load_scene(a_, scene_load_options(a_), console_, console_.sink(), &session_);
     choose_display();
-    if (!tradeoff::to_display({1, 1, {0, 0, 0}}, display_, session_.colors(), console_.sink())) return kInput;
-    if (!session_.start(console_.sink())) return kRender;
-    if (!session_.index()->SyncAll()) {
-      console_.error(a_.scene, "The scene could not be prepared: not enough memory or threads.");
-      return kRender;
-    }
-    if (const int code = session_.scene_faults(); code != kDone) return code;
+    if (!tradeoff::to_display({1, 1, {0, 0, 0}}, display_, session_.colors(), console_.sink())) throw Exit{kInput};
+    session_.start(console_.sink());
+    if (!session_.index()->SyncAll())
+      console_.fail(kRender, a_.scene, "The scene could not be prepared: not enough memory or threads.");
+    session_.require_whole();
     const auto& settings = session_.scene.GetAllRenderSettings().at(session_.file.settings);
     scene_size_ = {settings.width, settings.height};
     const auto configurations = [&](const std::string& only) {
@@ -146,13 +117,11 @@ class TradeoffCommand {
       std::string known;
       for (const auto& configuration : configurations(".").measured)
         known += (known.empty() ? "" : ", ") + configuration.name;
-      return console_.usage_error("--only",
-                                  "'" + a_.only + "' matches none of this scene's configurations: " + known + ".");
+      console_.usage_error("--only", "'" + a_.only + "' matches none of this scene's configurations: " + known + ".");
     }
     if (settings.crop) console_.note("note: the scene's crop is ignored: the whole frame is measured");
     renderer_.emplace(tradeoff::SceneRenderer::Scene{&session_.scene, session_.index(), session_.file.settings,
                                                      &interrupted(), console_.sink()});
-    return kDone;
   }
 
   /// Takes the display and view of the first product that has one; else the config's default.
@@ -168,36 +137,35 @@ class TradeoffCommand {
         }
   }
 
-  int choose_identity() {
+  void choose_identity() {
     tradeoff::StudyIdentity identity{a_.scene, scene_hash(session_), 0, 0, AlabasterVersions()};
-    const auto asked = parse_size(a_.size);
+    const auto& asked = a_.size;
     if (!store_.empty()) {
       const tradeoff::StudyIdentity& stored = store_.identity;
       const std::string remedy = ": start afresh with --restart, or choose another folder with -o DIR.";
       if (stored.versions != identity.versions)
-        return console_.usage_error(
+        console_.usage_error(
             folder_.string(),
             "The folder holds a study made with another version of Alabaster or of its libraries" + remedy);
       if (stored.scene_hash != identity.scene_hash)
-        return console_.usage_error(
+        console_.usage_error(
             folder_.string(),
             "The folder holds a study of another scene, or of an earlier version of " + stored.scene + remedy);
       if (asked && (asked->x != stored.width || asked->y != stored.height))
-        return console_.usage_error("--size", "The folder holds a study at " + std::to_string(stored.width) + "x" +
-                                                  std::to_string(stored.height) + remedy);
+        console_.usage_error("--size", "The folder holds a study at " + std::to_string(stored.width) + "x" +
+                                           std::to_string(stored.height) + remedy);
       console_.note("resuming with " + std::to_string(store_.renders().size()) + " renders from an earlier run");
       identity.width = stored.width;
       identity.height = stored.height;
       set_worth_saving(true);
     } else {
       const auto size = asked ? asked : affordable();
-      if (!size) return interrupted() ? kInterrupted : kRender;
+      if (!size) throw Exit{interrupted() ? kInterrupted : kRender};
       identity.width = size->x;
       identity.height = size->y;
     }
     store_.identity = identity;
     renderer_->set_size(identity.width, identity.height);
-    return kDone;
   }
 
   /// The largest size that the budget allows, by a quick render of the base that measures the cost of a pixel.
@@ -287,7 +255,7 @@ class TradeoffCommand {
     std::snprintf(text, sizeof text, minutes < 10 ? "%.2g" : "%.0f", minutes);
     const std::string problem = "The budget was too short to render anything but the reference twice. Give it " +
                                 std::string(text) + " minutes or more; the renders so far are kept.";
-    if (outcome == StudyOutcome::finished) return console_.usage_error("--budget", problem);
+    if (outcome == StudyOutcome::finished) console_.usage_error("--budget", problem);
     console_.note("nothing to report yet; run the same command again to resume");
     return kInput;
   }
@@ -301,15 +269,7 @@ class TradeoffCommand {
 
   std::string command_line() const {
     std::string text = "alabaster tradeoff " + shell_path(a_.scene);
-    const auto add = [&](const char* flag, const std::string& value) {
-      if (!value.empty()) text += " " + shell_word(std::string(flag) + "=" + value);
-    };
-    add("--output", a_.folder);
-    add("--budget", a_.budget);
-    add("--size", a_.size);
-    add("--only", a_.only);
-    for (const std::string& entry : a_.overrides) add("--set", entry);
-    if (a_.denoise) text += " --denoise";
+    for (const std::string& word : a_.words) text += " " + shell_word(word);
     return text;
   }
 
@@ -317,7 +277,7 @@ class TradeoffCommand {
   Console console_;
   SceneSession session_;
   fs::path folder_;
-  double budget_ = 0;  // seconds
+  const double budget_ = 60 * a_.budget;  // seconds
   tradeoff::StudyStore store_;
   tradeoff::ConfigurationList list_;
   std::optional<tradeoff::SceneRenderer> renderer_;

@@ -17,9 +17,9 @@ int run_view(char** arguments) {
   const std::filesystem::path self = std::filesystem::read_symlink("/proc/self/exe", error);
   const std::string program = (self.parent_path() / "alabaster-view").string();
   if (error || !std::filesystem::exists(program, error))
-    return console.usage_error("view",
-                               "This build has no window. Install libglfw3-dev and libimgui-dev, and configure and "
-                               "build again.");
+    console.usage_error("view",
+                        "This build has no window. Install libglfw3-dev and libimgui-dev, and configure and "
+                        "build again.");
   execv(program.c_str(), arguments);
   console.error(program, std::string("It could not be started: ") + std::strerror(errno) + ".");
   return kRender;

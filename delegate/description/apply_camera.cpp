@@ -2,6 +2,7 @@
 #include "delegate/description/description_reader.h"
 #include "delegate/description/placement.h"
 #include "delegate/description/schema_check.h"
+#include "delegate/support/json_values.h"
 
 namespace alabaster::hd::description {
 namespace {
@@ -16,56 +17,48 @@ Array<Vec4f> to_planes(const json& planes) {
   return all;
 }
 
-}  // namespace
-
-bool apply_camera(const Reader& reader) {
-  const auto entry = reader.value().find("camera");
-  if (entry == reader.value().end()) return true;
-  CameraPlan& plan = reader.state().camera;
-  if (entry->contains("transform") && entry->contains("lookAt"))
-    return reader.fail("/camera", "Give either a transform or lookAt, not both.");
-  if (entry->contains("use")) {
-    plan.use = (*entry)["use"];
-    plan.use_place = "/camera/use";
-    const auto found = find_prims(reader, PrimKind::camera, plan.use, plan.use_place);
-    if (found.empty()) return false;
-    plan.use = found[0].str();
-  }
-  if (entry->contains("transform")) {
-    plan.transform = to_transform((*entry)["transform"]);
-    if (!plan.transform) return reader.fail("/camera/transform", "The transform cannot be inverted or is not affine.");
-  }
-  if (const auto look = entry->find("lookAt"); look != entry->end()) {
+// The camera is placed by one of transform, lookAt and motion.
+void place_camera(LoadState& load, const json& entry) {
+  CameraPlan& plan = load.camera;
+  const auto transform = entry.find("transform"), look = entry.find("lookAt"), motion = entry.find("motion");
+  const auto end = entry.end();
+  if (transform != end && look != end) load.fail("/camera", "Give either a transform or lookAt, not both.");
+  if (motion != end) {
+    if (transform != end || look != end) load.fail("/camera", "Give either a motion or a single placement, not both.");
+    plan.motion = to_motion(load, "/camera/motion", *motion);
+    plan.transform = transform_at(plan.motion, 0);
+  } else if (transform != end) {
+    plan.transform = to_transform(*transform);
+    if (!plan.transform) load.fail("/camera/transform", "The transform cannot be inverted or is not affine.");
+  } else if (look != end) {
     const Vec3d up = look->contains("up") ? to_vec3d((*look)["up"]) : Vec3d(0, 1, 0);
     plan.transform = look_at(to_vec3d((*look)["eye"]), to_vec3d((*look)["target"]), up, !look->contains("up"));
     if (!plan.transform)
-      return reader.fail("/camera/lookAt",
-                         "The camera has no direction: eye and target coincide, or up lies along the view.");
+      load.fail("/camera/lookAt", "The camera has no direction: eye and target coincide, or up lies along the view.");
   }
-  if (const auto motion = entry->find("motion"); motion != entry->end()) {
-    if (entry->contains("transform") || entry->contains("lookAt"))
-      return reader.fail("/camera", "Give either a motion or a single placement, not both.");
-    const auto samples = to_motion(reader, "/camera/motion", *motion);
-    if (!samples) return false;
-    plan.motion = *samples;
-    plan.transform = transform_at(plan.motion, 0);
-  } else if (entry->contains("transform") || entry->contains("lookAt")) {
-    plan.motion = {};
-  }
+}
+
+}  // namespace
+
+void apply_camera(LoadState& load) {
+  const json* entry = load.part("camera");
+  if (!entry) return;
+  if (entry->contains("use"))
+    load.camera.use = find_prims(load, PrimKind::camera, (*entry)["use"], "/camera/use")[0].str();
+  place_camera(load, *entry);
   static const json parameters = expanded_schema("camera")["properties"];
   for (const auto& [name, schema] : parameters.items()) {
     const auto given = entry->find(name);
     if (given == entry->end()) continue;
-    if (name == "clipPlanes") {
-      plan.parameters[name] = to_planes(*given);
-    } else if (given->is_number()) {
-      const bool millimetres = schema.value("unitInDescription", "") == "mm";
-      plan.parameters[name] = given->get<float>() * (millimetres ? kMetresPerMillimetre : 1.0f);
-    } else {
-      plan.parameters[name] = given->is_string() ? Value(Token(given->get<std::string>())) : to_value(*given);
-    }
+    Value& value = load.camera.parameters[name];
+    const bool millimetres = schema.value("unitInDescription", "") == "mm";
+    if (name == "clipPlanes")
+      value = to_planes(*given);
+    else if (given->is_number())
+      value = given->get<float>() * (millimetres ? kMetresPerMillimetre : 1.0f);
+    else
+      value = given->is_string() ? Value(Token(given->get<std::string>())) : support::value_of(*given);
   }
-  return true;
 }
 
 }  // namespace alabaster::hd::description

@@ -4,6 +4,7 @@
 #include "delegate/description/name_match.h"
 #include "delegate/description/placement.h"
 #include "delegate/description/schema_check.h"
+#include "delegate/support/json_values.h"
 
 namespace alabaster::hd::description {
 namespace {
@@ -15,139 +16,128 @@ const json& light_parameters() {
   return properties;
 }
 
-bool set_parameter(const Reader& reader, const std::string& pointer, const std::string& name, const json& value,
+void set_parameter(LoadState& load, const std::string& pointer, const std::string& name, const json& value,
                    host::LightDescription* light) {
   const json& schema = light_parameters()[name];
   if (const auto types = schema.find("appliesTo"); types != schema.end())
     if (std::find(types->begin(), types->end(), light->type.str()) == types->end())
-      return reader.fail(pointer, "A " + light->type.str() + " has no '" + name + "'; that belongs to " +
-                                      (*types)[0].get<std::string>() + ".");
+      load.fail(pointer, "A " + light->type.str() + " has no '" + name + "'; that belongs to " +
+                             (*types)[0].get<std::string>() + ".");
   if (name == "texture:file" || name == "shaping:ies:file") {
     const std::string file = value;
-    const AssetPath asset = file.empty()             ? AssetPath()
-                            : name == "texture:file" ? reader.image(pointer, file)
-                                                     : reader.asset(pointer, file);
-    if (!file.empty() && asset.resolved.empty()) return false;
-    light->parameters[name] = asset;
-    return true;
+    light->parameters[name] = file.empty()             ? AssetPath()
+                              : name == "texture:file" ? load.image(pointer, file)
+                                                       : load.asset(pointer, file);
+  } else {
+    light->parameters[name] = value.is_number() ? Value(value.get<float>()) : support::value_of(value);
   }
-  light->parameters[name] = value.is_number() ? Value(value.get<float>()) : to_value(value);
-  return true;
 }
 
-bool place_light(const Reader& reader, const std::string& pointer, const json& entry, host::LightDescription* light) {
+void place_light(LoadState& load, const std::string& pointer, const json& entry, host::LightDescription* light) {
   const bool aimed = entry.contains("position") || entry.contains("target") || entry.contains("up");
   if (entry.contains("transform")) {
-    if (aimed) return reader.fail(pointer, "Give either a transform or position, target and up.");
+    if (aimed) load.fail(pointer, "Give either a transform or position, target and up.");
     const auto transform = to_transform(entry["transform"]);
-    if (!transform) return reader.fail(pointer + "/transform", "The transform cannot be inverted or is not affine.");
+    if (!transform) load.fail(pointer + "/transform", "The transform cannot be inverted or is not affine.");
     light->transform = *transform;
   }
-  if (!aimed) return true;
+  if (!aimed) return;
   Matrix4d& m = light->transform;
   const Vec3d position = entry.contains("position") ? to_vec3d(entry["position"]) : m.translation();
   if (entry.contains("target")) {
     const Vec3d up = entry.contains("up") ? to_vec3d(entry["up"]) : Vec3d(0, 1, 0);
     const auto aim = look_at(position, to_vec3d(entry["target"]), up, !entry.contains("up"));
-    if (!aim)
-      return reader.fail(pointer,
-                         "The light has no direction: position and target coincide, or up lies along the aim.");
+    if (!aim) load.fail(pointer, "The light has no direction: position and target coincide, or up lies along the aim.");
     m = *aim;
   } else if (entry.contains("up")) {
-    return reader.fail(pointer + "/up", "'up' needs a 'target'.");
+    load.fail(pointer + "/up", "'up' needs a 'target'.");
   }
   for (int i = 0; i < 3; ++i) m[3][i] = position[i];
-  return true;
 }
 
 // Puts the meshes that the names match in a category of the light's own.
-bool link(const Reader& reader, const std::string& pointer, const json& names, const std::string& category) {
+void link(LoadState& load, const std::string& pointer, const json& names, const std::string& category) {
   for (size_t i = 0; i < names.size(); ++i)
-    if (find_prims(reader, PrimKind::mesh, names[i], pointer + "/" + std::to_string(i)).empty()) return false;
-  reader.state().links.push_back({Token(category), names.get<std::vector<std::string>>()});
-  apply_link(reader.state().links.back(), &reader.scene());
-  return true;
+    find_prims(load, PrimKind::mesh, names[i], pointer + "/" + std::to_string(i));
+  load.links.push_back({Token(category), names.get<std::vector<std::string>>()});
+  apply_link(load.links.back(), load.scene);
 }
 
-bool change_light(const Reader& reader, const std::string& pointer, const json& entry, const Path& path,
+void change_light(LoadState& load, const std::string& pointer, const json& entry, const Path& path,
                   host::LightDescription light) {
   for (const auto& [name, value] : entry.items())
-    if (light_parameters().contains(name))
-      if (!set_parameter(reader, pointer_append(pointer, name), name, value, &light)) return false;
+    if (light_parameters().contains(name)) set_parameter(load, pointer_append(pointer, name), name, value, &light);
   for (const char* const name : {"lightLink", "shadowLink"})
     if (const auto names = entry.find(name); names != entry.end()) {
       const std::string category = std::string(name) + " of " + path.str();
-      if (!link(reader, pointer_append(pointer, name), *names, category)) return false;
+      link(load, pointer_append(pointer, name), *names, category);
       light.parameters[name] = category;
     }
   // A point light has no radius unless one is given.
   if (entry.value("treatAsPoint", false) && !light.parameters.contains("radius")) light.parameters["radius"] = 0.0f;
-  if (!place_light(reader, pointer, entry, &light)) return false;
-  reader.scene().SetLight(path, std::move(light));
-  return true;
+  place_light(load, pointer, entry, &light);
+  load.scene->SetLight(path, std::move(light));
 }
 
-bool apply_entry(const Reader& reader, const std::string& pointer, const json& entry) {
+// The dome of the options, which is the last light, takes their place.
+void remove_domes(host::RetainedSceneDelegate* scene) {
+  std::vector<Path> domes;
+  for (const auto& [path, light] : scene->GetLights())
+    if (light.type == Token("domeLight")) domes.push_back(path);
+  for (const Path& path : domes) scene->Remove(path);
+}
+
+void apply_entry(LoadState& load, const std::string& pointer, const json& entry) {
   if (entry.contains("match")) {
     if (entry.contains("name") || entry.contains("type"))
-      return reader.fail(pointer, "Either match existing lights, or give the name and type of a new one.");
-    const auto paths = find_prims(reader, PrimKind::light, entry["match"], pointer + "/match");
-    for (const Path& path : paths)
-      if (!change_light(reader, pointer, entry, path, reader.scene().GetLights().at(path))) return false;
-    return !paths.empty();
+      load.fail(pointer, "Either match existing lights, or give the name and type of a new one.");
+    for (const Path& path : find_prims(load, PrimKind::light, entry["match"], pointer + "/match"))
+      change_light(load, pointer, entry, path, load.scene->GetLights().at(path));
+    return;
   }
   const Path path = Path("/lights").append(entry["name"]);
-  if (reader.scene().GetLights().contains(path) || reader.state().archive_paths.contains(path))
-    return reader.fail(pointer + "/name",
-                       "There is already a " +
-                           std::string(reader.scene().GetLights().contains(path) ? "light" : "prim") + " '" +
-                           path.str() + "'; choose another name.");
+  if (load.scene->GetLights().contains(path) || load.archive_paths.contains(path))
+    load.fail(pointer + "/name", "There is already a " +
+                                     std::string(load.scene->GetLights().contains(path) ? "light" : "prim") + " '" +
+                                     path.str() + "'; choose another name.");
   host::LightDescription light;
   light.type = entry["type"].get<std::string>();
-  return change_light(reader, pointer, entry, path, std::move(light));
+  change_light(load, pointer, entry, path, std::move(light));
 }
 
 }  // namespace
 
 void apply_link(const MeshLink& link, host::RetainedSceneDelegate* scene) {
   for (const auto& [path, mesh] : scene->GetMeshes()) {
-    const Path& mesh_path = path;
-    const MeshTopology& topology = mesh.topology;
     std::vector<Token> categories = mesh.categories;
     std::erase(categories, link.category);
-    const auto is_match = [&](const std::string& pattern) {
+    const auto is_match = [&, &mesh_path = path, &topology = mesh.topology](const std::string& pattern) {
       return matches(pattern, mesh_path, true) || !matching_subsets(pattern, topology).empty();
     };
     if (std::any_of(link.patterns.begin(), link.patterns.end(), is_match)) categories.push_back(link.category);
-    if (categories == mesh.categories) continue;
-    host::MeshDescription changed = mesh;
-    changed.categories = std::move(categories);
-    scene->SetMesh(path, std::move(changed));
+    if (!(categories == mesh.categories)) host::EditPrim(scene, path, {{"categories", categories}});
   }
 }
 
-bool place_lights(const Reader& reader) {
-  const auto entries = reader.value().find("lights");
-  if (entries == reader.value().end()) return true;
-  for (size_t i = 0; i < entries->size(); ++i) {
-    const json& entry = (*entries)[i];
-    const std::string pointer = "/lights/" + std::to_string(i);
-    if (!entry.contains("match")) continue;
-    for (const Path& path : find_prims(reader, PrimKind::light, entry["match"], pointer + "/match")) {
-      host::LightDescription light = reader.scene().GetLights().at(path);
-      if (!place_light(reader, pointer, entry, &light)) return false;
-      reader.scene().SetLight(path, std::move(light));
+void place_lights(LoadState& load) {
+  load.for_each_entry("lights", [&](const std::string& pointer, const json& entry) {
+    if (!entry.contains("match")) return;
+    for (const Path& path : find_prims(load, PrimKind::light, entry["match"], pointer + "/match")) {
+      host::LightDescription light = load.scene->GetLights().at(path);
+      place_light(load, pointer, entry, &light);
+      load.scene->SetLight(path, std::move(light));
     }
-  }
-  return true;
+  });
 }
 
-bool apply_lights(const Reader& reader) {
-  const auto entries = reader.value().find("lights");
-  if (entries == reader.value().end()) return true;
-  for (size_t i = 0; i < entries->size(); ++i)
-    if (!apply_entry(reader, "/lights/" + std::to_string(i), (*entries)[i])) return false;
-  return true;
+void apply_lights(LoadState& load) {
+  const json* lights = load.part("lights");
+  const std::string dome =
+      lights && !load.options.dome.empty() ? "/lights/" + std::to_string(lights->size() - 1) : std::string();
+  load.for_each_entry("lights", [&](const std::string& pointer, const json& entry) {
+    if (pointer == dome) remove_domes(load.scene);
+    apply_entry(load, pointer, entry);
+  });
 }
 
 }  // namespace alabaster::hd::description

@@ -1,5 +1,5 @@
 #include "delegate/description/description_reader.h"
-#include "delegate/description/name_match.h"
+#include "delegate/support/json_values.h"
 
 namespace alabaster::hd::description {
 namespace {
@@ -8,7 +8,7 @@ using nlohmann::json;
 
 // A value of the surface node, whose numbers are floats and never integers.
 Value material_value(const json& value) {
-  return value.is_number() ? Value(value.get<float>()) : to_value(value);
+  return value.is_number() ? Value(value.get<float>()) : support::value_of(value);
 }
 
 MaterialNetwork plain_network(const Path& material) {
@@ -27,127 +27,110 @@ Path surface_of(const MaterialNetwork& network) {
   return ours ? node->first : Path();
 }
 
-// Null after an error.
-MaterialNode* add_texture(const Reader& reader, const std::string& pointer, const json& texture, const Path& path,
+MaterialNode& add_texture(LoadState& load, const std::string& pointer, const json& texture, const Path& path,
                           MaterialNetwork* network) {
-  const AssetPath file = reader.image(pointer + "/file", texture["file"]);
-  if (file.resolved.empty()) return nullptr;
-  MaterialNode node;
-  node.nodeTypeId = "AlabasterTexture";
-  node.parameters["file"] = file;
-  node.parameters["sourceColorSpace"] = Token(texture.value("colorSpace", std::string("auto")));
-  const Token wrap(texture.value("wrap", std::string("repeat")));
-  node.parameters["wrapS"] = wrap;
-  node.parameters["wrapT"] = wrap;
-  node.parameters["st"] = Token(texture.value("st", std::string("st")));
-  return &(network->nodes[path] = std::move(node));
+  MaterialNode& node = network->nodes[path];
+  node = {"AlabasterTexture", {{"file", load.image(pointer + "/file", texture["file"])}}, {}};
+  node.parameters["sourceColorSpace"] = Token(texture.value("colorSpace", "auto"));
+  node.parameters["wrapS"] = node.parameters["wrapT"] = Token(texture.value("wrap", "repeat"));
+  node.parameters["st"] = Token(texture.value("st", "st"));
+  return node;
 }
 
-bool set_texture(const Reader& reader, const std::string& pointer, const json& texture, const std::string& parameter,
+void set_texture(LoadState& load, const std::string& pointer, const json& texture, const std::string& parameter,
                  const Path& surface, MaterialNetwork* network) {
-  const std::string channel = texture.value("channel", std::string("rgb"));
+  const std::string channel = texture.value("channel", "rgb");
   if (channel == "direction" && parameter != "anisotropicRotation")
-    return reader.fail(pointer + "/channel", "Only anisotropicRotation reads an angle; name r, g, b or a.");
+    load.fail(pointer + "/channel", "Only anisotropicRotation reads an angle; name r, g, b or a.");
   const Path path = surface.append(parameter + "_texture");
-  if (!add_texture(reader, pointer, texture, path, network)) return false;
+  add_texture(load, pointer, texture, path, network);
   MaterialNode& disney = network->nodes[surface];
   // The constant multiplies the texture; without one it is 1.
   disney.parameters.erase(parameter);
   if (texture.contains("scale")) disney.parameters[parameter] = material_value(texture["scale"]);
   disney.inputConnections[parameter] = {{path, Token(channel)}};
-  return true;
 }
 
-bool set_bump(const Reader& reader, const json& bump, const std::string& pointer, MaterialNetwork* network) {
+void set_bump(LoadState& load, const json& bump, const std::string& pointer, MaterialNetwork* network) {
   const Path surface = surface_of(*network);
-  if (surface.empty()) return reader.fail(pointer, "The material has no Disney surface.");
+  if (surface.empty()) load.fail(pointer, "The material has no Disney surface.");
   const Path path = surface.append("bump_texture");
-  MaterialNode* const texture = add_texture(reader, pointer, bump, path, network);
-  if (!texture) return false;
-  texture->parameters["scale"] = Vec4f(bump.value("scale", 1.0f));
+  add_texture(load, pointer, bump, path, network).parameters["scale"] = Vec4f(bump.value("scale", 1.0f));
   network->nodes[surface].inputConnections.erase("normal");
-  network->nodes[surface].inputConnections["bump"] = {{path, Token(bump.value("channel", std::string("r")))}};
-  return true;
+  network->nodes[surface].inputConnections["bump"] = {{path, Token(bump.value("channel", "r"))}};
 }
 
-bool set_displacement(const Reader& reader, const json& displacement, const std::string& pointer, const Path& material,
+void set_displacement(LoadState& load, const json& displacement, const std::string& pointer, const Path& material,
                       MaterialNetwork* network) {
   const Path path = material.append("displacement"), image = path.append("texture");
-  if (!add_texture(reader, pointer, displacement, image, network)) return false;
-  const std::string space = displacement.value("space", std::string("normal"));
+  add_texture(load, pointer, displacement, image, network);
+  const std::string space = displacement.value("space", "normal");
   if (space != "normal" && displacement.contains("channel"))
-    return reader.fail(pointer + "/channel", "A vector takes all three channels; leave channel out.");
-  MaterialNode node;
-  node.nodeTypeId = "AlabasterDisplacement";
-  node.parameters = {{"scale", displacement.value("scale", 1.0f)},
-                     {"midlevel", displacement.value("midlevel", 0.0f)},
-                     {"space", Token(space)}};
-  const std::string channel = displacement.value("channel", std::string("r"));
-  node.inputConnections["displacement"] = {{image, Token(space == "normal" ? channel : "rgb")}};
-  network->nodes[path] = std::move(node);
+    load.fail(pointer + "/channel", "A vector takes all three channels; leave channel out.");
+  MaterialNode& node = network->nodes[path];
+  node = {"AlabasterDisplacement",
+          {{"scale", displacement.value("scale", 1.0f)},
+           {"midlevel", displacement.value("midlevel", 0.0f)},
+           {"space", Token(space)}},
+          {}};
+  const std::string channel = space == "normal" ? displacement.value("channel", "r") : "rgb";
+  node.inputConnections["displacement"] = {{image, Token(channel)}};
   network->terminals["displacement"] = {path, "displacement"};
-  return true;
 }
 
-bool set_parameters(const Reader& reader, const std::string& pointer, const json& parameters,
-                    MaterialNetwork* network) {
+void set_parameters(LoadState& load, const std::string& pointer, const json& parameters, MaterialNetwork* network) {
   const Path surface = surface_of(*network);
-  if (surface.empty()) return reader.fail(pointer, "The material has no Disney surface; use replace instead of set.");
+  if (surface.empty()) load.fail(pointer, "The material has no Disney surface; use replace instead of set.");
   for (const auto& [name, value] : parameters.items()) {
     if (value.is_object()) {
-      if (!set_texture(reader, pointer_append(pointer, name), value, name, surface, network)) return false;
+      set_texture(load, pointer_append(pointer, name), value, name, surface, network);
       continue;
     }
     MaterialNode& node = network->nodes[surface];
     node.inputConnections.erase(name);
     node.parameters[name] = material_value(value);
   }
-  return true;
 }
 
-bool change_network(const Reader& reader, const std::string& pointer, const json& entry, const Path& material,
+void change_network(LoadState& load, const std::string& pointer, const json& entry, const Path& material,
                     MaterialNetwork* network) {
   for (const char* key : {"set", "replace"})
-    if (entry.contains(key) && !set_parameters(reader, pointer_append(pointer, key), entry[key], network)) return false;
-  return (!entry.contains("bump") || set_bump(reader, entry["bump"], pointer + "/bump", network)) &&
-         (!entry.contains("displacement") ||
-          set_displacement(reader, entry["displacement"], pointer + "/displacement", material, network));
+    if (entry.contains(key)) set_parameters(load, pointer_append(pointer, key), entry[key], network);
+  if (entry.contains("bump")) set_bump(load, entry["bump"], pointer + "/bump", network);
+  if (entry.contains("displacement"))
+    set_displacement(load, entry["displacement"], pointer + "/displacement", material, network);
 }
 
-bool apply_entry(const Reader& reader, const std::string& pointer, const json& entry) {
+void apply_entry(LoadState& load, const std::string& pointer, const json& entry) {
   const bool set = entry.contains("set"), replace = entry.contains("replace");
   const bool relief = entry.contains("bump") || entry.contains("displacement");
   if (entry.contains("match") && entry.contains("name"))
-    return reader.fail(pointer, "Either match existing materials or name a new one, not both.");
-  if (set && replace) return reader.fail(pointer, "Give either set or replace, not both.");
+    load.fail(pointer, "Either match existing materials or name a new one, not both.");
+  if (set && replace) load.fail(pointer, "Give either set or replace, not both.");
   if (!set && !replace && !relief)
-    return reader.fail(pointer, "There is nothing to change: add 'set', 'replace', 'bump' or 'displacement'.");
+    load.fail(pointer, "There is nothing to change: add 'set', 'replace', 'bump' or 'displacement'.");
   std::vector<Path> paths;
   if (entry.contains("name")) {
     paths = {Path("/materials").append(entry["name"].get<std::string>())};
-    if (reader.scene().GetMaterials().contains(paths[0]))
-      return reader.fail(pointer, "A material '" + paths[0].str() + "' already exists; match it instead.");
+    if (load.scene->GetMaterials().contains(paths[0]))
+      load.fail(pointer, "A material '" + paths[0].str() + "' already exists; match it instead.");
   } else {
-    paths = find_prims(reader, PrimKind::material, entry["match"], pointer_append(pointer, "match"));
+    paths = find_prims(load, PrimKind::material, entry["match"], pointer_append(pointer, "match"));
   }
   for (const Path& path : paths) {
-    const auto known = reader.scene().GetMaterials().find(path);
-    const bool keep = !replace && known != reader.scene().GetMaterials().end();
+    const auto known = load.scene->GetMaterials().find(path);
+    const bool keep = !replace && known != load.scene->GetMaterials().end();
     MaterialNetwork network = keep ? known->second : plain_network(path);
-    if (!change_network(reader, pointer, entry, path, &network)) return false;
-    reader.scene().SetMaterial(path, std::move(network));
+    change_network(load, pointer, entry, path, &network);
+    load.scene->SetMaterial(path, std::move(network));
   }
-  return !paths.empty();
 }
 
 }  // namespace
 
-bool apply_materials(const Reader& reader) {
-  const auto entries = reader.value().find("materials");
-  if (entries == reader.value().end()) return true;
-  for (size_t i = 0; i < entries->size(); ++i)
-    if (!apply_entry(reader, "/materials/" + std::to_string(i), (*entries)[i])) return false;
-  return true;
+void apply_materials(LoadState& load) {
+  return load.for_each_entry(
+      "materials", [&](const std::string& pointer, const json& entry) { return apply_entry(load, pointer, entry); });
 }
 
 }  // namespace alabaster::hd::description

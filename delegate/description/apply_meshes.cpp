@@ -4,6 +4,7 @@
 #include "delegate/description/apply_motion.h"
 #include "delegate/description/description_reader.h"
 #include "delegate/description/name_match.h"
+#include "delegate/support/json_values.h"
 
 namespace alabaster::hd::description {
 namespace {
@@ -16,171 +17,155 @@ size_t point_count(const host::MeshDescription& mesh) {
   return points ? points->size() : 0;
 }
 
-bool check_point(const Reader& reader, const std::string& pointer, const json& index, const Path& mesh, size_t count) {
-  if (index.get<uint64_t>() < count) return true;
-  return reader.fail(pointer, "Point " + index.dump() + " does not exist: mesh '" + mesh.str() + "' has " +
-                                  std::to_string(count) + " points, counted from 0.");
+/// The index of a point of the mesh.
+int32_t point_of(LoadState& load, const std::string& pointer, const json& index, const Path& path) {
+  const size_t count = point_count(load.scene->GetMeshes().at(path));
+  if (index.get<uint64_t>() >= count)
+    load.fail(pointer, "Point " + index.dump() + " does not exist: mesh '" + path.str() + "' has " +
+                           std::to_string(count) + " points, counted from 0.");
+  return index.get<int32_t>();
 }
 
-bool set_creases(const Reader& reader, const std::string& pointer, const json& creases, const Path& path,
-                 host::MeshDescription* mesh) {
+/// The fields of creases or corners, which replace the mesh's own.
+void sharpen(LoadState& load, const std::string& pointer, const json& list, const Path& path, host::Fields* fields) {
+  const bool creases = pointer.ends_with("/creases");
   std::vector<int32_t> indices, lengths;
   std::vector<float> weights;
-  for (size_t i = 0; i < creases.size(); ++i) {
-    const json& points = creases[i]["points"];
-    const std::string inner = pointer + "/" + std::to_string(i) + "/points";
-    for (size_t j = 0; j < points.size(); ++j) {
-      if (!check_point(reader, inner + "/" + std::to_string(j), points[j], path, point_count(*mesh))) return false;
-      indices.push_back(points[j].get<int32_t>());
-    }
+  for (size_t i = 0; i < list.size(); ++i) {
+    const std::string entry = pointer + "/" + std::to_string(i);
+    if (!creases) indices.push_back(point_of(load, entry + "/point", list[i]["point"], path));
+    const json points = list[i].value("points", json::array());
+    for (size_t j = 0; j < points.size(); ++j)
+      indices.push_back(point_of(load, entry + "/points/" + std::to_string(j), points[j], path));
     lengths.push_back(static_cast<int32_t>(points.size()));
-    weights.push_back(creases[i].value("sharpness", 10.0f));
+    weights.push_back(list[i].value("sharpness", 10.0f));
   }
-  mesh->subdivTags.creaseIndices = std::move(indices);
-  mesh->subdivTags.creaseLengths = std::move(lengths);
-  mesh->subdivTags.creaseWeights = std::move(weights);
-  return true;
+  fields->emplace_back(creases ? "creaseIndices" : "cornerIndices", std::move(indices));
+  fields->emplace_back(creases ? "creaseWeights" : "cornerWeights", std::move(weights));
+  if (creases) fields->emplace_back("creaseLengths", std::move(lengths));
 }
 
-bool set_corners(const Reader& reader, const std::string& pointer, const json& corners, const Path& path,
-                 host::MeshDescription* mesh) {
-  std::vector<int32_t> indices;
-  std::vector<float> weights;
-  for (size_t i = 0; i < corners.size(); ++i) {
-    const json& point = corners[i]["point"];
-    if (!check_point(reader, pointer + "/" + std::to_string(i) + "/point", point, path, point_count(*mesh)))
-      return false;
-    indices.push_back(point.get<int32_t>());
-    weights.push_back(corners[i].value("sharpness", 10.0f));
-  }
-  mesh->subdivTags.cornerIndices = std::move(indices);
-  mesh->subdivTags.cornerWeights = std::move(weights);
-  return true;
-}
-
-bool set_scheme(const Reader& reader, const std::string& pointer, const std::string& scheme, const Path& path,
-                host::MeshDescription* mesh) {
-  const Array<int32_t>& counts = mesh->topology.faceVertexCounts;
+void check_scheme(LoadState& load, const std::string& pointer, const std::string& scheme, const Path& path) {
+  const Array<int32_t>& counts = load.scene->GetMeshes().at(path).topology.faceVertexCounts;
   if (scheme == "loop" && std::any_of(counts.begin(), counts.end(), [](int32_t n) { return n != 3; }))
-    return reader.fail(pointer, "Loop subdivision takes only triangles, but mesh '" + path.str() +
-                                    "' has other faces; use catmullClark.");
-  mesh->topology.scheme = scheme;
-  return true;
+    load.fail(pointer, "Loop subdivision takes only triangles, but mesh '" + path.str() +
+                           "' has other faces; use catmullClark.");
 }
 
-// Empty after an error. A pose finds the same material as the load did.
-Path find_material(const Reader& reader, const std::string& pointer, const std::string& pattern) {
-  Path& known = reader.state().mesh_materials[pattern];
-  if (reader.state().posing) return known;
-  const auto found = find_prims(reader, PrimKind::material, pattern, pointer);
-  if (found.empty()) return {};
-  if (found.size() > 1) {
-    reader.fail(pointer, "Several materials match: '" + found[0].str() + "', '" + found[1].str() +
-                             "'. Give the full path of one.");
-    return {};
-  }
+// A pose finds the same material as the load did.
+Path find_material(LoadState& load, const std::string& pointer, const std::string& pattern) {
+  Path& known = load.mesh_materials[pattern];
+  if (load.posing) return known;
+  const auto found = find_prims(load, PrimKind::material, pattern, pointer);
+  if (found.size() > 1)
+    load.fail(pointer, "Several materials match: '" + found[0].str() + "', '" + found[1].str() +
+                           "'. Give the full path of one.");
   return known = found[0];
 }
 
 // Hides faces, or shows them again.
-void show_faces(const Array<int32_t>& faces, bool visible, MeshTopology* topology) {
-  std::set<int32_t> hidden(topology->invisibleFaces.begin(), topology->invisibleFaces.end());
+Array<int32_t> with_faces(const Array<int32_t>& invisible, const Array<int32_t>& faces, bool visible) {
+  std::set<int32_t> hidden(invisible.begin(), invisible.end());
   for (const int32_t face : faces) {
     if (visible)
       hidden.erase(face);
     else
       hidden.insert(face);
   }
-  topology->invisibleFaces = std::vector<int32_t>(hidden.begin(), hidden.end());
+  return std::vector<int32_t>(hidden.begin(), hidden.end());
 }
 
 // Faces have materials and may be hidden; all else belongs to the mesh.
-void warn_of_parts(const Reader& reader, const std::string& pointer, const json& entry, const Path& path) {
+void warn_of_parts(const LoadState& load, const std::string& pointer, const json& entry, const Path& path) {
   for (const auto& [key, value] : entry.items())
     if (key != "match" && key != "material" && key != "visible")
-      reader.warn(pointer_append(pointer, key), "Applies to all of mesh '" + path.str() +
-                                                    "', of which the match names a part: only material and visible "
-                                                    "belong to parts.");
+      load.warn(pointer_append(pointer, key), "Applies to all of mesh '" + path.str() +
+                                                  "', of which the match names a part: only material and visible "
+                                                  "belong to parts.");
 }
+
+/// A mesh, or the parts of it, that an entry changes.
+struct Target {
+  const Path& path;
+  const MeshTopology& topology;
+  std::vector<size_t> parts;  // subsets; empty: the whole mesh
+};
 
 // A mesh's subsets with paths beside its own are the primitives of a glTF mesh, which a change of the mesh means, too.
-void set_material(const std::string& pattern, const Path& path, const Path& material, host::MeshDescription* mesh) {
-  std::vector<GeomSubset>& subsets = mesh->topology.geomSubsets;
-  if (!matches(pattern, path, true)) {
-    for (const size_t part : matching_subsets(pattern, mesh->topology)) subsets[part].materialId = material;
+void set_material(const Target& target, const Path& material, host::Fields* fields) {
+  const std::string folder = target.path.str().substr(0, target.path.str().rfind('/') + 1);
+  const auto& subsets = target.topology.geomSubsets;
+  if (target.parts.empty()) fields->emplace_back("material", material);
+  for (size_t i = 0; i < subsets.size(); ++i) {
+    const std::string& id = subsets[i].id.str();
+    const bool beside = id.starts_with(folder) && id.find('/', folder.size()) == std::string::npos;
+    const bool named = std::find(target.parts.begin(), target.parts.end(), i) != target.parts.end();
+    if (target.parts.empty() ? beside : named) fields->emplace_back("subsets:" + id + ":material", material);
+  }
+}
+
+void set_visible(const Target& target, bool visible, host::Fields* fields) {
+  if (target.parts.empty()) {
+    fields->emplace_back("visible", visible);
     return;
   }
-  mesh->material = material;
-  const std::string folder = path.str().substr(0, path.str().rfind('/') + 1);
-  for (GeomSubset& subset : subsets)
-    if (subset.id.str().starts_with(folder) && subset.id.str().find('/', folder.size()) == std::string::npos)
-      subset.materialId = material;
+  Array<int32_t> invisible = target.topology.invisibleFaces;
+  for (const size_t part : target.parts)
+    invisible = with_faces(invisible, target.topology.geomSubsets[part].indices, visible);
+  fields->emplace_back("invisibleFaces", invisible);
 }
 
-bool change_mesh(const Reader& reader, const std::string& pointer, const json& entry, const Path& path) {
-  host::MeshDescription mesh = reader.scene().GetMeshes().at(path);
-  const std::string pattern = entry["match"];
-  const bool whole = matches(pattern, path, true);
-  if (!whole) warn_of_parts(reader, pointer, entry, path);
-  if (entry.contains("scheme") && !set_scheme(reader, pointer + "/scheme", entry["scheme"], path, &mesh)) return false;
-  mesh.displayStyle.refineLevel = entry.value("refineLevel", mesh.displayStyle.refineLevel);
-  if (entry.contains("creases") && !set_creases(reader, pointer + "/creases", entry["creases"], path, &mesh))
-    return false;
-  if (entry.contains("corners") && !set_corners(reader, pointer + "/corners", entry["corners"], path, &mesh))
-    return false;
-  if (entry.contains("interpolateBoundary"))
-    mesh.subdivTags.interpolateBoundary = entry["interpolateBoundary"].get<std::string>();
-  if (entry.contains("faceVaryingLinearInterpolation"))
-    mesh.subdivTags.faceVaryingLinearInterpolation = entry["faceVaryingLinearInterpolation"].get<std::string>();
-  if (entry.contains("material")) {
-    const Path material = find_material(reader, pointer + "/material", entry["material"]);
-    if (material.empty()) return false;
-    set_material(pattern, path, material, &mesh);
+constexpr const char* kPrimvars[] = {"subsurfaceSet", "holdout", "visibleToCamera"};  // of each mesh one value
+
+/// Adds the fields that a key of the entry sets.
+void add_fields(LoadState& load, const std::string& pointer, const std::string& name, const json& value,
+                const Target& target, host::Fields* fields) {
+  if (name == "match" || name == "motion") return;
+  if (name == "creases" || name == "corners") return sharpen(load, pointer, value, target.path, fields);
+  if (name == "material") return set_material(target, find_material(load, pointer, value), fields);
+  if (name == "visible") return set_visible(target, value, fields);
+  if (name == "scheme") check_scheme(load, pointer, value, target.path);
+  if (std::find(std::begin(kPrimvars), std::end(kPrimvars), name) == std::end(kPrimvars)) {
+    fields->emplace_back(name, support::value_of(value));
+  } else {
+    const Value set = support::value_of(value);
+    fields->emplace_back("primvars:" + name, value.is_string() ? Token(set.text_or("")) : set);
+    fields->emplace_back("primvars:" + name + ":interpolation", "constant");
   }
-  if (entry.contains("subsurfaceSet"))
-    mesh.primvars["subsurfaceSet"] = {
-        Interpolation::constant, Token(), Token(entry["subsurfaceSet"].get<std::string>()), {}};
-  for (const char* flag : {"holdout", "visibleToCamera"})
-    if (entry.contains(flag)) mesh.primvars[flag] = {Interpolation::constant, Token(), entry[flag].get<bool>(), {}};
-  if (whole)
-    mesh.visible = entry.value("visible", mesh.visible);
-  else if (entry.contains("visible"))
-    for (const size_t part : matching_subsets(pattern, mesh.topology))
-      show_faces(mesh.topology.geomSubsets[part].indices, entry["visible"], &mesh.topology);
-  if (entry.value("refineLevel", 0) > 0 && mesh.topology.scheme == Token("none"))
-    reader.warn(pointer + "/refineLevel", "Has no effect on mesh '" + path.str() +
-                                              "', which is not a subdivision surface; set its scheme as well.");
-  reader.scene().SetMesh(path, std::move(mesh));
-  return true;
 }
 
-bool move_meshes(const Reader& reader, const std::string& pointer, const json& motion, const std::vector<Path>& paths) {
-  const auto samples = to_motion(reader, pointer, motion);
-  if (!samples) return false;
+void change_mesh(LoadState& load, const std::string& pointer, const json& entry, const Path& path) {
+  const std::string pattern = entry["match"];
+  Target target{path, load.scene->GetMeshes().at(path).topology, {}};
+  if (!matches(pattern, path, true)) target.parts = matching_subsets(pattern, target.topology);
+  if (!target.parts.empty()) warn_of_parts(load, pointer, entry, path);
+  host::Fields fields;
+  for (const auto& [name, value] : entry.items())
+    add_fields(load, pointer_append(pointer, name), name, value, target, &fields);
+  load.edit(pointer, path, fields);
+  if (entry.value("refineLevel", 0) > 0 && load.scene->GetMeshes().at(path).topology.scheme == Token("none"))
+    load.warn(pointer + "/refineLevel", "Has no effect on mesh '" + path.str() +
+                                            "', which is not a subdivision surface; set its scheme as well.");
+}
+
+void move_meshes(LoadState& load, const std::string& pointer, const json& motion, const std::vector<Path>& paths) {
+  const TimeSamples<Matrix4d> samples = to_motion(load, pointer, motion);
   for (const Path& path : paths)
-    if (!reader.scene().GetMeshes().at(path).instancer.empty())
-      return reader.fail(pointer, "Mesh '" + path.str() +
-                                      "' is drawn several times, and moves only with all of its model: give the motion "
-                                      "to the model.");
-  move_prims(paths, *samples, &reader.scene());
-  return true;
+    if (!load.scene->GetMeshes().at(path).instancer.empty())
+      load.fail(pointer, "Mesh '" + path.str() +
+                             "' is drawn several times, and moves only with all of its model: give the motion to the "
+                             "model.");
+  move_prims(paths, samples, load.scene);
 }
 
 }  // namespace
 
-bool apply_meshes(const Reader& reader) {
-  const auto entries = reader.value().find("meshes");
-  if (entries == reader.value().end()) return true;
-  for (size_t i = 0; i < entries->size(); ++i) {
-    const std::string pointer = "/meshes/" + std::to_string(i);
-    const auto paths = find_prims(reader, PrimKind::mesh, (*entries)[i]["match"], pointer + "/match");
-    if (paths.empty() && !reader.state().posing) return false;
-    for (const Path& path : paths)
-      if (!change_mesh(reader, pointer, (*entries)[i], path)) return false;
-    const auto motion = (*entries)[i].find("motion");
-    if (motion != (*entries)[i].end() && !move_meshes(reader, pointer + "/motion", *motion, paths)) return false;
-  }
-  return true;
+void apply_meshes(LoadState& load) {
+  load.for_each_entry("meshes", [&](const std::string& pointer, const json& entry) {
+    const auto paths = find_prims(load, PrimKind::mesh, entry["match"], pointer + "/match");
+    for (const Path& path : paths) change_mesh(load, pointer, entry, path);
+    if (entry.contains("motion")) move_meshes(load, pointer + "/motion", entry["motion"], paths);
+  });
 }
 
 }  // namespace alabaster::hd::description

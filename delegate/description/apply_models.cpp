@@ -1,9 +1,9 @@
-#include <cctype>
 #include <filesystem>
 
 #include "delegate/description/apply_motion.h"
 #include "delegate/description/description_reader.h"
 #include "delegate/description/placement.h"
+#include "delegate/support/extension.h"
 
 namespace alabaster::hd::description {
 namespace {
@@ -19,36 +19,27 @@ Path root_for(const std::string& file, LoadState* state) {
   return Path(root.empty() ? "/" : root);
 }
 
-bool is_archive(const std::string& file) {
-  std::string extension = std::filesystem::path(file).extension();
-  for (char& c : extension) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
-  return extension == ".alab";
-}
-
-// A choice of the command line takes the place of the model's own.
-std::string chosen(const nlohmann::json& model, const char* key, const std::string& asked) {
-  return asked.empty() ? model.value(key, std::string()) : asked;
-}
-
 gltf::GltfOptions options_of(const nlohmann::json& model, const LoadOptions& asked) {
   gltf::GltfOptions options;
   options.refine_level = model.value("refineLevel", options.refine_level);
   options.allow_outside = asked.allow_outside;
-  options.scene = chosen(model, "scene", asked.scene);
-  options.animation = chosen(model, "animation", asked.animation);
-  options.variant = chosen(model, "variant", asked.variant);
+  options.scene = model.value("scene", "");
+  options.animation = model.value("animation", "");
+  options.variant = model.value("variant", "");
   if (model.contains("time") || asked.time) options.time = model.value("time", 0.0) + asked.time.value_or(0);
   return options;
 }
 
-// The shutter that is asked for, else the description's own.
-LoadOptions described_shutter(const Reader& reader) {
-  LoadOptions options = reader.state().options;
-  if (options.shutter || !reader.value().contains("camera")) return options;
-  const nlohmann::json& camera = reader.value()["camera"];
-  const double open = camera.value("shutterOpen", 0.0), close = camera.value("shutterClose", 0.0);
-  options.shutter = {open, close};
-  return options;
+// Has the animation sampled over the shutter, if that is open.
+void sample_shutter(const LoadState& load, gltf::GltfOptions* model) {
+  const nlohmann::json* camera = load.part("camera");
+  const double open = camera ? camera->value("shutterOpen", 0.0) : 0;
+  const double close = camera ? camera->value("shutterClose", 0.0) : 0;
+  if (!(close > open)) return;
+  model->time = model->time.value_or(0);
+  model->frames_per_second = load.options.frames_per_second;
+  model->shutter_open = open / model->frames_per_second;
+  model->shutter_close = close / model->frames_per_second;
 }
 
 /// Where a description puts a model. A motion has its first place at time 0.
@@ -56,103 +47,76 @@ struct Placement {
   std::optional<Matrix4d> transform;
   TimeSamples<Matrix4d> motion;
 };
-bool read_placement(const Reader& reader, const std::string& pointer, const nlohmann::json& model,
-                    Placement* placement) {
+Placement placement_of(LoadState& load, const std::string& pointer, const nlohmann::json& model) {
+  Placement placement;
   if (model.contains("transform")) {
-    placement->transform = to_transform(model["transform"]);
-    if (!placement->transform)
-      return reader.fail(pointer + "/transform",
-                         "The transform cannot be inverted or is not affine: the last column must be 0, 0, 0, 1, and "
-                         "no scale may be 0.");
+    placement.transform = to_transform(model["transform"]);
+    if (!placement.transform)
+      load.fail(pointer + "/transform",
+                "The transform cannot be inverted or is not affine: the last column must be 0, 0, 0, 1, and no scale "
+                "may be 0.");
   }
-  if (!model.contains("motion")) return true;
+  if (!model.contains("motion")) return placement;
   if (model.contains("transform"))
-    return reader.fail(pointer, "Give either a transform or a motion, which has one for each of its times.");
-  const auto samples = to_motion(reader, pointer + "/motion", model["motion"]);
-  if (!samples) return false;
-  placement->motion = *samples;
-  placement->transform = transform_at(placement->motion, 0);
-  return true;
+    load.fail(pointer, "Give either a transform or a motion, which has one for each of its times.");
+  placement.motion = to_motion(load, pointer + "/motion", model["motion"]);
+  placement.transform = transform_at(placement.motion, 0);
+  return placement;
 }
 
-bool add_gltf(const Reader& reader, const nlohmann::json& model, const AssetPath& file, const Placement& placement) {
-  gltf::GltfOptions options = options_of(model, reader.state().options);
-  options.root = root_for(file.resolved, &reader.state());
+// False after the report of a fault of the file, whose cause is noted.
+bool add_gltf(LoadState& load, const nlohmann::json& model, const AssetPath& file, const Placement& placement) {
+  const LoadOptions& asked = load.options;
+  gltf::GltfOptions options = options_of(model, asked);
+  options.root = root_for(file.resolved, &load);
   options.within = file.within;
-  sample_shutter(described_shutter(reader), &options);
-  options.memory_limit = std::max(reader.state().memory->left(), size_t(1));
+  sample_shutter(load, &options);
+  options.memory_limit = std::max(load.memory->left(), size_t(1));
   if (placement.transform) options.transform = *placement.transform;
   OpenModel open;
   open.time = model.value("time", 0.0);
   open.motion = placement.motion;
-  return load_model(file.resolved, options, std::move(open), &reader.state());
+  const gltf::GltfSummary loaded = open.source.Load(file.resolved, options, load.scene, *load.sink);
+  load.result->gltf.push_back(loaded);
+  if (loaded.fault == gltf::GltfFault::choice && !(asked.scene + asked.animation + asked.variant).empty())
+    load.note_cause(LoadCause::option);
+  else if (!loaded.ok)
+    load.note_cause(loaded.fault == gltf::GltfFault::out_of_memory ? LoadCause::out_of_memory : LoadCause::input);
+  load.held.resize(load.held.bytes() + loaded.memory_bytes, file.resolved);
+  if (!loaded.ok) return false;
+  if (!open.motion.values.empty()) {
+    move_prims(loaded.meshes, open.motion, load.scene);
+    move_prims(loaded.cameras, open.motion, load.scene);
+  }
+  load.models.push_back(std::move(open));
+  return true;
 }
 
-bool add_archive(const Reader& reader, const std::string& pointer, const AssetPath& file, const Placement& placement) {
+bool add_archive(LoadState& load, const std::string& pointer, const nlohmann::json& model, const AssetPath& file,
+                 const Placement& placement) {
   for (const char* key : {"scene", "animation", "variant", "time", "refineLevel"})
-    if (reader.value().at(nlohmann::json::json_pointer(pointer)).contains(key))
-      return reader.fail(pointer_append(pointer, key),
-                         "An archive has one scene, at one time, with its own levels of refinement: leave it out.");
+    if (model.contains(key))
+      load.fail(pointer_append(pointer, key),
+                "An archive has one scene, at one time, with its own levels of refinement: leave it out.");
   return load_archive(file.resolved, {file.within, pointer.ends_with("/0"), placement.transform, placement.motion},
-                      &reader.state());
+                      &load);
 }
 
 }  // namespace
 
-void sample_shutter(const LoadOptions& asked, gltf::GltfOptions* model) {
-  if (!asked.shutter || !(asked.shutter->close > asked.shutter->open)) return;
-  model->time = model->time.value_or(0);
-  model->frames_per_second = asked.frames_per_second;
-  model->shutter_open = asked.shutter->open / asked.frames_per_second;
-  model->shutter_close = asked.shutter->close / asked.frames_per_second;
-}
-
-bool load_model(const std::string& file, const gltf::GltfOptions& options, OpenModel model, LoadState* state) {
-  const gltf::GltfSummary loaded = model.source.Load(file, options, state->scene, *state->sink);
-  state->result->gltf.push_back(loaded);
-  const LoadOptions& asked = state->options;
-  if (loaded.fault == gltf::GltfFault::choice && !(asked.scene + asked.animation + asked.variant).empty())
-    state->note_cause(LoadCause::option);
-  else if (!loaded.ok)
-    state->note_cause(loaded.fault == gltf::GltfFault::out_of_memory ? LoadCause::out_of_memory : LoadCause::input);
-  state->held.resize(state->held.bytes() + loaded.memory_bytes, file);
-  if (!loaded.ok) return false;
-  if (!model.motion.values.empty()) {
-    move_prims(loaded.meshes, model.motion, state->scene);
-    move_prims(loaded.cameras, model.motion, state->scene);
-  }
-  state->models.push_back(std::move(model));
-  return true;
-}
-
-bool apply_models(const Reader& reader) {
-  const char* const key = reader.value().contains("models") ? "models" : "gltf";
-  const auto models = reader.value().find(key);
-  if (models == reader.value().end()) return true;
-  const std::string list = std::string("/") + key;
-  if (list == "/models" && reader.value().contains("gltf"))
-    return reader.fail("/gltf", "It is the former name of 'models': put all models into that list.");
-  const LoadOptions& asked = reader.state().options;
-  if (models->size() > 1 && !(asked.scene + asked.animation + asked.variant).empty()) {
-    reader.state().note_cause(LoadCause::option);
-    if (*reader.state().sink)
-      (*reader.state().sink)({Severity::error, "gltf.choice", reader.place(list),
-                              "There are several models: write scene, animation or variant beside each one's file."});
-    return false;
-  }
+void apply_models(LoadState& load) {
+  const char* const list = load.part("models") ? "models" : "gltf";
+  if (load.part("models") && load.part("gltf"))
+    load.fail("/gltf", "It is the former name of 'models': put all models into that list.");
   bool ok = true;
-  for (size_t i = 0; i < models->size(); ++i) {
-    const nlohmann::json& model = (*models)[i];
-    const std::string pointer = list + "/" + std::to_string(i);
-    const AssetPath file = reader.asset(pointer + "/file", model["file"]);
-    if (file.resolved.empty()) return false;
-    Placement placement;
-    if (!read_placement(reader, pointer, model, &placement)) return false;
-    ok = (is_archive(file.resolved) ? add_archive(reader, pointer, file, placement)
-                                    : add_gltf(reader, model, file, placement)) &&
+  load.for_each_entry(list, [&](const std::string& pointer, const nlohmann::json& model) {
+    const AssetPath file = load.asset(pointer + "/file", model["file"]);
+    const Placement placement = placement_of(load, pointer, model);
+    ok = (support::lower_extension(file.resolved) == ".alab" ? add_archive(load, pointer, model, file, placement)
+                                                             : add_gltf(load, model, file, placement)) &&
          ok;
-  }
-  return ok;
+  });
+  if (!ok) throw LoadFailed();
 }
 
 }  // namespace alabaster::hd::description

@@ -30,17 +30,15 @@ Matrix4d transform_at(const TimeSamples<Matrix4d>& samples, double time) {
   return interpolate(alabaster::TimeSamples<Matrix4d>{samples.times, samples.values}, time);
 }
 
-std::optional<TimeSamples<Matrix4d>> to_motion(const Reader& reader, const std::string& pointer,
-                                               const nlohmann::json& motion) {
+TimeSamples<Matrix4d> to_motion(LoadState& load, const std::string& pointer, const nlohmann::json& motion) {
   TimeSamples<Matrix4d> samples;
   for (size_t i = 0; i < motion.size(); ++i) {
     const std::string place = pointer + "/" + std::to_string(i);
     const double time = motion[i]["time"];
     const auto transform = to_transform(motion[i]["transform"]);
-    if (!transform)
-      return reader.fail(place + "/transform", "The transform cannot be inverted or is not affine."), std::nullopt;
+    if (!transform) load.fail(place + "/transform", "The transform cannot be inverted or is not affine.");
     if (!samples.times.empty() && !(time > samples.times.back()))
-      return reader.fail(place + "/time", "Times must increase from one sample to the next."), std::nullopt;
+      load.fail(place + "/time", "Times must increase from one sample to the next.");
     samples.times.push_back(time);
     samples.values.push_back(*transform);
   }

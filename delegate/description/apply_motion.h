@@ -5,10 +5,9 @@
 
 namespace alabaster::hd::description {
 
-/// The samples of a "motion", which the schema has accepted. Empty after an error: a transform that cannot be inverted,
-/// or times that do not increase.
-std::optional<TimeSamples<Matrix4d>> to_motion(const Reader& reader, const std::string& pointer,
-                                               const nlohmann::json& motion);
+/// The samples of a "motion", which the schema has accepted. Throws LoadFailed after a report: a transform cannot be
+/// inverted, or times do not increase.
+TimeSamples<Matrix4d> to_motion(LoadState& load, const std::string& pointer, const nlohmann::json& motion);
 
 /// The transform at a time; of at least one sample.
 Matrix4d transform_at(const TimeSamples<Matrix4d>& samples, double time);

@@ -5,26 +5,24 @@
 #include "delegate/description/placement.h"
 #include "delegate/description/soft_dome.h"
 #include "delegate/description/studio.h"
+#include "delegate/support/lookup.h"
 #include "delegate/support/window_policy.h"
 
 namespace alabaster::hd::description {
 namespace {
+
+using support::number_in;
 
 // A description's camera starts from a 50 mm lens and full-frame film; metres.
 std::map<Token, Value> default_lens() {
   return {{"focalLength", 0.050f}, {"horizontalAperture", 0.036f}, {"verticalAperture", 0.024f}};
 }
 
-double parameter(const host::CameraDescription& camera, const char* name, double fallback) {
-  const auto found = camera.parameters.find(name);
-  return found == camera.parameters.end() ? fallback : found->second.number_or(fallback);
-}
-
 // The picture's frustum, once the film has been fitted to the picture's shape.
 Frustum visible_frustum(const host::CameraDescription& camera, const RenderSettingsDescription& settings) {
-  const double focal = parameter(camera, "focalLength", 0.050);
-  const double x = parameter(camera, "horizontalAperture", 0.036) / (2 * focal);
-  const double y = parameter(camera, "verticalAperture", 0.024) / (2 * focal);
+  const double focal = number_in(camera.parameters, "focalLength", 0.050);
+  const double x = number_in(camera.parameters, "horizontalAperture", 0.036) / (2 * focal);
+  const double y = number_in(camera.parameters, "verticalAperture", 0.024) / (2 * focal);
   const double aspect = double(settings.width) / settings.height * double(settings.pixelAspectRatio);
   const support::CameraWindow seen = support::conform_window({x, y}, aspect, settings.windowPolicy);
   return {seen.width, seen.height};
@@ -56,28 +54,22 @@ host::CameraDescription planned_camera(const CameraPlan& plan, const Path& base,
   return camera;
 }
 
-bool complete_camera(LoadState* state) {
+void complete_camera(LoadState* state) {
   const CameraPlan& plan = state->camera;
   const Path base = base_camera(*state);
   if (!base.empty() && !plan.transform && plan.parameters.empty()) {
     state->settings.camera = base;
-    return true;
+    return;
   }
   host::CameraDescription camera = planned_camera(plan, base, *state->scene);
-  if (parameter(camera, "shutterClose", 0) < parameter(camera, "shutterOpen", 0)) {
-    if (*state->sink)
-      (*state->sink)({Severity::error, "description.shutter", "camera",
-                      "The shutter closes before it opens: shutterClose must not be less than shutterOpen."});
-    return false;
-  }
+  if (number_in(camera.parameters, "shutterClose", 0) < number_in(camera.parameters, "shutterOpen", 0))
+    state->fail("/camera/shutterClose",
+                "The shutter closes before it opens: shutterClose must not be less than shutterOpen.");
   if (base.empty() && !plan.transform) {
     const auto projection = camera.parameters.find("projection");
-    if (projection != camera.parameters.end() && projection->second.text_or("") == "orthographic") {
-      if (*state->sink)
-        (*state->sink)({Severity::error, "description.camera", "camera",
-                        "An orthographic camera cannot frame the scene by itself; add a lookAt or a transform."});
-      return false;
-    }
+    if (projection != camera.parameters.end() && projection->second.text_or("") == "orthographic")
+      state->fail("/camera/projection",
+                  "An orthographic camera cannot frame the scene by itself; add a lookAt or a transform.");
     const Framed framed = frame_points(enclosing_points(*state->scene), visible_frustum(camera, state->settings));
     camera.transform = framed.camera;
     if (!camera.parameters.contains("focusDistance"))
@@ -88,19 +80,14 @@ bool complete_camera(LoadState* state) {
   if (!(base == state->planned_camera)) state->planned_camera = free_path(*state, state->planned_camera.str());
   state->scene->SetCamera(state->planned_camera, std::move(camera));
   state->settings.camera = state->planned_camera;
-  return true;
 }
 
 // A texture of emission is a display or a label as a rule, and an unlit surface shows its own colour: nobody means
 // either to light a scene.
 bool is_light(const MaterialNode& node) {
-  const auto number = [&](const char* name, double fallback) {
-    const auto found = node.parameters.find(name);
-    return found == node.parameters.end() ? fallback : found->second.number_or(fallback);
-  };
   const auto emission = node.parameters.find("emission");
   if (emission == node.parameters.end() || node.inputConnections.contains("emission")) return false;
-  const bool unlit = number("specular", 1) == 0 && number("ior", 1.5) == 1;
+  const bool unlit = number_in(node.parameters, "specular", 1) == 0 && number_in(node.parameters, "ior", 1.5) == 1;
   return !unlit && emission->second.get_or(Vec3f(0)).length() > 0;
 }
 
@@ -159,35 +146,58 @@ void complete_lights(LoadState* state, bool own_camera) {
   state->result->notes.push_back("no light: added a soft dome");
 }
 
-// Makes one RenderSettings prim for each resolution and crop of the products.
-void complete_settings(LoadState* state) {
-  std::vector<std::pair<FramePlan, RenderSettingsDescription>> renders{{FramePlan(), state->settings}};
-  if (!state->products.empty()) renders.clear();
+/// Products of one size and crop.
+struct Render {
+  FramePlan frame;
+  RenderSettingsDescription settings;
+  std::string crop_place = "/settings/crop";  // of its crop in the description
+};
+
+std::vector<Render> plan_renders(LoadState* state) {
+  std::vector<Render> renders;
+  if (state->products.empty()) renders.emplace_back().settings = state->settings;
   for (ProductPlan& plan : state->products) {
-    auto render = renders.begin();
-    while (render != renders.end() && !(render->first == plan.frame)) ++render;
+    if (state->options.size) plan.frame.resolution.reset();
+    if (state->options.crop) plan.frame.crop = state->options.crop;
+    const auto is_same = [&](const Render& render) { return render.frame == plan.frame; };
+    auto render = std::find_if(renders.begin(), renders.end(), is_same);
     if (render == renders.end()) {
-      renders.emplace_back(plan.frame, state->settings);
-      render = renders.end() - 1;
-      if (plan.frame.resolution) {
-        render->second.width = plan.frame.resolution->x;
-        render->second.height = plan.frame.resolution->y;
-        render->second.crop.reset();  // the crop belongs to the other resolution
+      render = renders.emplace(render);
+      render->frame = plan.frame;
+      render->settings = state->settings;
+      if (const auto& size = plan.frame.resolution) {
+        render->settings.width = size->x, render->settings.height = size->y;
+        render->settings.crop.reset();  // the crop belongs to the other resolution
       }
-      if (plan.frame.crop) render->second.crop = plan.frame.crop;
+      if (plan.frame.crop) render->settings.crop = plan.frame.crop;
+      if (plan.frame.crop && !state->options.crop) render->crop_place = plan.place + "/crop";
     }
-    render->second.products.push_back(std::move(plan.product));
+    render->settings.products.push_back(std::move(plan.product));
   }
+  for (const auto& [frame, settings, crop_place] : renders)
+    if (!settings.window().overlaps(settings.frame_window()))
+      state->fail(crop_place, "The crop lies wholly outside the frame of " + std::to_string(settings.width) + "x" +
+                                  std::to_string(settings.height) + ".");
+  return renders;
+}
+
+// Makes one RenderSettings prim for each resolution and crop of the products, unless the options say both.
+void complete_settings(LoadState* state) {
+  std::vector<Render> renders = plan_renders(state);
   const std::map<Path, RenderSettingsDescription> others = state->scene->GetAllRenderSettings();  // of an archive
-  for (const auto& [path, settings] : others)
+  for (auto [path, settings] : others) {
     if (!settings.products.empty()) state->result->further_settings.push_back(path);
+    if (const auto& size = state->options.size) settings.width = size->x, settings.height = size->y;
+    if (state->options.crop) settings.crop = state->options.crop;
+    state->scene->SetRenderSettings(path, std::move(settings));
+  }
   Path path = state->settings_path;
   if (!state->archive_settings) path = free_path(*state, path.str());
   size_t number = 1;
   for (size_t i = 0; i < renders.size(); ++i) {
     while (i > 0 && state->scene->GetAllRenderSettings().contains(path))
       path = Path("/render" + std::to_string(++number));
-    state->scene->SetRenderSettings(path, std::move(renders[i].second));
+    state->scene->SetRenderSettings(path, std::move(renders[i].settings));
     if (i == 0) {
       state->result->settings = path;
     } else {
@@ -210,12 +220,11 @@ void pose_camera(LoadState* state) {
   state->scene->SetCamera(state->planned_camera, planned_camera(state->camera, base, *state->scene));
 }
 
-bool complete_scene(LoadState* state) {
+void complete_scene(LoadState* state) {
   const bool own_camera = state->camera.transform || !base_camera(*state).empty();
-  if (!complete_camera(state)) return false;
+  complete_camera(state);
   complete_lights(state, own_camera);
   complete_settings(state);
-  return true;
 }
 
 }  // namespace alabaster::hd::description

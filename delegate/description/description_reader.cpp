@@ -1,36 +1,29 @@
 #include "delegate/description/description_reader.h"
 
 #include <filesystem>
-#include <limits>
 
 #include "core/files/input_file.h"
 #include "core/files/real_path.h"
 #include "core/texture/texture.h"
 #include "core/texture/udim.h"
 #include "delegate/description/name_match.h"
+#include "delegate/description/prims.h"
 
 namespace alabaster::hd::description {
 namespace {
 
 using nlohmann::json;
 
-template <class Map>
-std::vector<Path> paths_of(const Map& prims) {
-  std::vector<Path> paths;
-  for (const auto& [path, prim] : prims) paths.push_back(path);
-  return paths;
-}
-
 std::vector<Path> paths_of_kind(const host::RetainedSceneDelegate& scene, PrimKind kind) {
   switch (kind) {
     case PrimKind::mesh:
-      return paths_of(scene.GetMeshes());
+      return keys_of(scene.GetMeshes());
     case PrimKind::material:
-      return paths_of(scene.GetMaterials());
+      return keys_of(scene.GetMaterials());
     case PrimKind::light:
-      return paths_of(scene.GetLights());
+      return keys_of(scene.GetLights());
     case PrimKind::camera:
-      return paths_of(scene.GetCameras());
+      return keys_of(scene.GetCameras());
   }
   return {};
 }
@@ -42,103 +35,94 @@ const char* kind_name(PrimKind kind) {
 
 }  // namespace
 
-Reader::Reader(const JsonDocument& document, std::string folder, LoadState* state)
-    : document_(document), folder_(std::move(folder)), state_(*state) {
-  if (!is_users() && !state_.options.allow_outside) within_ = allowed_folder(folder_);
+const json* LoadState::part(const char* name) const {
+  const auto found = document.value.find(name);
+  return found == document.value.end() ? nullptr : &*found;
 }
 
-bool Reader::fail(const std::string& pointer, const std::string& text) const {
-  if (*state_.sink) (*state_.sink)({Severity::error, "description.invalid", place(pointer), text});
-  return false;
+void LoadState::report(Severity severity, const char* code, const std::string& where, const std::string& text) const {
+  if (*sink) (*sink)({severity, code, where, text});
 }
 
-void Reader::warn(const std::string& pointer, const std::string& text) const {
-  if (*state_.sink) (*state_.sink)({Severity::warning, "description.doubtful", place(pointer), text});
+void LoadState::fail(LoadCause noted, const char* code, const std::string& where, const std::string& text) {
+  note_cause(noted);
+  report(Severity::error, code, where, text);
+  throw LoadFailed();
 }
 
-std::string Reader::resolve(const std::string& pointer, const std::string& file) const {
-  const std::filesystem::path path = std::filesystem::path(folder_) / file;
-  std::string resolved = path.lexically_normal();
-  if (within_.empty()) return resolved;
-  std::string fault = outside_fault(within_, resolved);
+void LoadState::fail(const std::string& pointer, const std::string& text) {
+  fail(document.is_of_option(pointer) ? LoadCause::option : LoadCause::input, "description.invalid",
+       document.place(pointer), text);
+}
+
+void LoadState::edit(const std::string& pointer, const Path& prim, const host::Fields& fields) {
+  const std::string fault = host::EditPrim(scene, prim, fields).fault;
+  if (!fault.empty()) fail(pointer, fault + ".");
+}
+
+void LoadState::warn(const std::string& pointer, const std::string& text) const {
+  report(Severity::warning, "description.doubtful", document.place(pointer), text);
+}
+
+std::string LoadState::within_of(const std::string& pointer) const {
+  return document.is_of_option(pointer) ? std::string() : within;
+}
+
+std::string LoadState::resolve(const std::string& pointer, const std::string& file) {
+  if (document.is_of_option(pointer)) return file;
+  std::string resolved = (std::filesystem::path(folder) / file).lexically_normal();
+  if (within.empty()) return resolved;
+  std::string fault = outside_fault(within, resolved);
   if (fault.empty())
     for (const UdimTile& tile : udim_tiles(resolved))
-      if (fault.empty()) fault = outside_fault(within_, tile.path);
-  if (fault.empty()) return resolved;
-  state_.note_cause(LoadCause::input);
-  if (*state_.sink) (*state_.sink)({Severity::error, "asset.outside", place(pointer), fault + "."});
-  return {};
+      if (fault.empty()) fault = outside_fault(within, tile.path);
+  if (!fault.empty()) fail(LoadCause::input, "asset.outside", document.place(pointer), fault + ".");
+  return resolved;
 }
 
-AssetPath Reader::asset(const std::string& pointer, const std::string& file) const {
+AssetPath LoadState::asset(const std::string& pointer, const std::string& file) {
   const std::string resolved = resolve(pointer, file);
-  if (resolved.empty()) return {};
-  const InputFile opened(resolved, within_);
-  if (opened) return {file, resolved, nullptr, within_};
-  state_.note_cause(LoadCause::input);
-  if (!*state_.sink) return {};
+  const InputFile opened(resolved, within_of(pointer));
+  if (opened) return {file, resolved, nullptr, within_of(pointer)};
+  const std::string start = document.is_of_option(pointer) ? "the working folder." : "the folder of the description.";
   if (opened.fault() == InputFile::Fault::missing)
-    (*state_.sink)({Severity::error, "asset.missing", place(pointer),
-                    "There is no file '" + resolved + "'. Relative paths start at " +
-                        (folder_.empty() ? "the working folder." : "the folder of the description.")});
-  else
-    (*state_.sink)(
-        {Severity::error, "asset.unreadable", place(pointer), "'" + resolved + "': " + opened.reason() + "."});
-  return {};
+    fail(LoadCause::input, "asset.missing", document.place(pointer),
+         "There is no file '" + resolved + "'. Relative paths start at " + start);
+  fail(LoadCause::input, "asset.unreadable", document.place(pointer), "'" + resolved + "': " + opened.reason() + ".");
 }
 
-AssetPath Reader::image(const std::string& pointer, const std::string& file) const {
-  AssetPath found{file, resolve(pointer, file), nullptr, within_};
-  if (state_.options.keep_going || found.resolved.empty()) return found;
+AssetPath LoadState::image(const std::string& pointer, const std::string& file) {
+  AssetPath found{file, resolve(pointer, file), nullptr, within_of(pointer)};
+  if (options.keep_going) return found;
   TextureSource source;
   source.path = found.resolved, source.within = found.within;
   source.may_be_set = !udim_tiles(found.resolved).empty();
   if (!source.may_be_set) found = asset(pointer, file);
-  if (found.resolved.empty()) return found;
-  const auto [known, is_new] = state_.image_faults.try_emplace({found.resolved, found.within});
+  const auto [known, is_new] = image_faults.try_emplace({found.resolved, found.within});
   std::string& problem = known->second;  // an image may be named often, and is opened once
   const auto note = [&](const alabaster::Diagnostic& d) {
     problem = d.text;
-    if (d.code == "texture.memory") state_.note_cause(LoadCause::out_of_memory);
+    if (d.code == "texture.memory") note_cause(LoadCause::out_of_memory);
   };
   if (is_new && !is_image(source, note) && problem.empty()) problem = "it is no image";
-  if (problem.empty()) return found;
-  state_.note_cause(LoadCause::input);
-  if (*state_.sink)
-    (*state_.sink)({Severity::error, "asset.unreadable", place(pointer), "'" + found.resolved + "': " + problem + "."});
-  return {};
+  if (!problem.empty())
+    fail(LoadCause::input, "asset.unreadable", document.place(pointer), "'" + found.resolved + "': " + problem + ".");
+  return found;
 }
 
-Value to_value(const json& value) {
-  if (value.is_boolean()) return value.get<bool>();
-  if (value.is_number_integer()) {
-    const auto number = value.get<int64_t>();
-    const bool fits = number >= std::numeric_limits<int32_t>::min() && number <= std::numeric_limits<int32_t>::max();
-    return fits ? Value(static_cast<int32_t>(number)) : Value(number);
-  }
-  if (value.is_number()) return value.get<float>();
-  if (value.is_string()) return value.get<std::string>();
-  if (value.is_array() && value.size() == 2) return Vec2f(value[0].get<float>(), value[1].get<float>());
-  if (value.is_array() && value.size() == 3)
-    return Vec3f(value[0].get<float>(), value[1].get<float>(), value[2].get<float>());
-  return {};
-}
-
-std::vector<Path> find_prims(const Reader& reader, PrimKind kind, const std::string& pattern,
-                             const std::string& pointer) {
+std::vector<Path> find_prims(LoadState& load, PrimKind kind, const std::string& pattern, const std::string& pointer) {
   const bool is_mesh = kind == PrimKind::mesh;
   std::vector<Path> found;
   std::vector<std::string> names;
-  for (const Path& path : paths_of_kind(reader.scene(), kind)) {
+  for (const Path& path : paths_of_kind(*load.scene, kind)) {
     if (matches(pattern, path, is_mesh) ||
-        (is_mesh && !matching_subsets(pattern, reader.scene().GetMeshes().at(path).topology).empty()))
+        (is_mesh && !matching_subsets(pattern, load.scene->GetMeshes().at(path).topology).empty()))
       found.push_back(path);
     names.push_back(authored_name(path, is_mesh));
   }
-  if (!found.empty() || reader.state().posing) return found;
+  if (!found.empty() || load.posing) return found;
   const std::string none = names.empty() ? std::string(" The scene has none.") : suggestion(pattern, names);
-  reader.fail(pointer, std::string("No ") + kind_name(kind) + " matches '" + pattern + "'." + none);
-  return found;
+  load.fail(pointer, std::string("No ") + kind_name(kind) + " matches '" + pattern + "'." + none);
 }
 
 }  // namespace alabaster::hd::description

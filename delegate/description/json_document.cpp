@@ -136,14 +136,27 @@ class LineRecorder : public nlohmann::json_sax<json> {
 
 }  // namespace
 
+std::string JsonDocument::known(std::string pointer) const {
+  while (!pointer.empty() && !lines.contains(pointer) && !options.contains(pointer)) pointer.resize(pointer.rfind('/'));
+  return pointer;
+}
+
 std::string JsonDocument::place(const std::string& pointer) const {
+  const std::string found = known(pointer);
+  if (const auto option = options.find(found); option != options.end()) return option->second;
   if (lines.empty()) return origin;
-  std::string known = pointer;
-  while (!known.empty() && !lines.contains(known)) known.resize(known.rfind('/'));
-  const auto line = lines.find(known);
+  const auto line = lines.find(found);
   constexpr size_t kLongestPointer = 200;
   const std::string shown = pointer.size() > kLongestPointer ? pointer.substr(0, kLongestPointer - 3) + "..." : pointer;
   return origin + ":" + std::to_string(line == lines.end() ? 1 : line->second) + (shown.empty() ? "" : " " + shown);
+}
+
+void JsonDocument::set(const std::string& pointer, json set_value, const std::string& option) {
+  value[json::json_pointer(pointer)] = std::move(set_value);
+  for (auto line = lines.lower_bound(pointer); line != lines.end() && line->first.starts_with(pointer);)
+    line = line->first.size() == pointer.size() || line->first[pointer.size()] == '/' ? lines.erase(line)
+                                                                                      : std::next(line);
+  options[pointer] = option;
 }
 
 bool parse_json(const std::string& text, const std::string& origin, JsonDocument* document, std::string* error) {

@@ -1,59 +1,35 @@
 #include <algorithm>
 #include <memory>
-#include <set>
 
 #include "delegate/archive/archive.h"
 #include "delegate/description/apply_motion.h"
 #include "delegate/description/description_reader.h"
+#include "delegate/description/prims.h"
 
 namespace alabaster::hd::description {
 namespace {
 
-void place(const Matrix4d& transform, Matrix4d* own, TimeSamples<Matrix4d>* samples) {
-  *own = *own * transform;
-  for (Matrix4d& sample : samples->values) sample = sample * transform;
-}
-
 // Instancers place their prototypes and the instancers below them.
+template <class Prim>
+bool is_placed_by_another(const Prim& prim) {
+  if constexpr (requires { prim.instancer; })
+    return !prim.instancer.empty();
+  else if constexpr (requires { prim.parent; })
+    return !prim.parent.empty();
+  else
+    return false;
+}
+
 void place_prims(const Matrix4d& transform, host::RetainedSceneDelegate* scene) {
-  const auto meshes = scene->GetMeshes();
-  for (auto [path, mesh] : meshes) {
-    if (!mesh.instancer.empty()) continue;
-    place(transform, &mesh.transform, &mesh.transformSamples);
-    scene->SetMesh(path, std::move(mesh));
-  }
-  const auto instancers = scene->GetInstancers();
-  for (auto [path, instancer] : instancers) {
-    if (!instancer.parent.empty()) continue;
-    place(transform, &instancer.transform, &instancer.transformSamples);
-    scene->SetInstancer(path, std::move(instancer));
-  }
-  const auto lights = scene->GetLights();
-  for (auto [path, light] : lights) {
-    light.transform = light.transform * transform;
-    scene->SetLight(path, std::move(light));
-  }
-  const auto cameras = scene->GetCameras();
-  for (auto [path, camera] : cameras) {
-    place(transform, &camera.transform, &camera.transformSamples);
-    scene->SetCamera(path, std::move(camera));
-  }
-}
-
-template <class Map>
-std::vector<Path> keys_of(const Map& map) {
-  std::vector<Path> keys;
-  for (const auto& entry : map) keys.push_back(entry.first);
-  return keys;
-}
-
-template <class Visit>
-void for_each_path(const host::RetainedSceneDelegate& scene, const Visit& visit) {
-  const auto each = [&](const auto& prims) {
-    for (const auto& prim : prims) visit(prim.first);
-  };
-  each(scene.GetMeshes()), each(scene.GetInstancers()), each(scene.GetMaterials()), each(scene.GetLights());
-  each(scene.GetCameras()), each(scene.GetAllRenderSettings());
+  for_each_prim(*scene, [&](const Path& path, auto prim) {
+    if constexpr (requires { prim.transform; }) {
+      if (is_placed_by_another(prim)) return;
+      prim.transform = prim.transform * transform;
+      if constexpr (requires { prim.transformSamples; })
+        for (Matrix4d& sample : prim.transformSamples.values) sample = sample * transform;
+      put(scene, path, std::move(prim));
+    }
+  });
 }
 
 // A file may lower the limit of memory, and not raise it.
@@ -62,21 +38,13 @@ void drop_loose_limits(const std::string& file, const LoadState& state, host::Re
   for (auto [path, settings] : all) {
     const auto limit = settings.settings.find("memoryLimit");
     if (limit == settings.settings.end() || !loosens_memory_limit(limit->second.number_or(0))) continue;
-    if (limit->second.number_or(0) != 0 && *state.sink)
-      (*state.sink)({Severity::warning, "archive.memoryLimit", file + ": " + path.str(),
-                     "A file cannot raise the limit of memory, so this is not taken. Raise it with --memory-limit "
-                     "(hosts: setting memoryLimit)."});
+    if (limit->second.number_or(0) != 0)
+      state.report(Severity::warning, "archive.memoryLimit", file + ": " + path.str(),
+                   "A file cannot raise the limit of memory, so this is not taken. Raise it with --memory-limit "
+                   "(hosts: setting memoryLimit).");
     settings.settings.erase(limit);
     scene->SetRenderSettings(path, std::move(settings));
   }
-}
-
-void add_prims(const host::RetainedSceneDelegate& from, host::RetainedSceneDelegate* to) {
-  for (const auto& [path, prim] : from.GetMeshes()) to->SetMesh(path, prim);
-  for (const auto& [path, prim] : from.GetInstancers()) to->SetInstancer(path, prim);
-  for (const auto& [path, prim] : from.GetMaterials()) to->SetMaterial(path, prim);
-  for (const auto& [path, prim] : from.GetLights()) to->SetLight(path, prim);
-  for (const auto& [path, prim] : from.GetCameras()) to->SetCamera(path, prim);
 }
 
 // Settings that differ from the first ones in size and crop alone are planned from these again, so that edits change
@@ -101,9 +69,9 @@ void take_settings(const std::map<Path, RenderSettingsDescription>& all, const P
   const Path& camera = first->second.camera;
   if (state->scene->GetCameras().contains(camera))
     state->camera.use = camera.str();
-  else if (!camera.empty() && *state->sink)
-    (*state->sink)({Severity::warning, "archive.camera", first->first.str(),
-                    "They name the camera '" + camera.str() + "', which the archive does not have."});
+  else if (!camera.empty())
+    state->report(Severity::warning, "archive.camera", first->first.str(),
+                  "They name the camera '" + camera.str() + "', which the archive does not have.");
   const auto add_products = [&](const FramePlan& frame, const RenderSettingsDescription& settings) {
     for (const RenderProduct& product : settings.products) state->products.push_back({frame, product, true});
   };
@@ -121,14 +89,19 @@ bool begins_with(const std::string& path, const std::string& names) {
   return path == names || path.starts_with(names + "/");
 }
 
-bool collides(const host::RetainedSceneDelegate& read, const LoadState& state) {
-  bool found = false;
-  for_each_path(read, [&](const Path& path) {
-    found = found || state.archive_paths.contains(path) ||
-            std::any_of(state.model_names.begin(), state.model_names.end(),
-                        [&](const std::string& names) { return begins_with(path.str(), names); });
+// All paths of an archive, those of its settings too.
+std::vector<Path> all_paths(const host::RetainedSceneDelegate& scene) {
+  std::vector<Path> paths = keys_of(scene.GetAllRenderSettings());
+  for_each_prim(scene, [&](const Path& path, const auto&) { paths.push_back(path); });
+  return paths;
+}
+
+bool collides(const std::vector<Path>& paths, const LoadState& state) {
+  return std::any_of(paths.begin(), paths.end(), [&](const Path& path) {
+    const auto is_above = [&](const std::string& names) { return begins_with(path.str(), names); };
+    return state.archive_paths.contains(path) ||
+           std::any_of(state.model_names.begin(), state.model_names.end(), is_above);
   });
-  return found;
 }
 
 }  // namespace
@@ -150,19 +123,11 @@ Path free_path(const LoadState& state, const std::string& wanted) {
 }
 
 bool load_archive(const std::string& file, const ArchiveModel& model, LoadState* state) {
-  const LoadOptions& asked = state->options;
-  if (!(asked.scene + asked.animation + asked.variant).empty()) {
-    state->note_cause(LoadCause::option);
-    if (*state->sink)
-      (*state->sink)({Severity::error, "archive.choice", file,
-                      "An archive has one scene, without animations and variants: leave the choice out."});
-    return false;
-  }
-  archive::ReadOptions options = {asked.allow_outside, model.within};
+  archive::ReadOptions options = {state->options.allow_outside, model.within};
   options.memory_limit = std::max(state->memory->left(), size_t(1));
   auto read = std::make_unique<host::RetainedSceneDelegate>();
   archive::ReadResult result = archive::ReadArchive(file, read.get(), *state->sink, options);
-  if (result.ok && collides(*read, *state)) {
+  if (result.ok && collides(all_paths(*read), *state)) {
     options.root = free_path(*state, "/copy").str();
     read = std::make_unique<host::RetainedSceneDelegate>();
     result = archive::ReadArchive(file, read.get(), {}, options);
@@ -176,8 +141,9 @@ bool load_archive(const std::string& file, const ArchiveModel& model, LoadState*
     move_prims(keys_of(read->GetCameras()), model.motion, read.get());
   }
   drop_loose_limits(file, *state, read.get());
-  add_prims(*read, state->scene);
-  for_each_path(*read, [&](const Path& path) { state->archive_paths.insert(path); });
+  for_each_prim(*read, [&](const Path& path, const auto& prim) { put(state->scene, path, prim); });
+  const std::vector<Path> paths = all_paths(*read);
+  state->archive_paths.insert(paths.begin(), paths.end());
   state->result->archives.push_back({file, keys_of(read->GetLights()), keys_of(read->GetMeshes())});
   if (!model.is_first) return true;
   state->has_archive = true;

@@ -1,8 +1,10 @@
 #include "delegate/description/quality_presets.h"
 
 #include <algorithm>
+#include <nlohmann/json.hpp>
 
-#include "delegate/description/description_reader.h"
+#include "delegate/description/render_description.h"
+#include "delegate/support/json_values.h"
 
 namespace alabaster::hd::description {
 
@@ -12,7 +14,7 @@ const std::vector<QualityPreset>& QualityPresets() {
     const nlohmann::json file = nlohmann::json::parse(SchemaText("quality_presets"));
     for (const nlohmann::json& entry : file.at("presets")) {
       QualityPreset& preset = all.emplace_back(QualityPreset{entry.at("name"), entry.at("description"), {}});
-      for (const auto& [name, value] : entry.at("settings").items()) preset.settings[name] = to_value(value);
+      for (const auto& [name, value] : entry.at("settings").items()) preset.settings[name] = support::value_of(value);
     }
     return all;
   }();

@@ -6,12 +6,27 @@
 
 namespace alabaster::hd::description {
 
-/// Changes to a scene while it is loaded. They pass the same checks as a file.
-struct LoadOptions {
-  /// Each is "place=value", with the value as JSON or bare text: "samples=16", "materials/skin.roughness=0.3",
+/// A value that comes over those of the scene.
+struct ALABASTER_API Override {
+  /// "place=value", with the value as JSON or bare text: "samples=16", "materials/skin.roughness=0.3",
   /// "lights/key.intensity=4", "meshes/head.refineLevel=3", "camera.fStop=2.8".
-  std::vector<std::string> overrides;
-  std::string camera;  // name or path of the camera to render from; empty for the scene's own choice
+  Override(const std::string& assignment);                                 // NOLINT(google-explicit-constructor)
+  Override(const char* assignment) : Override(std::string(assignment)) {}  // NOLINT(google-explicit-constructor)
+  /// `option` names the value in messages: "--spp 16".
+  Override(std::string option, std::string where, Value given)
+      : origin(std::move(option)), place(std::move(where)), value(std::move(given)) {}
+
+  std::string origin;  // of an assignment the assignment
+  std::string place;
+  Value value;  // a text may be JSON. Empty: the assignment is none
+};
+
+/// Changes to a scene while it is loaded: layers over its file. They pass the same checks as a file.
+struct LoadOptions {
+  std::vector<Override> overrides;  // a later one comes over those before it
+  /// Name or path of the camera to render from, in place of the file's camera with its changes; empty for the scene's
+  /// own choice.
+  std::string camera;
   /// Replaces every dome light by an image file, or by a colour as one or three numbers. A last comma may add an
   /// intensity: "sky.hdr", "sky.hdr,0.5", "0.2,0.3,0.4", "0.2,0.3,0.4,2". Empty keeps the scene's own.
   std::string dome;
@@ -31,6 +46,9 @@ struct LoadOptions {
   };
   std::optional<Shutter> shutter;
   double frames_per_second = 24;
+  /// In place of those of the settings, of overrides and of all products.
+  std::optional<Vec2i> size;
+  std::optional<Rect2i> crop;
   /// As in gltf::GltfOptions, in place of the description's; an error if it has several models.
   std::string scene, animation, variant;
 };
@@ -86,8 +104,11 @@ class ALABASTER_API SceneSource {
   std::unique_ptr<Open> open_;  // null: nothing is loaded
 };
 
-/// An override of LoadOptions as the text of a render description; empty if it cannot be read.
-ALABASTER_API std::string OverrideText(const std::string& assignment);
+/// The render description `text` with the options as a load takes them, but for the dome, which is a light of the
+/// loaded scene. `place` turns each name of a file to read into the one that is written; the names of options are
+/// absolute by then. Empty: `text` is no description.
+ALABASTER_API std::string WithOptions(const std::string& text, const LoadOptions& options,
+                                      const std::function<std::string(const std::string&)>& place);
 
 /// The text of a schema by name: disney_material, lights, camera, render_settings, render_description, or
 /// quality_presets, which holds settings and measurements rather than a schema. Null if unknown. The texts of schemas/

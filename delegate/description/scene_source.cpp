@@ -5,19 +5,9 @@
 #include "core/math/float_environment.h"
 #include "delegate/description/apply_motion.h"
 #include "delegate/description/description_reader.h"
+#include "delegate/description/prims.h"
 
 namespace alabaster::hd::description {
-namespace {
-
-template <class Map>
-std::vector<Path> keys_of(const Map& prims) {
-  std::vector<Path> paths;
-  for (const auto& [path, prim] : prims) paths.push_back(path);
-  return paths;
-}
-
-}  // namespace
-
 struct SceneSource::Open {
   std::string file;
   host::RetainedSceneDelegate* scene = nullptr;
@@ -25,13 +15,15 @@ struct SceneSource::Open {
   LoadState state;
 
   // Reports what is thrown, too.
-  LoadCause run_guarded(const DiagnosticSink& sink, const std::function<bool()>& work) {
+  LoadCause run_guarded(const DiagnosticSink& sink, const std::function<void()>& work) {
     const FloatEnvironment environment;
     std::string fault, code = "scene.memory";
     state.sink = &sink;
     state.cause = LoadCause::none;
     try {
-      if (work()) return LoadCause::none;
+      work();
+      return LoadCause::none;
+    } catch (const LoadFailed&) {
       state.note_cause(LoadCause::input);
       return state.cause;
     } catch (const MemoryRefused& e) {
@@ -45,29 +37,29 @@ struct SceneSource::Open {
     return code == "scene.memory" ? LoadCause::out_of_memory : LoadCause::input;
   }
 
-  bool pose(double time) {
+  void pose(double time) {
     host::RetainedSceneDelegate posed;  // what moves
     std::vector<Path> removed;
     for (OpenModel& model : state.models) {
       gltf::GltfFault fault = gltf::GltfFault::none;
       auto prims = model.source.Pose(time + model.time, *state.sink, &fault);
       if (fault == gltf::GltfFault::out_of_memory) state.note_cause(LoadCause::out_of_memory);
-      if (!prims) return false;
+      if (!prims) throw LoadFailed();
       removed.insert(removed.end(), prims->removed.begin(), prims->removed.end());
       take(std::move(*prims), model.motion, &posed);
     }
-    if (!change(&posed)) return false;
+    change(&posed);
     show(posed, removed);
-    return true;
   }
 
  private:
   // A light has what it was given when it was loaded, and is moved alone; one that was removed is not there.
   void take(gltf::GltfPrims prims, const TimeSamples<Matrix4d>& motion, host::RetainedSceneDelegate* posed) const {
     const std::vector<Path> meshes = keys_of(prims.meshes), cameras = keys_of(prims.cameras);
-    for (auto& [path, instancer] : prims.instancers) posed->SetInstancer(path, std::move(instancer));
-    for (auto& [path, mesh] : prims.meshes) posed->SetMesh(path, std::move(mesh));
-    for (auto& [path, camera] : prims.cameras) posed->SetCamera(path, std::move(camera));
+    const auto take_all = [&](auto& kind) {
+      for (auto& [path, prim] : kind) put(posed, path, std::move(prim));
+    };
+    take_all(prims.instancers), take_all(prims.meshes), take_all(prims.cameras);
     for (const auto& [path, light] : prims.lights)
       if (const auto loaded = scene->GetLights().find(path); loaded != scene->GetLights().end()) {
         host::LightDescription moved = loaded->second;
@@ -79,25 +71,18 @@ struct SceneSource::Open {
     move_prims(cameras, motion, posed);
   }
 
-  bool change(host::RetainedSceneDelegate* posed) {
+  void change(host::RetainedSceneDelegate* posed) {
     state.scene = posed;
     state.posing = true;
-    bool ok = true;
-    for (const AppliedDocument& applied : state.documents) {
-      const Reader reader(applied.document, applied.folder, &state);
-      ok = ok && apply_meshes(reader) && place_lights(reader);
-    }
+    apply_meshes(state);
+    place_lights(state);
     for (const MeshLink& link : state.links) apply_link(link, posed);
     state.posing = false;
     state.scene = scene;
-    return ok;
   }
 
   void show(const host::RetainedSceneDelegate& posed, const std::vector<Path>& removed) {
-    for (const auto& [path, instancer] : posed.GetInstancers()) scene->SetInstancer(path, instancer);
-    for (const auto& [path, mesh] : posed.GetMeshes()) scene->SetMesh(path, mesh);
-    for (const auto& [path, light] : posed.GetLights()) scene->SetLight(path, light);
-    for (const auto& [path, camera] : posed.GetCameras()) scene->SetCamera(path, camera);
+    for_each_prim(posed, [&](const Path& path, const auto& prim) { put(scene, path, prim); });
     for (const Path& path : removed) scene->Remove(path);
     pose_camera(&state);
   }
@@ -121,9 +106,10 @@ SceneFile SceneSource::Load(const std::string& file, host::RetainedSceneDelegate
     return result;
   }
   LoadState& state = open_->state;
+  state.options = options;
   state.result = &open_->result;
   state.scene = open_->scene = scene;
-  open_->result.cause = open_->run_guarded(sink, [&] { return load_scene(file, options, &state); });
+  open_->result.cause = open_->run_guarded(sink, [&] { return load_scene(file, &state); });
   open_->result.ok = open_->result.cause == LoadCause::none;
   result = open_->result;
   if (!result.ok) open_.reset();

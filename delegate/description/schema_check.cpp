@@ -185,12 +185,6 @@ std::vector<std::string> missing_keys(const json& value, const json& schema) {
   return missing;
 }
 
-bool is_valid(const json& value, const json& schema);
-
-bool any_is_valid(const json& value, const json& choices) {
-  return std::any_of(choices.begin(), choices.end(), [&](const json& choice) { return is_valid(value, choice); });
-}
-
 /// The alternative of the value's type, if there is just one and it describes members.
 const json* only_of_type(const json& value, const json& choices) {
   const json* found = nullptr;
@@ -200,22 +194,6 @@ const json* only_of_type(const json& value, const json& choices) {
       found = &choice;
     }
   return found;
-}
-
-bool is_valid(const json& value, const json& schema) {
-  if (!fits_itself(value, schema)) return false;
-  if (const auto all = schema.find("allOf"); all != schema.end())
-    for (const json& part : *all)
-      if (!is_valid(value, part)) return false;
-  if (const auto any = schema.find("anyOf"); any != schema.end() && !any_is_valid(value, *any)) return false;
-  if (!missing_keys(value, schema).empty()) return false;
-  if (!value.is_structured()) return true;
-  const bool is_closed = value.is_object() && !schema.value("additionalProperties", true);
-  for (const auto& [key, child] : value.items()) {
-    const json* of_child = own_member(schema, key, value.is_array());
-    if (of_child ? !is_valid(child, *of_child) : is_closed) return false;
-  }
-  return true;
 }
 
 class Checker {
@@ -232,9 +210,10 @@ class Checker {
   }
 
  private:
-  void fail(const char* code, const std::string& pointer, const std::string& text) {
+  bool fail(const char* code, const std::string& pointer, const std::string& text) {
     clean_ = false;
     if (++faults_ <= kMostMessages && sink_) sink_({Severity::error, code, document_.place(pointer), text});
+    return false;
   }
 
   void find_unknown_keys(const json& value, const json& schema, const std::string& pointer) {
@@ -257,33 +236,51 @@ class Checker {
     return pointer == "/settings" ? support::RetiredSetting(key, value) : std::string();
   }
 
-  /// Reports the innermost faults of a value, or the first one of each list that has too many or too few entries.
-  void check(const json& value, const json& schema, const std::string& pointer) {
-    if (is_valid(value, schema)) return;
+  /// True if the value satisfies the schema. Else reports the innermost faults of the value, or the first one of each
+  /// list that has too many or too few entries.
+  bool check(const json& value, const json& schema, const std::string& pointer) {
     if (!fits_itself(value, schema)) return report_value(value, schema, pointer);
+    bool fits = true;
     if (const auto all = schema.find("allOf"); all != schema.end())
       for (const json& part : *all) {
         if (!fits_itself(value, part)) return report_value(value, part, pointer, schema.value("description", ""));
-        check(value, part, pointer);
+        fits = check(value, part, pointer) && fits;
       }
-    if (const auto any = schema.find("anyOf"); any != schema.end() && !any_is_valid(value, *any)) {
+    if (const auto any = schema.find("anyOf"); any != schema.end() && !fits_one_of(value, *any)) {
       const json* alone = only_of_type(value, *any);
-      if (alone) return check(value, *alone, pointer);
-      return report_value(value, schema, pointer);
+      return alone ? check(value, *alone, pointer) : report_value(value, schema, pointer);
     }
-    for (const std::string& key : missing_keys(value, schema)) report_missing(key, schema, pointer);
-    for (const auto& [key, child] : value.items())
-      if (const json* of_child = own_member(schema, key, value.is_array()))
-        check(child, *of_child, pointer_append(pointer, key));
+    for (const std::string& key : missing_keys(value, schema)) fits = report_missing(key, schema, pointer);
+    return (!value.is_structured() || check_members(value, schema, pointer)) && fits;
   }
 
-  void report_missing(const std::string& key, const json& schema, const std::string& pointer) {
+  bool check_members(const json& value, const json& schema, const std::string& pointer) {
+    const bool is_closed = value.is_object() && !schema.value("additionalProperties", true);
+    bool fit = true;
+    for (const auto& [key, child] : value.items()) {
+      const json* of_child = own_member(schema, key, value.is_array());
+      fit = (of_child ? check(child, *of_child, pointer_append(pointer, key)) : !is_closed) && fit;
+    }
+    return fit;
+  }
+
+  bool fits_one_of(const json& value, const json& choices) {
+    ++trials_;
+    const bool fits =
+        std::any_of(choices.begin(), choices.end(), [&](const json& choice) { return check(value, choice, ""); });
+    --trials_;
+    return fits;
+  }
+
+  bool report_missing(const std::string& key, const json& schema, const std::string& pointer) {
+    if (trials_ > 0) return false;
     const json* wanted = member_schema(schema, key, false);
-    fail("description.key.missing", pointer,
-         "'" + key + "' is missing." + (wanted ? " " + wanted->value("description", "") : ""));
+    return fail("description.key.missing", pointer,
+                "'" + key + "' is missing." + (wanted ? " " + wanted->value("description", "") : ""));
   }
   /// `meaning`: of the value; empty: the schema's own description.
-  void report_value(const json& value, const json& schema, const std::string& pointer, std::string meaning = {}) {
+  bool report_value(const json& value, const json& schema, const std::string& pointer, std::string meaning = {}) {
+    if (trials_ > 0) return false;
     if (meaning.empty()) meaning = schema.value("description", "");
     const size_t slash = pointer.rfind('/');
     if (value.is_string() && slash != std::string::npos)
@@ -291,8 +288,8 @@ class Checker {
               retired_text(pointer.substr(0, slash), pointer.substr(slash + 1), value.get<std::string>());
           !retired.empty())
         return fail("description.value", pointer, retired);
-    fail("description.value", pointer,
-         shortened(value) + " is not valid: expected " + expectation(schema) + ". " + meaning);
+    return fail("description.value", pointer,
+                shortened(value) + " is not valid: expected " + expectation(schema) + ". " + meaning);
   }
 
   const JsonDocument& document_;
@@ -300,6 +297,7 @@ class Checker {
   const DiagnosticSink& sink_;
   bool clean_ = true;
   size_t faults_ = 0;
+  int trials_ = 0;  // above 0: an alternative is tried, and its faults are not reported
 };
 
 }  // namespace

@@ -37,7 +37,8 @@ std::optional<FrameNote> ReadFrameNote(const std::string& text) {
     const nlohmann::json note = nlohmann::json::parse(text);
     Fields fields;
     for (const auto& [name, value] : note.at("fields").items()) fields.emplace_back(name, support::value_of(value));
-    FrameNote read{{}, note.at("degraded").get<bool>()};
+    FrameNote read;
+    read.degraded = note.at("degraded").get<bool>();
     if (!ReadSettings(fields, &read.frame).empty()) return std::nullopt;
     for (const auto& [name, value] : note.at("settings").items()) read.frame.settings[name] = support::value_of(value);
     for (const char* limit : {"memoryLimit", "textureMemory", "threads"}) read.frame.settings.erase(limit);

@@ -342,7 +342,7 @@ std::string ReadCamera(const Fields& fields, CameraDescription* camera) {
   return fill_fields(fields, {}, camera);
 }
 std::string ReadSettings(const Fields& fields, RenderSettingsDescription* settings) {
-  return fill(fields, settings);
+  return fill_fields(fields, {}, settings);
 }
 
 namespace {

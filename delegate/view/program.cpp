@@ -2,11 +2,9 @@
 #include <CLI/CLI.hpp>
 #include <cstdio>
 #include <filesystem>
-#include <iostream>
-#include <sstream>
 
-#include "delegate/cli/control_characters.h"
 #include "delegate/cli/exit_codes.h"
+#include "delegate/cli/flags.h"
 #include "delegate/cli/scene_options.h"
 #include "delegate/view/window.h"
 
@@ -28,13 +26,12 @@ int view(const Arguments& a, WindowDriver* driver) {
   };
   WindowOptions options;
   options.driver = driver;
-  if (const int code = check_scene_arguments(a.scene, console); code != cli::kDone) return code;
   hd::description::LoadOptions load = scene_load_options(a.scene);
   load.keep_going = true;  // an image that is missing is a message in the window, and may appear
   cli::SceneSession session;
-  if (const int code = load_scene(a.scene, load, console, sink, &session); code != cli::kDone) return code;
+  load_scene(a.scene, load, console, sink, &session);
   for (const std::string& note : session.file.notes) messages.add({hd::Severity::info, "scene.note", "", note});
-  if (!session.start(sink)) return cli::kRender;
+  session.start(sink);
   options.scene_file = a.scene.scene;
   options.title = std::filesystem::path(a.scene.scene).filename().string() + " - Alabaster";
   ViewSession shown(&session, sink);
@@ -49,10 +46,7 @@ int run(int argc, char** argv, WindowDriver* driver) {
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& e) {
-    std::ostringstream errors;
-    const int code = app.exit(e, std::cout, errors);
-    std::cerr << cli::without_control_characters(errors.str(), "\n");
-    return code == 0 ? cli::kDone : cli::kUsage;
+    return cli::exit_code(app, e);
   }
   return view(a, driver);
 }
@@ -62,6 +56,8 @@ int run(int argc, char** argv, WindowDriver* driver) {
 int run_program(int argc, char** argv, WindowDriver* driver) {
   try {
     return run(argc, argv, driver);
+  } catch (const cli::Exit& exit) {
+    return exit.code;
   } catch (const std::bad_alloc&) {
     std::fputs("error: not enough memory\n", stderr);
   } catch (const std::exception& e) {

@@ -9,41 +9,18 @@
 #include "core/files/input_file.h"
 #include "delegate/archive/archive.h"
 #include "delegate/support/decimal.h"
+#include "delegate/support/json_values.h"
 #include "delegate/support/output_file.h"
-#include "delegate/view/load_options_json.h"
 
 namespace alabaster::view {
 namespace {
 
 namespace fs = std::filesystem;
+using hd::support::json_of;
 using nlohmann::json;
 
 const hd::Path kBackdrop("/studio/backdrop");
 const hd::Path kDome("/lights/dome");  // of --dome
-
-using hd::support::shortest_decimal;
-
-json json_of(const hd::Value& value) {
-  if (const auto* v = value.get<float>()) return shortest_decimal(*v);
-  if (const auto* v = value.get<bool>()) return *v;
-  if (const auto* v = value.get<int32_t>()) return *v;
-  if (const auto* v = value.get<int64_t>()) return *v;
-  if (const auto* v = value.get<uint32_t>()) return *v;
-  if (const auto* v = value.get<double>()) return *v;
-  std::array<double, 4> parts{};
-  if (const size_t count = value.components(&parts); count > 1) {
-    json list = json::array();
-    for (size_t i = 0; i < count; ++i) list.push_back(shortest_decimal(float(parts[i])));
-    return list;
-  }
-  return value.text_or("");
-}
-
-json json_of(const hd::Matrix4d& m) {
-  json list = json::array();
-  for (int i = 0; i < 16; ++i) list.push_back(m[i / 4][i % 4]);
-  return list;
-}
 
 // As json::dump(2), but with a list of numbers on one line.
 std::string readable(const json& value, const std::string& indent = "\n") {
@@ -80,7 +57,7 @@ double millimetres(float metres) {
   float guess = metres * 1000;
   for (int i = 0; i < 4 && guess * 0.001f != metres; ++i)
     guess = std::nextafter(guess, guess * 0.001f < metres ? INFINITY : -INFINITY);
-  return shortest_decimal(guess);
+  return hd::support::shortest_decimal(guess);
 }
 
 json camera_of(const hd::CameraDescription& camera) {
@@ -95,10 +72,6 @@ json camera_of(const hd::CameraDescription& camera) {
     if (!schema.contains(name)) continue;
     const bool in_millimetres = schema[name].value("unitInDescription", "") == "mm";
     entry[name] = in_millimetres ? json(millimetres(float(value.number_or(0)))) : json_of(value);
-    if (const auto* planes = value.get<hd::Array<hd::Vec4f>>()) {
-      entry[name] = json::array();
-      for (const hd::Vec4f& p : *planes) entry[name].push_back({p.x, p.y, p.z, p.w});
-    }
   }
   return entry;
 }
@@ -111,9 +84,8 @@ class Description {
   bool write() {
     if (!file_.ends_with(".json")) return fail("A render description is a .json file: give it such a name.");
     if (!read_base()) return false;
-    add_load_options(c_.options, &document_);
-    if (!c_.ocio.empty() && c_.ocio != c_.loaded->color_config) document_["ocio"] = fs::absolute(c_.ocio).string();
-    place_files();
+    if (!c_.ocio.empty() && c_.ocio != c_.loaded->color_config)
+      document_["ocio"] = placed(fs::absolute(c_.ocio).string());
     add_backdrop();
     for (const auto& [path, values] : c_.materials)
       if (!is_backdrop(path)) add("materials", path, values, true);
@@ -152,13 +124,13 @@ class Description {
     std::error_code error;
     if (fs::equivalent(base_, file_, error))
       return fail("That is the scene itself, which must stay as it is: choose another name.");
-    if (!base_.string().ends_with(".json")) {
-      document_ = {{"models", {{{"file", base_.filename().string()}}}}};
-      return true;
+    std::string text = json{{"models", {{{"file", base_.filename().string()}}}}}.dump();
+    if (base_.string().ends_with(".json")) {
+      const InputFile file(base_);
+      if (!file || !file.read(&text)) text.clear();
     }
-    const InputFile file(base_);
-    std::string text;
-    if (file && file.read(&text)) document_ = json::parse(text, nullptr, false);
+    const auto place = [this](const std::string& name) { return placed(name); };
+    document_ = json::parse(hd::description::WithOptions(text, c_.options, place), nullptr, false);
     if (!document_.is_object())
       return fail("The scene's description, " + base_.string() + ", is gone or no longer whole: restore it.");
     return true;
@@ -171,10 +143,6 @@ class Description {
     if (!inside.empty() && *inside.begin() != "..") return inside.string();
     outside_ = true;
     return full.string();
-  }
-
-  void place_files() {
-    for_each_input_name(&document_, [this](json* name) { *name = placed(name->get<std::string>()); });
   }
 
   void add(const char* kind, const hd::Path& path, const std::map<std::string, hd::Value>& values, bool set) {

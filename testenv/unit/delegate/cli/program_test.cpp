@@ -186,7 +186,8 @@ TEST_F(ProgramTest, OneFileForTwoThingsIsRefused) {
     EXPECT_HAS(outcome.err, "'a.exr' and '" + twice.back() + "' are the same file");
   }
   write("scene.json", R"({"gltf": [{"file": "lit.gltf"}], "products": [{"file": "one.exr"}, {"file": "./one.exr"}]})");
-  expect_error(3, {"render", "scene.json"}, "are the same file");
+  expect_error(3, {"render", "scene.json"}, "scene.json:1 /products/1/file: ");
+  expect_error(3, {"check", "scene.json"}, "are the same file");
   write("single.json", R"({"gltf": [{"file": "lit.gltf"}], "products": [{"file": "one.exr"}]})");
   EXPECT_EQ(run({"render", "single.json", "--stats", "one.exr"}).code, 2);
   EXPECT_FALSE(exists("a.exr") || exists("one.exr"));
@@ -210,7 +211,7 @@ TEST_F(ProgramTest, WrongValuesOfFlagsAreUsageErrors) {
       {{"--animation", "walk"}, "has no animation 'walk'; it has none at all"},
       {{"--variant", "red"}, "has no variant 'red'"},
       {{"--crop", "0,0,99999999999,4"}, "--crop: "},
-      {{"--crop", "32,0,40,24"}, "--crop: '32,0,40,24' lies wholly outside the frame of 32x24"},
+      {{"--crop", "32,0,40,24"}, "--crop: The crop lies wholly outside the frame of 32x24"},
       {{"--crop", "4,4,4,8"}, "The crop is empty"},
       {{"-o", "b.gif"}, ".jpg"},
       {{"-o", "b.png", "--exposure", "nan"}, "--exposure"},
@@ -251,7 +252,9 @@ TEST_F(ProgramTest, WrongFilesAreInputErrors) {
   EXPECT_EQ(run(quick({"-o", "a.exr", "--dome", "sky.hdr"})).code, 3);
   EXPECT_EQ(run(quick({"-o", "a.exr", "--dome", "absent.hdr"})).code, 3);
   write("crop.json", R"({"gltf": [{"file": "lit.gltf"}], "settings": {"resolution": [8, 8], "crop": [8, 0, 9, 8]}})");
-  expect_error(3, {"render", "crop.json", "-o", "a.exr"}, "wholly outside the frame");
+  expect_error(3, {"render", "crop.json", "-o", "a.exr"},
+               "crop.json:1 /settings/crop: The crop lies wholly outside the frame of 8x8");
+  expect_error(3, {"check", "crop.json"}, "wholly outside the frame");
   EXPECT_FALSE(exists("a.exr"));
 }
 

@@ -39,7 +39,7 @@ inline std::string patch_gltf(bool with_camera, bool with_light) {
          extra + "}";
 }
 
-inline LoadOptions with_overrides(std::vector<std::string> overrides) {
+inline LoadOptions with_overrides(std::vector<Override> overrides) {
   LoadOptions options;
   options.overrides = std::move(overrides);
   return options;

@@ -13,8 +13,8 @@ using nlohmann::json;
 
 TEST(JsonValues, ComeBack) {
   for (const Value& value :
-       {Value(true), Value(int32_t(-3)), Value(int64_t(1) << 40), Value(0.1f), Value(1e-40f), Value(0.1), Value("text"),
-        Value(Vec2f(1, 0.3f)), Value(Vec3f(0.1f, 2, -3)), Value(Array<int32_t>{1, 2, 3, 4}),
+       {Value(true), Value(int32_t(-3)), Value(int64_t(1) << 40), Value(0.1f), Value(1e-40f), Value(0.1234567890123),
+        Value("text"), Value(Vec2f(1, 0.3f)), Value(Vec3f(0.1f, 2, -3)), Value(Array<int32_t>{1, 2, 3, 4}),
         Value(Array<std::string>{"a", "b"}), Value(Array<float>{0.1f, 0.2f, 0.3f, 0.4f})})
     EXPECT_EQ(value_of(json::parse(json_of(value).dump())), value) << value.to_string();
 }

@@ -26,9 +26,9 @@ class ViewSessionTest : public hd::description::SceneFiles {
       const std::lock_guard lock(mutex_);
       diagnostics.push_back(d);
     };
-    ASSERT_EQ(loaded.load(folder_ / file, options, sink), 0) << errors();
-    ASSERT_TRUE(loaded.choose_colors("built-in", sink));
-    ASSERT_TRUE(loaded.start(sink));
+    ASSERT_NO_THROW(loaded.load(folder_ / file, options, sink)) << errors();
+    ASSERT_NO_THROW(loaded.choose_colors("built-in", sink, 3));
+    ASSERT_NO_THROW(loaded.start(sink));
     session = std::make_unique<ViewSession>(&loaded, sink);
   }
 

@@ -1,0 +1,71 @@
+// Options of the command line: each value gets its type as it is read.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "delegate/api/scene_types.h"
+
+namespace CLI {
+class App;
+class ParseError;
+}  // namespace CLI
+
+namespace alabaster::cli {
+
+/// Adds an option whose text `read` takes. Where it returns false, reading the command line ends with "FLAG: 'TEXT'
+/// `fault`".
+void add_read(CLI::App* command, const char* flag, const std::function<bool(const std::string&)>& read,
+              const char* fault, const char* type, const char* help);
+
+/// The same with a value that `parse` makes of the text.
+template <class Held, class T>
+void add_parsed(CLI::App* command, const char* flag, Held* value, std::optional<T> (*parse)(const std::string&),
+                const char* fault, const char* type, const char* help) {
+  const auto read = [=](const std::string& text) {
+    const std::optional<T> parsed = parse(text);
+    if (parsed) *value = *parsed;
+    return parsed.has_value();
+  };
+  add_read(command, flag, read, fault, type, help);
+}
+
+/// An option that may be given several times, each time with one value.
+void add_repeated(CLI::App* command, const char* flags, std::vector<std::string>* values, const char* type,
+                  const char* help);
+/// --size WxH.
+void add_size(CLI::App* command, std::optional<hd::Vec2i>* size, const char* help);
+
+/// Prints what ends the reading of a command line, a fault or a help; an exit code.
+int exit_code(const CLI::App& app, const CLI::ParseError& error);
+
+// Each is empty if the text is malformed.
+/// Finite and not negative, or above 0.
+std::optional<double> parse_nonnegative(const std::string& text);
+std::optional<double> parse_positive(const std::string& text);
+std::optional<double> parse_minutes(const std::string& text);       // above 0, at most a week
+std::optional<double> parse_target_error(const std::string& text);  // above 0, at most 1
+std::optional<float> parse_stops(const std::string& text);          // -64 to 64
+/// "1280x720", with sides of 1 to 65536.
+std::optional<hd::Vec2i> parse_size(const std::string& text);
+/// "x0,y0,x1,y1".
+std::optional<hd::Rect2i> parse_crop(const std::string& text);
+struct PixelChoice {
+  int x = 0, y = 0;  // from the frame's upper left corner
+  std::optional<uint32_t> sample;
+};
+/// "x,y" and "x,y,sample"; the sample is not negative.
+std::optional<PixelChoice> parse_pixel(const std::string& text);
+/// "open:close", two finite numbers in order.
+std::optional<std::pair<double, double>> parse_interval(const std::string& text);
+/// "begin:end", whole numbers, 0 <= begin < end <= 1048576.
+std::optional<std::pair<uint32_t, uint32_t>> parse_samples(const std::string& text);
+/// "first:last" and "first:last:step" as the frames' numbers, 1 to 100,000 of them.
+std::optional<std::vector<uint32_t>> parse_frames(const std::string& text);
+/// A whole number from 1 to 10,000.
+std::optional<uint32_t> parse_tasks(const std::string& text);
+
+}  // namespace alabaster::cli

@@ -1,0 +1,270 @@
+#include "delegate/description/layers.h"
+
+#include <algorithm>
+#include <filesystem>
+#include <sstream>
+
+#include "delegate/description/name_match.h"
+#include "delegate/description/quality_presets.h"
+#include "delegate/support/extension.h"
+#include "delegate/support/json_values.h"
+
+namespace alabaster::hd::description {
+namespace {
+
+using nlohmann::json;
+
+// The limit is about that of a description's file. Readers of values take stack for each level.
+bool is_too_deep(const std::string& text) {
+  constexpr int kMostLevels = 60;
+  int depth = 0;
+  return std::any_of(text.begin(), text.end(), [&](char c) {
+    if (c == ']' || c == '}') --depth;
+    return (c == '[' || c == '{') && ++depth > kMostLevels;
+  });
+}
+
+/// JSON has digits on both sides of a point and no plus sign; people write .1, 1. and +1.
+std::string with_all_digits(const std::string& text) {
+  const auto digit_at = [&](size_t i) { return i < text.size() && text[i] >= '0' && text[i] <= '9'; };
+  std::string out;
+  bool quoted = false;
+  for (size_t i = 0; i < text.size(); ++i) {
+    const char c = text[i];
+    if (c == '"' && (i == 0 || text[i - 1] != '\\')) quoted = !quoted;
+    const bool point = c == '.' && !quoted, before = i > 0 && digit_at(i - 1), after = digit_at(i + 1);
+    if (c == '+' && !quoted && (i == 0 || text[i - 1] == '[' || text[i - 1] == ',')) continue;
+    if (point && !before && after) out += '0';
+    out += c;
+    if (point && before && !after) out += '0';
+  }
+  return out;
+}
+
+json json_or_text(const std::string& text) {
+  json value = json::parse(text, nullptr, false);
+  if (value.is_discarded()) value = json::parse(with_all_digits(text), nullptr, false);
+  return value.is_discarded() ? json(text) : value;
+}
+
+std::optional<double> to_number(const std::string& text) {
+  if (is_too_deep(text)) return std::nullopt;
+  const json value = json_or_text(text);
+  return value.is_number() ? std::optional(value.get<double>()) : std::nullopt;
+}
+
+bool is_utf8(const std::string& text) {
+  try {
+    json(text).dump();
+    return true;
+  } catch (const json::type_error&) {
+    return false;
+  }
+}
+
+json dome_light(const std::string& dome) {
+  std::vector<std::string> parts;
+  std::istringstream stream(dome);
+  for (std::string part; std::getline(stream, part, ',');) parts.push_back(part);
+  std::vector<double> numbers;
+  for (const std::string& part : parts)
+    if (const auto number = to_number(part)) numbers.push_back(*number);
+  json light{{"name", "dome"}, {"type", "domeLight"}};
+  if (!parts.empty() && numbers.size() == parts.size() && numbers.size() <= 4) {
+    const bool gray = numbers.size() <= 2;
+    light["color"] = gray ? json{numbers[0], numbers[0], numbers[0]} : json{numbers[0], numbers[1], numbers[2]};
+    if (numbers.size() % 2 == 0) light["intensity"] = numbers.back();
+  } else if (parts.size() > 1 && to_number(parts.back())) {
+    light["intensity"] = numbers.back();
+    light["texture:file"] = dome.substr(0, dome.rfind(','));
+  } else {
+    light["texture:file"] = dome;
+  }
+  return light;
+}
+
+// Keys of which a description has one only.
+constexpr const char* kPlacements[] = {"transform", "lookAt", "motion"};
+
+class Layers {
+ public:
+  Layers(const LoadOptions& options, const DiagnosticSink& sink, JsonDocument* document)
+      : options_(options), sink_(sink), document_(*document) {}
+
+  bool add() {
+    if (!options_.camera.empty()) choose_camera();
+    if (options_.shutter) {
+      document_.set("/camera/shutterOpen", options_.shutter->open, "--shutter");
+      document_.set("/camera/shutterClose", options_.shutter->close, "--shutter");
+    }
+    if (!choose_of_model()) return false;
+    for (const Override& one : options_.overrides)
+      if (const std::string fault = add_override(one); !fault.empty()) return fail("override", one.origin, fault);
+    if (options_.size) document_.set("/settings/resolution", {options_.size->x, options_.size->y}, "--size");
+    if (const auto& c = options_.crop) document_.set("/settings/crop", {c->minX, c->minY, c->maxX, c->maxY}, "--crop");
+    if (!is_utf8(options_.dome))
+      return fail("dome", "--dome " + options_.dome, "It is not UTF-8, as names of files in a scene are.");
+    if (!options_.dome.empty()) append("lights", dome_light(options_.dome), "--dome " + options_.dome);
+    return true;
+  }
+
+ private:
+  bool fail(const char* code, const std::string& where, const std::string& text) const {
+    if (sink_) sink_({Severity::error, code, where, text});
+    return false;
+  }
+
+  // The file's camera is called "camera", if it makes one. Its changes are meant for that one, and not for another.
+  void choose_camera() {
+    const auto own = document_.value.find("camera");
+    const bool makes_one = own != document_.value.end() && own->size() > size_t(own->contains("use"));
+    if (options_.camera == "camera" && makes_one) return;
+    document_.set("/camera", json::object(), "--camera " + options_.camera);
+    document_.set("/camera/use", options_.camera, "--camera " + options_.camera);
+  }
+
+  bool choose_of_model() {
+    const char* const list = document_.value.contains("gltf") ? "gltf" : "models";
+    const auto models = document_.value.find(list);
+    if (models == document_.value.end()) return true;
+    const std::string pointer = std::string("/") + list;
+    for (const auto& [key, choice] :
+         {std::pair{"scene", options_.scene}, {"animation", options_.animation}, {"variant", options_.variant}}) {
+      if (choice.empty()) continue;
+      if (models->size() > 1)
+        return fail("gltf.choice", document_.place(pointer),
+                    "There are several models: write scene, animation or variant beside each one's file.");
+      document_.set(pointer_append(pointer + "/0", key), choice, "--" + std::string(key) + " " + choice);
+    }
+    return true;
+  }
+
+  void append(const std::string& list, json entry, const std::string& origin) {
+    const auto found = document_.value.find(list);
+    const size_t size = found == document_.value.end() ? 0 : found->size();
+    document_.set("/" + list + "/" + std::to_string(size), std::move(entry), origin);
+  }
+
+  /// The fault, or "".
+  std::string add_override(const Override& one) {
+    if (one.value.empty()) return "'" + one.place + "' is not an assignment: write key=value.";
+    const auto* text = one.value.get<std::string>();
+    if (!is_utf8(one.place) || (text && !is_utf8(*text))) return "It is not UTF-8, as names and values of a scene are.";
+    if (text && is_too_deep(*text)) return "The value is nested too deeply: no setting has more than a few levels.";
+    return set(one.place, text ? json_or_text(*text) : support::json_of(one.value), one.origin);
+  }
+
+  // "materials/skin.roughness" -> {"materials": [{"match": "skin", "set": {"roughness": value}}]}
+  std::string set(const std::string& place, json value, const std::string& origin) {
+    const size_t slash = place.find('/');
+    if (slash == std::string::npos) {
+      if (place.starts_with("camera."))
+        set_camera(place.substr(7), std::move(value), origin);
+      else
+        set_setting(place, std::move(value), origin);
+      return {};
+    }
+    const std::string kind = place.substr(0, slash);
+    const size_t dot = place.rfind('.');
+    if (dot == std::string::npos || dot < slash + 2 || dot + 1 == place.size())
+      return "'" + place + "' does not name a parameter: write " + kind + "/NAME.parameter=value.";
+    if (kind != "materials" && kind != "meshes" && kind != "lights")
+      return "'" + kind + "' cannot be set." + suggestion(kind, {"materials", "meshes", "lights"});
+    json entry{{"match", place.substr(slash + 1, dot - slash - 1)}};
+    (kind == "materials" ? entry["set"] : entry)[place.substr(dot + 1)] = std::move(value);
+    append(kind, std::move(entry), origin);
+    return {};
+  }
+
+  void set_camera(const std::string& name, json value, const std::string& origin) {
+    const auto camera = document_.value.find("camera");
+    if (camera != document_.value.end() && std::count(std::begin(kPlacements), std::end(kPlacements), name) > 0)
+      for (const char* other : kPlacements) camera->erase(other);
+    document_.value.emplace("camera", json::object());
+    document_.set(pointer_append("/camera", name), std::move(value), origin);
+  }
+
+  void set_setting(const std::string& name, json value, const std::string& origin) {
+    if (name == "quality" && value.is_string())
+      if (const QualityPreset* preset = FindQualityPreset(value.get<std::string>()))
+        for (const auto& [key, own] : preset->settings) set_setting(key, support::json_of(own), origin);
+    document_.value.emplace("settings", json::object());
+    document_.set(pointer_append("/settings", name), std::move(value), origin);
+  }
+
+  const LoadOptions& options_;
+  const DiagnosticSink& sink_;
+  JsonDocument& document_;
+};
+
+/// Calls visit(pointer, &name) for each name of a file to read. The names of products are those of files to write.
+void for_each_input_name(const std::string& pointer, json* value,
+                         const std::function<void(const std::string&, json*)>& visit) {
+  for (auto& [key, child] : value->items()) {
+    const bool named =
+        value->is_object() && (key == "file" || key == "texture:file" || key == "shaping:ies:file" || key == "ocio");
+    if (named && child.is_string() && !child.get<std::string>().empty())
+      visit(pointer_append(pointer, key), &child);
+    else if (child.is_structured() && key != "products")
+      for_each_input_name(pointer_append(pointer, key), &child, visit);
+  }
+}
+
+// Settings that the preset sets need not be written beside it.
+void contract_preset(json* description) {
+  const auto settings = description->find("settings");
+  if (settings == description->end()) return;
+  if (const QualityPreset* preset = FindQualityPreset(settings->value("quality", "")))
+    for (const auto& [key, own] : preset->settings)
+      if (settings->value(key, json()) == support::json_of(own)) settings->erase(key);
+}
+
+}  // namespace
+
+Override::Override(const std::string& assignment) : origin(assignment) {
+  const size_t equals = assignment.find('=');
+  place = assignment.substr(0, equals);
+  if (equals != std::string::npos && equals > 0)
+    value = assignment.substr(equals + 1);
+  else
+    place = assignment;
+}
+
+void expand_preset(json* description) {
+  const auto settings = description->find("settings");
+  if (settings == description->end()) return;
+  if (const QualityPreset* preset = FindQualityPreset(settings->value("quality", "")))
+    for (const auto& [key, own] : preset->settings) settings->emplace(key, support::json_of(own));
+}
+
+bool add_options(const LoadOptions& options, const DiagnosticSink& sink, JsonDocument* document) {
+  return Layers(options, sink, document).add();
+}
+
+std::string WithOptions(const std::string& text, const LoadOptions& options,
+                        const std::function<std::string(const std::string&)>& place) {
+  try {
+    JsonDocument document;
+    document.value = json::parse(text);
+    if (!document.value.is_object()) return {};
+    LoadOptions no_dome = options;
+    no_dome.dome.clear();
+    expand_preset(&document.value);
+    add_options(no_dome, {}, &document);
+    for (const char* list : {"gltf", "models"})
+      if (const auto models = document.value.find(list); options.time && models != document.value.end())
+        for (json& model : *models)
+          if (support::lower_extension(model["file"]) != ".alab")
+            model["time"] = model.value("time", 0.0) + *options.time;
+    contract_preset(&document.value);
+    for_each_input_name("", &document.value, [&](const std::string& pointer, json* name) {
+      const auto given = name->get<std::string>();
+      *name = place(document.is_of_option(pointer) ? std::filesystem::absolute(given).string() : given);
+    });
+    return document.value.dump();
+  } catch (const std::exception&) {
+    return {};
+  }
+}
+
+}  // namespace alabaster::hd::description

@@ -1,0 +1,47 @@
+// The prims of a scene, whatever their kinds. Internal to this room.
+#pragma once
+
+#include <utility>
+#include <vector>
+
+#include "delegate/host/retained_scene_delegate.h"
+
+namespace alabaster::hd::description {
+
+template <class Map>
+std::vector<Path> keys_of(const Map& map) {
+  std::vector<Path> keys;
+  for (const auto& entry : map) keys.push_back(entry.first);
+  return keys;
+}
+
+inline void put(host::RetainedSceneDelegate* scene, const Path& path, host::MeshDescription prim) {
+  scene->SetMesh(path, std::move(prim));
+}
+inline void put(host::RetainedSceneDelegate* scene, const Path& path, host::InstancerDescription prim) {
+  scene->SetInstancer(path, std::move(prim));
+}
+inline void put(host::RetainedSceneDelegate* scene, const Path& path, MaterialNetwork prim) {
+  scene->SetMaterial(path, std::move(prim));
+}
+inline void put(host::RetainedSceneDelegate* scene, const Path& path, host::LightDescription prim) {
+  scene->SetLight(path, std::move(prim));
+}
+inline void put(host::RetainedSceneDelegate* scene, const Path& path, host::CameraDescription prim) {
+  scene->SetCamera(path, std::move(prim));
+}
+
+/// Calls visit(path, prim) for all prims but settings, kind by kind. It may put prims of the same paths and kinds.
+template <class Visit>
+void for_each_prim(const host::RetainedSceneDelegate& scene, const Visit& visit) {
+  const auto each = [&](const auto& prims) {
+    for (const auto& [path, prim] : prims) visit(path, prim);
+  };
+  each(scene.GetInstancers());
+  each(scene.GetMeshes());
+  each(scene.GetMaterials());
+  each(scene.GetLights());
+  each(scene.GetCameras());
+}
+
+}  // namespace alabaster::hd::description
