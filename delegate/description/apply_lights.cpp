@@ -57,8 +57,12 @@ void place_light(LoadState& load, const std::string& pointer, const json& entry,
 
 // Puts the meshes that the names match in a category of the light's own.
 void link(LoadState& load, const std::string& pointer, const json& names, const std::string& category) {
-  for (size_t i = 0; i < names.size(); ++i)
-    find_prims(load, PrimKind::mesh, names[i], pointer + "/" + std::to_string(i));
+  for (size_t i = 0; i < names.size(); ++i) {
+    const std::string place = pointer + "/" + std::to_string(i);
+    for (const Path& path : find_prims(load, PrimKind::mesh, names[i], place))
+      if (!matches(names[i], path, true))
+        load.warn(place, "Applies to all of mesh '" + path.str() + "', of which the name means a part.");
+  }
   load.links.push_back({Token(category), names.get<std::vector<std::string>>()});
   apply_link(load.links.back(), load.scene);
 }

@@ -1,5 +1,4 @@
 #include <algorithm>
-#include <set>
 
 #include "delegate/description/apply_motion.h"
 #include "delegate/description/description_reader.h"
@@ -63,18 +62,6 @@ Path find_material(LoadState& load, const std::string& pointer, const std::strin
   return known = found[0];
 }
 
-// Hides faces, or shows them again.
-Array<int32_t> with_faces(const Array<int32_t>& invisible, const Array<int32_t>& faces, bool visible) {
-  std::set<int32_t> hidden(invisible.begin(), invisible.end());
-  for (const int32_t face : faces) {
-    if (visible)
-      hidden.erase(face);
-    else
-      hidden.insert(face);
-  }
-  return std::vector<int32_t>(hidden.begin(), hidden.end());
-}
-
 // Faces have materials and may be hidden; all else belongs to the mesh.
 void warn_of_parts(const LoadState& load, const std::string& pointer, const json& entry, const Path& path) {
   for (const auto& [key, value] : entry.items())
@@ -87,32 +74,51 @@ void warn_of_parts(const LoadState& load, const std::string& pointer, const json
 /// A mesh, or the parts of it, that an entry changes.
 struct Target {
   const Path& path;
-  const MeshTopology& topology;
+  const host::MeshDescription& mesh;
   std::vector<size_t> parts;  // subsets; empty: the whole mesh
+
+  /// Subsets with paths beside the mesh's own are the primitives of a glTF mesh.
+  bool is_primitive(const GeomSubset& subset) const {
+    const std::string folder = path.str().substr(0, path.str().rfind('/') + 1);
+    const std::string& id = subset.id.str();
+    return id.starts_with(folder) && id.find('/', folder.size()) == std::string::npos;
+  }
+  /// The subsets that the entry means: the parts, or all primitives.
+  std::vector<const GeomSubset*> subsets() const {
+    std::vector<const GeomSubset*> meant;
+    for (const size_t part : parts) meant.push_back(&mesh.topology.geomSubsets[part]);
+    for (const GeomSubset& subset : mesh.topology.geomSubsets)
+      if (parts.empty() && is_primitive(subset)) meant.push_back(&subset);
+    return meant;
+  }
 };
 
-// A mesh's subsets with paths beside its own are the primitives of a glTF mesh, which a change of the mesh means, too.
 void set_material(const Target& target, const Path& material, host::Fields* fields) {
-  const std::string folder = target.path.str().substr(0, target.path.str().rfind('/') + 1);
-  const auto& subsets = target.topology.geomSubsets;
   if (target.parts.empty()) fields->emplace_back("material", material);
-  for (size_t i = 0; i < subsets.size(); ++i) {
-    const std::string& id = subsets[i].id.str();
-    const bool beside = id.starts_with(folder) && id.find('/', folder.size()) == std::string::npos;
-    const bool named = std::find(target.parts.begin(), target.parts.end(), i) != target.parts.end();
-    if (target.parts.empty() ? beside : named) fields->emplace_back("subsets:" + id + ":material", material);
-  }
+  for (const GeomSubset* subset : target.subsets())
+    fields->emplace_back("subsets:" + subset->id.str() + ":material", material);
 }
 
+// Where a part of a hidden mesh is shown, the mesh is shown, and its other primitives are hidden.
 void set_visible(const Target& target, bool visible, host::Fields* fields) {
-  if (target.parts.empty()) {
-    fields->emplace_back("visible", visible);
-    return;
-  }
-  Array<int32_t> invisible = target.topology.invisibleFaces;
-  for (const size_t part : target.parts)
-    invisible = with_faces(invisible, target.topology.geomSubsets[part].indices, visible);
-  fields->emplace_back("invisibleFaces", invisible);
+  const MeshTopology& topology = target.mesh.topology;
+  const bool whole = target.parts.empty(), shows_part = !whole && visible && !target.mesh.visible;
+  if (whole || shows_part) fields->emplace_back("visible", visible);
+  const std::vector<const GeomSubset*> meant = target.subsets();
+  if (meant.empty() || (whole && !visible)) return;
+  std::vector<char> hidden(topology.faceVertexCounts.size(), 0);
+  const auto set = [&](const Array<int32_t>& faces, bool hide) {
+    for (const int32_t face : faces)
+      if (face >= 0 && size_t(face) < hidden.size()) hidden[size_t(face)] = hide;
+  };
+  set(topology.invisibleFaces, true);
+  for (const GeomSubset& subset : topology.geomSubsets)
+    if (shows_part && target.is_primitive(subset)) set(subset.indices, true);
+  for (const GeomSubset* subset : meant) set(subset->indices, !visible);
+  std::vector<int32_t> faces;
+  for (size_t face = 0; face < hidden.size(); ++face)
+    if (hidden[face]) faces.push_back(int32_t(face));
+  fields->emplace_back("invisibleFaces", std::move(faces));
 }
 
 constexpr const char* kPrimvars[] = {"subsurfaceSet", "holdout", "visibleToCamera"};  // of each mesh one value
@@ -136,8 +142,8 @@ void add_fields(LoadState& load, const std::string& pointer, const std::string& 
 
 void change_mesh(LoadState& load, const std::string& pointer, const json& entry, const Path& path) {
   const std::string pattern = entry["match"];
-  Target target{path, load.scene->GetMeshes().at(path).topology, {}};
-  if (!matches(pattern, path, true)) target.parts = matching_subsets(pattern, target.topology);
+  Target target{path, load.scene->GetMeshes().at(path), {}};
+  if (!matches(pattern, path, true)) target.parts = matching_subsets(pattern, target.mesh.topology);
   if (!target.parts.empty()) warn_of_parts(load, pointer, entry, path);
   host::Fields fields;
   for (const auto& [name, value] : entry.items())

@@ -9,6 +9,7 @@
 
 #include "delegate/gltf/gltf_material.h"
 #include "delegate/gltf/gltf_ngon_encoding.h"
+#include "delegate/gltf/gltf_surfaces.h"
 #include "delegate/gltf/gltf_vertices.h"
 
 namespace alabaster::hd::gltf {
@@ -186,7 +187,11 @@ bool is_double_sided(const Document& document, const tinygltf::Primitive& primit
   return primitive.material >= 0 && document.materials[size_t(primitive.material)].value("doubleSided", false);
 }
 
-// Primitives of equal keys are one mesh.
+std::string primitive_name(size_t mesh, size_t primitive) {
+  return element_name(element_name("meshes", mesh) + ".primitives", primitive);
+}
+
+// Only primitives of equal keys can be one mesh.
 std::string mesh_key(const Document& document, const tinygltf::Primitive& primitive, bool mirrored) {
   std::string key;
   for (const bool fact : {is_cage(primitive), is_double_sided(document, primitive), mirrored}) key += fact ? '1' : '0';
@@ -235,36 +240,70 @@ host::MeshDescription describe(Surface surface, int refine_level, const std::str
   return mesh;
 }
 
+// A primitive as it is read.
+struct Piece {
+  size_t primitive;
+  VertexReader reader;
+  SkinnedVertices vertices;
+  std::vector<uint32_t> triangles;
+  std::string key;
+};
+
+// Those with triangles; the others are reported by check_meshes or here.
+std::vector<Piece> read_pieces(const Document& document, size_t index, const PrimitiveShape& shape, Report& report) {
+  const std::vector<tinygltf::Primitive>& primitives = document.model.meshes[index].primitives;
+  std::vector<Piece> pieces;
+  for (size_t p = 0; p < primitives.size(); ++p) {
+    const tinygltf::Primitive& primitive = primitives[p];
+    if (primitive.mode >= 0 && primitive.mode < TINYGLTF_MODE_TRIANGLES)
+      report.warning("mesh.mode", primitive_name(index, p) + ".mode", "points and lines are not drawn; use triangles");
+    std::vector<uint32_t> triangles = triangles_of(document, primitive);
+    if (triangles.empty()) continue;
+    const size_t count = document.accessors[size_t(primitive.attributes.at("POSITION"))].count;
+    VertexReader reader{document, primitive, take_used(count, &triangles), shape.weights};
+    SkinnedVertices vertices = read_vertices(reader, shape.joint_matrices);
+    std::string key = mesh_key(document, primitive, vertices.mirrored);
+    pieces.push_back({p, std::move(reader), std::move(vertices), std::move(triangles), std::move(key)});
+  }
+  return pieces;
+}
+
+// For each piece the first of its mesh. No pose changes them, because the positions are those at rest.
+std::vector<size_t> meshes_of(const std::vector<Piece>& pieces) {
+  std::vector<std::vector<Vec3f>> rest;
+  std::vector<SurfacePiece> surfaces;
+  if (pieces.size() < 2) return std::vector<size_t>(pieces.size());
+  rest.reserve(pieces.size());
+  for (const Piece& piece : pieces) {
+    rest.push_back(to_vectors<Vec3f>(piece.reader.read_at_rest("POSITION")));
+    surfaces.push_back({piece.key, &rest.back(), &piece.triangles});
+  }
+  return surfaces_of(surfaces);
+}
+
 }  // namespace
 
 std::vector<MeshPart> translate_mesh(const Document& document, size_t index, const PrimitiveShape& shape,
                                      Report& report) {
   constexpr size_t kMostPoints = std::numeric_limits<int32_t>::max();
-  const std::vector<tinygltf::Primitive>& primitives = document.model.meshes[index].primitives;
-  const auto element = [&](size_t p) { return element_name(element_name("meshes", index) + ".primitives", p); };
+  std::vector<Piece> pieces = read_pieces(document, index, shape, report);
+  const std::vector<size_t> first = meshes_of(pieces);
   std::vector<MeshPart> parts;
   std::vector<Surface> surfaces;
-  std::map<std::string, size_t> places;  // in `parts`
-  for (size_t p = 0; p < primitives.size(); ++p) {
-    const tinygltf::Primitive& primitive = primitives[p];
-    if (primitive.mode >= 0 && primitive.mode < TINYGLTF_MODE_TRIANGLES)
-      report.warning("mesh.mode", element(p) + ".mode", "points and lines are not drawn; use triangles");
-    std::vector<uint32_t> triangles = triangles_of(document, primitive);
-    if (triangles.empty()) continue;  // reported by check_meshes
-    const size_t count = document.accessors[size_t(primitive.attributes.at("POSITION"))].count;
-    const VertexReader reader{document, primitive, take_used(count, &triangles), shape.weights};
-    SkinnedVertices vertices = read_vertices(reader, shape.joint_matrices);
-    size_t& place = places.try_emplace(mesh_key(document, primitive, vertices.mirrored), parts.size()).first->second;
-    if (place < parts.size() && vertices.points.size() > kMostPoints - surfaces[place].vertices.points.size())
+  std::map<size_t, size_t> places;  // of a mesh in `parts`, by its first piece
+  for (size_t i = 0; i < pieces.size(); ++i) {
+    Piece& piece = pieces[i];
+    size_t& place = places.try_emplace(first[i], parts.size()).first->second;
+    if (place < parts.size() && piece.vertices.points.size() > kMostPoints - surfaces[place].vertices.points.size())
       place = parts.size();
     if (place == parts.size()) parts.emplace_back(), surfaces.emplace_back();
-    surfaces[place].add(reader, std::move(vertices), std::move(triangles));
-    parts[place].primitives.push_back(p);
+    surfaces[place].add(piece.reader, std::move(piece.vertices), std::move(piece.triangles));
+    parts[place].primitives.push_back(piece.primitive);
   }
   for (size_t i = 0; i < parts.size(); ++i) {
-    const size_t first = parts[i].primitives[0];
-    parts[i].mesh = describe(std::move(surfaces[i]), shape.refine_level, element(first), report);
-    parts[i].mesh.doubleSided = is_double_sided(document, primitives[first]);
+    const size_t primitive = parts[i].primitives[0];
+    parts[i].mesh = describe(std::move(surfaces[i]), shape.refine_level, primitive_name(index, primitive), report);
+    parts[i].mesh.doubleSided = is_double_sided(document, document.model.meshes[index].primitives[primitive]);
   }
   std::erase_if(parts, [](const MeshPart& part) { return part.mesh.topology.faceVertexCounts.empty(); });
   return parts;

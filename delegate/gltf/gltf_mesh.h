@@ -20,9 +20,9 @@ struct MeshPart {
 };
 
 /// The meshes that `meshes[index]` is drawn as: topology and primvars, morphed and skinned, without transform, paths
-/// and instancer. Primitives are one mesh, as glTF splits one surface by materials, unless they differ in the
-/// attributes that they have, in FB_ngon_encoding, or in what their materials say of doubleSided. Those without
-/// triangles are left out (reported), and points that no triangle uses.
+/// and instancer. Primitives whose open edges coincide are one mesh (gltf_surfaces.h), as glTF splits one surface by
+/// materials, unless they differ in the attributes that they have, in FB_ngon_encoding, or in what their materials say
+/// of doubleSided. Those without triangles are left out (reported), and points that no triangle uses.
 ///
 /// Primvars: points, normals, tangents (Vec4f: the fourth number is the sign of the bitangent), st, st1, st2, ... (v
 /// upwards), displayColor (linear) and displayOpacity. Primitives with FB_ngon_encoding become catmullClark cages,

@@ -181,7 +181,10 @@ void SceneTranslator::add_mesh(const MeshUsers& users, const MeshUse& use, const
     host::MeshDescription description = part.mesh;
     const size_t first = part.primitives[0];
     const Path id = parent.append((part.primitives.size() > 1 ? "mesh_" : "") + std::to_string(first));
-    description.material = material_of(first);
+    // The mesh's own material is that of faces without one, which may be a primitive's.
+    const bool all_have_one = std::all_of(part.primitives.begin(), part.primitives.end(),
+                                          [&](size_t p) { return primitives[p].material >= 0; });
+    if (all_have_one) description.material = material_of(first);
     for (size_t i = 0; i < description.topology.geomSubsets.size(); ++i) {
       description.topology.geomSubsets[i].id = parent.append(std::to_string(part.primitives[i]));
       description.topology.geomSubsets[i].materialId = material_of(part.primitives[i]);

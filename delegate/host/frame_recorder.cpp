@@ -260,7 +260,7 @@ class Recording {
     const bool memory = number_in(stats, "scene.outOfMemory") != 0;
     return refuse(memory ? RecordStatus::render_failed : RecordStatus::input_failed, "record.scene",
                   std::to_string(faults) + (faults == 1 ? " fault" : " faults") +
-                      " of the scene (see above): nothing is rendered. Mend the scene, or render without what is "
+                      " of the scene (see above): nothing is rendered. Correct the scene, or render without what is "
                       "missing (--keep-going)");
   }
 

@@ -56,6 +56,8 @@ class SceneMethods:
         for number, (material, faces) in enumerate(_entries(subsets, "subsets")):
             given[f"subsets:{path}/{number}:faces"] = faces
             given[f"subsets:{path}/{number}:material"] = material
+        if not isinstance(left_handed, bool):
+            raise TypeError(f"left_handed must be a bool, not {type(left_handed).__name__}")
         if left_handed:
             given["orientation"] = "leftHanded"
         self.set(path, "mesh", given)

@@ -217,6 +217,9 @@ TEST_F(LoadSceneTest, PartsOfAMeshHaveMaterialsAndAreHidden) {
   EXPECT_EQ(part.topology.invisibleFaces, (Array<int32_t>{1}));
   EXPECT_TRUE(part.visible);
   EXPECT_EQ(part.categories, std::vector<Token>{Token("lightLink of /lights/key")}) << "of the mesh";
+  EXPECT_TRUE(std::any_of(diagnostics.begin(), diagnostics.end(), [](const Diagnostic& d) {
+    return d.where.ends_with("/lights/0/lightLink/0") && d.text.starts_with("Applies to all of mesh '");
+  }));
   EXPECT_TRUE(part.primvars.contains("holdout"));
   EXPECT_TRUE(std::any_of(diagnostics.begin(), diagnostics.end(), [](const Diagnostic& d) {
     return d.where.ends_with("/meshes/0/holdout") && d.text.starts_with("Applies to all of mesh '");
@@ -226,6 +229,15 @@ TEST_F(LoadSceneTest, PartsOfAMeshHaveMaterialsAndAreHidden) {
   EXPECT_EQ(whole.material, wax);
   EXPECT_FALSE(whole.visible);
   EXPECT_TRUE(whole.topology.invisibleFaces.empty());
+  const auto then = [](const char* first, const std::string& match, const char* second) {
+    return std::string(R"("visible": )") + first + R"(}, {"match": ")" + match + R"(", "visible": )" + second;
+  };
+  const host::MeshDescription shown = change("patch", then("false", "/gltf/two/nodes/0_patch/1", "true"));
+  EXPECT_TRUE(shown.visible) << "a part of it is";
+  EXPECT_EQ(shown.topology.invisibleFaces, (Array<int32_t>{0}));
+  const host::MeshDescription again = change("/gltf/two/nodes/0_patch/1", then("false", "patch", "true"));
+  EXPECT_TRUE(again.visible);
+  EXPECT_TRUE(again.topology.invisibleFaces.empty());
 }
 
 TEST_F(LoadSceneTest, TransformsComposeAsWritten) {

@@ -186,6 +186,28 @@ TEST(GltfGeometry, PrimitivesAreSubsetsOfOneMesh) {
   EXPECT_EQ(mesh.topology.geomSubsets[1].indices, (Array<int32_t>{1}));
 }
 
+// Bodies that are closed alone, such as a liquid in its glass, are no parts of one surface, and neither are parts that
+// meet in points alone.
+TEST(GltfGeometry, PrimitivesWithoutACommonEdgeStayMeshes) {
+  const std::vector<float> tetrahedron = {0, 0, 0, 0, 1, 0, 1, 0, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1,
+                                          0, 0, 0, 0, 0, 1, 0, 1, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1};
+  const std::vector<float> corner = {0, 0, 0, -1, 0, 0, 0, -1, 0};
+  for (const bool closed : {true, false}) {
+    GltfBuilder b = two_primitives();
+    Json& primitives = b.json["meshes"][0]["primitives"];
+    if (closed) primitives[0]["attributes"]["POSITION"] = b.add<float>(tetrahedron, "VEC3");
+    primitives[1]["attributes"]["POSITION"] = b.add<float>(closed ? tetrahedron : corner, "VEC3");
+    const Loaded loaded = b.load();
+    EXPECT_EQ(loaded.scene->GetMeshes().size(), 2u) << loaded.said();
+  }
+}
+
+TEST(GltfGeometry, PrimitivesWithoutAMaterialDoNotGetAnothers) {
+  GltfBuilder b = two_primitives();
+  b.json["meshes"][0]["primitives"][1].erase("material");
+  EXPECT_EQ(only_mesh(b.load()).material, Path());
+}
+
 TEST(GltfGeometry, PrimitivesThatAMeshCannotHoldTogetherStayMeshes) {
   GltfBuilder sided = two_primitives(), attributes = two_primitives(), modes = two_primitives();
   sided.json["materials"][1]["doubleSided"] = true;
