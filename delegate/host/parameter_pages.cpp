@@ -162,9 +162,7 @@ std::string stub_class(std::string name, const std::vector<Row>& fields, const s
     if (argument.find(':') == std::string::npos) text += "    " + argument + ": Optional[" + python_type(row) + "]\n";
   };
   for (const Row& row : fields) add(python_name(row.name), row);
-  for (const Row& row : parameters)
-    if (std::none_of(fields.begin(), fields.end(), [&](const Row& field) { return field.name == row.name; }))
-      add(row.name, row);
+  for (const Row& row : parameters) add(row.name, row);
   return text;
 }
 
@@ -178,8 +176,12 @@ void AddParameterPages(std::map<std::string, std::string>* files) {
     std::vector<Row> rows, parameters;
     add_fields(kind.fields, &rows);
     add_parameters(kind.parameters, kind.name == kMaterial ? "NODE." : "", &parameters);
-    if (!kind.fields.empty() && !kind.open.empty()) stub += stub_class(kind.name, rows, parameters);
     if (kind.name == kRenderSettings) stub += stub_class("settings", {}, parameters);
+    // A field comes before a parameter of its name.
+    std::erase_if(parameters, [&](const Row& row) {
+      return std::any_of(rows.begin(), rows.end(), [&](const Row& field) { return field.name == row.name; });
+    });
+    if (!kind.fields.empty() && !kind.open.empty()) stub += stub_class(kind.name, rows, parameters);
     add_fields(kind.open, &rows);
     rows.insert(rows.end(), parameters.begin(), parameters.end());
     (*files)[folder + python_name(kind.name) + ".md"] = page_text(kind.name, rows);

@@ -111,10 +111,16 @@ class Numbers {
       return held.push_back(one(values, depth == 0 ? name_ : "each of " + name_));
     const Py_ssize_t length = PySequence_Size(values.ptr());
     if (length < 0) throw py::error_already_set();
+    size_t row = 0;
     for (Py_ssize_t i = 0; i < length; ++i) {
       const auto item = py::reinterpret_steal<py::object>(PySequence_GetItem(values.ptr(), i));
       if (!item) throw py::error_already_set();
+      const size_t before = held.size();
       read(item, depth + 1);
+      if (i == 0) row = held.size() - before;
+      if (!kWhole && held.size() - before != row)  // faces may have different numbers of corners
+        throw py::value_error(name_ + ": row " + std::to_string(i) + " has " + std::to_string(held.size() - before) +
+                              " numbers, and the first has " + std::to_string(row));
     }
   }
   std::vector<T> held;
@@ -348,6 +354,7 @@ Value numbers_parameter(py::handle value, const std::string& name) {
 }  // namespace
 
 Value planes(py::handle values, const std::string& name) {
+  check_rows(shape_of(values, name), 4, name);
   std::vector<double> numbers = numbers_of<double>(values, name);
   count_of(numbers.size(), 4, name);
   return Value::of(ALABASTER_FLOAT4, floats(numbers), 4);

@@ -194,6 +194,12 @@ class Arguments(unittest.TestCase):
         for points in wrong + ([numpy.zeros((3, 2), numpy.float32), numpy.zeros((3, 4))] if numpy else []):
             with self.assertRaisesRegex(ValueError, r"points.*\(n, 3\)"):
                 self.scene.set_mesh("/m", points, [0, 1, 2])
+        with self.assertRaisesRegex(ValueError, "points: row 1 has 2 numbers, and the first has 3"):
+            self.scene.set_mesh("/m", [(0, 0, 0), (1, 0), (0, 1, 0, 5)], [0, 1, 2])
+        with self.assertRaisesRegex(TypeError, "left_handed must be a bool, not str"):
+            self.scene.set_mesh("/m", [0, 0, 0, 1, 0, 0, 0, 1, 0], [0, 1, 2], left_handed="no")
+        with self.assertRaisesRegex(ValueError, r"clip.*\(n, 4\)"):
+            self.scene.set_camera("/c", clipPlanes=[(1, 2), (3, 4)])
         with self.assertRaisesRegex(ValueError, r"rotations.*\(n, 4\)"):
             self.scene.set_instancer("/i", {"/m": [0]}, rotations=[(1, 0)] * 4)
         for matrices in ([BACK], BACK, [[c for row in BACK for c in row]]):
