@@ -161,13 +161,13 @@ int run_info(const InfoArguments& arguments) {
 int run_schema(const SchemaArguments& arguments) {
   Console console(false);
   if (!arguments.folder.empty()) return write_table_files(arguments.folder, &console), kDone;
-  if (const char* text = hd::description::SchemaText(arguments.name)) {
-    std::fputs(text, stdout);
-    return kDone;
-  }
-  console.usage_error("schema", "There is no schema '" + arguments.name +
-                                    "': choose from disney_material, textures, lights, camera, "
-                                    "render_settings, render_description and quality_presets.");
+  const char* const text = hd::description::SchemaText(arguments.name);
+  if (!text)
+    console.usage_error("schema", "There is no schema '" + arguments.name +
+                                      "': choose from disney_material, textures, lights, camera, "
+                                      "render_settings, render_description and quality_presets.");
+  std::fputs(text, stdout);
+  return kDone;
 }
 
 int run_ocio(const OcioArguments& arguments) {
