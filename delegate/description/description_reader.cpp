@@ -120,9 +120,11 @@ std::vector<Path> find_prims(LoadState& load, PrimKind kind, const std::string& 
       found.push_back(path);
     names.push_back(authored_name(path, is_mesh));
   }
-  if (!found.empty() || load.posing) return found;
-  const std::string none = names.empty() ? std::string(" The scene has none.") : suggestion(pattern, names);
-  load.fail(pointer, std::string("No ") + kind_name(kind) + " matches '" + pattern + "'." + none);
+  if (found.empty() && !load.posing) {
+    const std::string none = names.empty() ? std::string(" The scene has none.") : suggestion(pattern, names);
+    load.fail(pointer, std::string("No ") + kind_name(kind) + " matches '" + pattern + "'." + none);
+  }
+  return found;
 }
 
 }  // namespace alabaster::hd::description
