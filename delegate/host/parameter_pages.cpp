@@ -176,12 +176,13 @@ void AddParameterPages(std::map<std::string, std::string>* files) {
     std::vector<Row> rows, parameters;
     add_fields(kind.fields, &rows);
     add_parameters(kind.parameters, kind.name == kMaterial ? "NODE." : "", &parameters);
-    if (kind.name == kRenderSettings) stub += stub_class("settings", {}, parameters);
+    const std::vector<Row> all = parameters;
     // A field comes before a parameter of its name.
     std::erase_if(parameters, [&](const Row& row) {
       return std::any_of(rows.begin(), rows.end(), [&](const Row& field) { return field.name == row.name; });
     });
     if (!kind.fields.empty() && !kind.open.empty()) stub += stub_class(kind.name, rows, parameters);
+    if (kind.name == kRenderSettings) stub += stub_class("settings", {}, all);
     add_fields(kind.open, &rows);
     rows.insert(rows.end(), parameters.begin(), parameters.end());
     (*files)[folder + python_name(kind.name) + ".md"] = page_text(kind.name, rows);

@@ -179,12 +179,13 @@ size_t count_of(size_t numbers, size_t components, const std::string& name) {
   return numbers / components;
 }
 
-/// Rows of another length than that of the elements are other values. One element may stand alone.
+/// Rows of another length than that of the elements are other values. One matrix may stand alone.
 void check_rows(const std::vector<size_t>& shape, size_t components, const std::string& name) {
   size_t row = 1;
   for (size_t axis = 1; axis < shape.size(); ++axis) row *= shape[axis];
   const bool is_empty = shape.size() < 2 || shape[0] == 0 || row == 0;
-  if (is_empty || components == 1 || row == components || row * shape[0] == components) return;
+  const bool is_one_matrix = components == 16 && row * shape[0] == components;
+  if (is_empty || components == 1 || row == components || is_one_matrix) return;
   throw py::value_error(name + " must have the shape (n, " + (components == 16 ? "4, 4" : std::to_string(components)) +
                         "), or be their numbers one after the other");
 }
