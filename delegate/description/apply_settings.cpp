@@ -31,7 +31,7 @@ void set_fields(LoadState& load, const std::string& pointer, const host::Fields&
   if (!fault.empty()) load.fail(pointer, fault + ".");
 }
 
-// True if the file may not set this limit. It is told so, unless it asks for none.
+// True if the file may not set this limit. A limit that is not 0 is then reported.
 bool is_refused_limit(const LoadState& load, const json& mib) {
   const std::string pointer = "/settings/memoryLimit";
   if (load.document.is_of_option(pointer) || !loosens_memory_limit(mib.get<double>())) return false;

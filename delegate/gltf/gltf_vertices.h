@@ -17,8 +17,8 @@ struct VertexReader {
   std::vector<uint32_t> vertices;      // that are read, rising; empty: all
   const std::vector<double>& weights;  // of the primitive's morph targets; those missing are zero
 
-  /// A target adds to as many components as it has: that of TANGENT leaves the sign as it is. Integers of COLOR_n and
-  /// WEIGHTS_n are normalized, as glTF requires.
+  /// A morph target is added to the components that it has; a target of TANGENT has three, and the sign is kept.
+  /// Integers of COLOR_n and WEIGHTS_n are normalized (glTF 2.0, section 3.7.2.1).
   VertexAttribute read(const std::string& name) const;
   /// Without morph targets.
   VertexAttribute read_at_rest(const std::string& name) const;
