@@ -155,9 +155,10 @@ std::string python_type(const Row& row) {
 }
 
 /// Fields have names of Python, parameters those of their schema. Names with colons are no names of arguments.
-std::string stub_class(std::string name, const std::vector<Row>& fields, const std::vector<Row>& parameters) {
+std::string stub_class(std::string name, const std::string& base, const std::vector<Row>& fields,
+                       const std::vector<Row>& parameters) {
   name[0] = char(std::toupper(name[0]));
-  std::string text = "\nclass " + name + "(TypedDict, total=False):\n";
+  std::string text = "\nclass " + name + "(" + base + ", total=False):\n";
   const auto add = [&](const std::string& argument, const Row& row) {
     if (argument.find(':') == std::string::npos) text += "    " + argument + ": Optional[" + python_type(row) + "]\n";
   };
@@ -176,13 +177,19 @@ void AddParameterPages(std::map<std::string, std::string>* files) {
     std::vector<Row> rows, parameters;
     add_fields(kind.fields, &rows);
     add_parameters(kind.parameters, kind.name == kMaterial ? "NODE." : "", &parameters);
-    const std::vector<Row> all = parameters;
-    // A field comes before a parameter of its name.
-    std::erase_if(parameters, [&](const Row& row) {
-      return std::any_of(rows.begin(), rows.end(), [&](const Row& field) { return field.name == row.name; });
+    // A field comes before a parameter of its name, which is a setting of renderers alone.
+    const auto hidden = std::stable_partition(parameters.begin(), parameters.end(), [&](const Row& row) {
+      return std::none_of(rows.begin(), rows.end(), [&](const Row& field) { return field.name == row.name; });
     });
-    if (!kind.fields.empty() && !kind.open.empty()) stub += stub_class(kind.name, rows, parameters);
-    if (kind.name == kRenderSettings) stub += stub_class("settings", {}, all);
+    const std::vector<Row> of_renderers(hidden, parameters.end());
+    parameters.erase(hidden, parameters.end());
+    if (kind.name == kRenderSettings) {
+      stub += stub_class("_SharedSettings", "TypedDict", {}, parameters);
+      stub += stub_class(kind.name, "_SharedSettings", rows, {});
+      stub += stub_class("settings", "_SharedSettings", {}, of_renderers);
+    } else if (!kind.fields.empty() && !kind.open.empty()) {
+      stub += stub_class(kind.name, "TypedDict", rows, parameters);
+    }
     add_fields(kind.open, &rows);
     rows.insert(rows.end(), parameters.begin(), parameters.end());
     (*files)[folder + python_name(kind.name) + ".md"] = page_text(kind.name, rows);

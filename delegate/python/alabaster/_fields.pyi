@@ -33,15 +33,7 @@ class Instancer(TypedDict, total=False):
     transform: Optional[_Array]
     parent: Optional[str]
 
-class RenderSettings(TypedDict, total=False):
-    camera: Optional[str]
-    width: Optional[int]
-    height: Optional[int]
-    pixel_aspect_ratio: Optional[float]
-    window_policy: Optional[Literal["matchVertically", "matchHorizontally", "fit", "crop", "dontConform"]]
-    crop: Optional[_Array]
-    frame: Optional[float]
-    included_purposes: Optional[Sequence[str]]
+class _SharedSettings(TypedDict, total=False):
     samples: Optional[int]
     firstSample: Optional[int]
     targetError: Optional[float]
@@ -63,25 +55,15 @@ class RenderSettings(TypedDict, total=False):
     filter: Optional[Literal["box", "triangle", "gaussian", "blackmanHarris"]]
     denoise: Optional[bool]
 
-class Settings(TypedDict, total=False):
-    samples: Optional[int]
-    firstSample: Optional[int]
-    targetError: Optional[float]
-    adaptive: Optional[bool]
-    timeLimit: Optional[float]
-    seed: Optional[int]
+class RenderSettings(_SharedSettings, total=False):
+    camera: Optional[str]
+    width: Optional[int]
+    height: Optional[int]
+    pixel_aspect_ratio: Optional[float]
+    window_policy: Optional[Literal["matchVertically", "matchHorizontally", "fit", "crop", "dontConform"]]
+    crop: Optional[_Array]
+    frame: Optional[float]
+    included_purposes: Optional[Sequence[str]]
+
+class Settings(_SharedSettings, total=False):
     frame: Optional[int]
-    maxDepth: Optional[int]
-    threads: Optional[int]
-    subsurface: Optional[Literal["lambert", "walk", "reference", "diffusion"]]
-    inversion: Optional[Literal["chiang2016", "exact"]]
-    walkGuiding: Optional[bool]
-    walkSphereSteps: Optional[bool]
-    energy: Optional[Literal["burley2015", "bounded", "conserving"]]
-    textureMemory: Optional[int]
-    memoryLimit: Optional[int]
-    textureFilter: Optional[float]
-    glossyFilter: Optional[float]
-    refineEdgeLength: Optional[float]
-    filter: Optional[Literal["box", "triangle", "gaussian", "blackmanHarris"]]
-    denoise: Optional[bool]
