@@ -174,15 +174,14 @@ void AddParameterPages(std::map<std::string, std::string>* files) {
   std::string stub = "# This file is " + std::string(kWritten) + ".\n";
   stub += "from typing import Literal, Optional, Sequence, TypedDict\n\nfrom . import _Array\n";
   for (const Kind& kind : kinds()) {
-    std::vector<Row> rows, parameters;
+    std::vector<Row> rows, all, parameters, of_renderers;
     add_fields(kind.fields, &rows);
-    add_parameters(kind.parameters, kind.name == kMaterial ? "NODE." : "", &parameters);
+    add_parameters(kind.parameters, kind.name == kMaterial ? "NODE." : "", &all);
     // A field comes before a parameter of its name, which is a setting of renderers alone.
-    const auto hidden = std::stable_partition(parameters.begin(), parameters.end(), [&](const Row& row) {
-      return std::none_of(rows.begin(), rows.end(), [&](const Row& field) { return field.name == row.name; });
-    });
-    const std::vector<Row> of_renderers(hidden, parameters.end());
-    parameters.erase(hidden, parameters.end());
+    for (const Row& row : all) {
+      const auto is_same = [&](const Row& field) { return field.name == row.name; };
+      (std::any_of(rows.begin(), rows.end(), is_same) ? of_renderers : parameters).push_back(row);
+    }
     if (kind.name == kRenderSettings) {
       stub += stub_class("_SharedSettings", "TypedDict", {}, parameters);
       stub += stub_class(kind.name, "_SharedSettings", rows, {});
