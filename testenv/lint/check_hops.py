@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Fails when a hop of the lists in README.md, "The tree", names a function or type that its file does not define, or
+"""Fails when a hop of the lists in delegate/manual/contributing.md, "The tree", names a function or type that its file does not define, or
 delegate/manual/security.md, "Security, by promise", a test that there is not.
 
 A list is a line of bold text and the numbered items below it. An item begins with a file and what to find there, each in
@@ -9,6 +9,7 @@ import pathlib
 import re
 import sys
 
+PAGE = "delegate/manual/contributing.md"
 LISTS = 4
 LEAST_TESTS = 30
 SECURITY = re.compile(r"^## Security, by promise$(.*?)^## ", re.M | re.S)
@@ -34,10 +35,10 @@ def faults(root, items):
         file, *names = re.findall(r"`([^`]+)`", item.split(": ")[0]) or [item]
         path = root / file
         if not path.is_file() or not names:
-            yield f"README.md: {file} is not a file of the repository with a function or type behind it"
+            yield f"{PAGE}: {file} is not a file of the repository with a function or type behind it"
         else:
             text = path.read_text()
-            yield from (f"README.md: {file} does not define {n}" for n in names if not defines(text, n))
+            yield from (f"{PAGE}: {file} does not define {n}" for n in names if not defines(text, n))
 
 
 def missing_tests(root):
@@ -53,16 +54,16 @@ def missing_tests(root):
 
 def main():
     root = pathlib.Path(__file__).resolve().parents[2]
-    section = SECTION.search((root / "README.md").read_text())
+    section = SECTION.search((root / PAGE).read_text())
     lists = LIST.findall(section.group(1)) if section else []
-    found = [] if len(lists) == LISTS else [f'README.md: "The tree" has {len(lists)} lists of hops, expected {LISTS}']
+    found = [] if len(lists) == LISTS else [f'{PAGE}: "The tree" has {len(lists)} lists of hops, expected {LISTS}']
     hops = 0
     for text in lists:
         items = ITEM.findall(text)
         hops += len(items)
         found += faults(root, items)
     found += missing_tests(root)
-    print("\n".join(found) if found else f"{hops} hops are where README.md says")
+    print("\n".join(found) if found else f"{hops} hops are where {PAGE} says")
     return 1 if found else 0
 
 
