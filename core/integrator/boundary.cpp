@@ -324,7 +324,7 @@ Interiors interiors_at(const PathContext& context, Ray ray, Seeker seeker) {
     const PathVertex v = make_vertex(context, ray, hit);
     ray.org = beyond(v);
     const bool inside = is_seen_from_inside(v);
-    if (!v.material.transmits() || (is_camera && v.instance->camera_cull == CameraCull::all)) continue;
+    if (!v.material.transmits() || (is_camera && v.instance->options.camera_cull == CameraCull::all)) continue;
     // The way out of this body is not seen: the camera's ray would carry its interior on.
     if (is_camera && inside && is_culled(*v.instance, hit, ray.dir)) continue;
     if (!inside)

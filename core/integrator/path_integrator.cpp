@@ -330,7 +330,7 @@ void follow_path(const PathContext& context, const PixelSampler& sampler, PathSt
     // Record the first hit and add the surface's emission; end at a hold-out or the depth limit.
     if (path->depth == 0) record_first_hit(context, vertex, passed + hit.t, first_hit);
     if (path->guides) record_guides(context, vertex, *path);
-    if (path->depth == 0 && vertex.instance->holdout && first_hit) [[unlikely]]  // a camera's path has one
+    if (path->depth == 0 && vertex.instance->options.holdout && first_hit) [[unlikely]]  // a camera's path has one
       return hold_out(record, path, first_hit);
     const Rgb before = path->radiance;
     if (kMeshLights) add_mesh_emission(vertex, path);

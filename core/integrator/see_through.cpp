@@ -48,9 +48,9 @@ bool is_hidden(const Instance& instance, const DisneyMaterial& material, const V
 }  // namespace
 
 bool is_culled(const Instance& instance, const TriangleHit& hit, const Vec3f& dir) {
-  return instance.camera_cull == CameraCull::all ||
-         (instance.camera_cull != CameraCull::none &&
-          is_found_behind(instance, hit, dir) == (instance.camera_cull == CameraCull::back));
+  const CameraCull cull = instance.options.camera_cull;
+  return cull == CameraCull::all ||
+         (cull != CameraCull::none && is_found_behind(instance, hit, dir) == (cull == CameraCull::back));
 }
 
 bool is_in_union(const SceneSnapshot& scene, const Interiors& interiors, const Instance& member) {
@@ -64,8 +64,9 @@ float coverage_at(const SceneSnapshot& scene, const Vec3f& dir, const TriangleHi
   const Instance& instance = scene.instance(hit.instance);
   if (!instance.see_through) return 1;
   const Mesh& mesh = instance.prototype->mesh;
-  const DisneyMaterial& material = instance.material(hit.triangle);
-  if (instance.single_sided && !material.is_translucent() && is_found_behind(instance, hit, dir)) return 0;
+  const size_t slot = instance.slot(hit.triangle);
+  const DisneyMaterial& material = *instance.materials[slot];
+  if (instance.is_single_sided(slot) && is_found_behind(instance, hit, dir)) return 0;
   if (!material.is_partly_opaque()) return 1;
   if (within && (within->contains(hit.instance) || is_in_union(scene, *within, instance))) return 1;
   if (is_hidden(instance, material, dir, hit)) return 0;

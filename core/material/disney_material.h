@@ -20,7 +20,7 @@ namespace alabaster {
 enum class Texels { colors, numbers };
 
 /// One row for each parameter of the surface node AlabasterDisney, in the order of schemas/disney_material.json.
-struct MaterialParameter : Parameter<DisneyParameters> {
+struct MaterialParameter : Parameter<DisneyParameters, Sides> {
   Texels texels = Texels::numbers;  // numbers are read without conversion
   /// Colours and numbers can be textured; switches cannot.
   constexpr bool is_textured() const { return is_color() || std::holds_alternative<float DisneyParameters::*>(member); }

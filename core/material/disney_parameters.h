@@ -10,6 +10,9 @@
 
 namespace alabaster {
 
+/// The sides of a surface that are there: as the mesh says, its front, or both.
+enum class Sides : uint8_t { mesh, front, both };
+
 struct DisneyParameters {
   Rgb base_color{0.8f};
   float metallic = 0;
@@ -36,6 +39,7 @@ struct DisneyParameters {
   float opacity_threshold = 0;     // > 0: present where opacity reaches it, nowhere else
   float spec_trans = 0;            // share of the dielectric base that refracts instead of scattering
   bool thin = false;               // the surface is a sheet without an interior
+  Sides sides = Sides::mesh;       // no lobe reads it
   float flatness = 0;              // thin only: towards a flatter diffuse reflection
   float diff_trans = 0;            // 1: half of the diffuse light leaves on the other side; 2: all of it
   Rgb diff_trans_color{0.8f};      // of that light

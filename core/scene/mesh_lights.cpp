@@ -63,7 +63,7 @@ MeshLight make_mesh_light(const Instance& instance, uint32_t index, const Cancel
     if (!material.emits()) continue;
     const auto corner = [&](size_t c) { return instance.object_to_world.point(mesh.points[mesh.triangles[i][c]]); };
     triangles.push_back({corner(0), corner(1), corner(2), mean_emission(instance, static_cast<uint32_t>(i)),
-                         instance.single_sided && !material.is_translucent()});
+                         instance.is_single_sided(instance.slot(static_cast<uint32_t>(i)))});
     ids.push_back(static_cast<uint32_t>(i));
     varies |= has_varying_emission(material);
   }
@@ -84,7 +84,7 @@ const MeshLight* KnownMeshLights::find(const Instance& instance) const {
   const auto emits_alike = [&](const Instance& other) {
     return other.prototype == instance.prototype && other.object_to_world == instance.object_to_world &&
            other.materials == instance.materials && other.slots == instance.slots &&
-           other.single_sided == instance.single_sided;
+           other.single_sided_slots == instance.single_sided_slots;
   };
   const auto [first, last] = lights_.equal_range(key(instance));
   const auto found = std::find_if(

@@ -15,6 +15,7 @@
 #include "core/light/light_set.h"
 #include "core/material/disney_material.h"
 #include "core/scene/instance_array.h"
+#include "core/scene/mesh_options.h"
 #include "core/subsurface/mesh_interior.h"
 
 namespace alabaster {
@@ -35,9 +36,6 @@ struct MeshPrototype {
 /// Material slots by triangle; empty: all 0.
 using TriangleSlots = std::vector<int32_t>;
 
-/// The faces that camera rays pass.
-enum class CameraCull { none, back, front, all };
-
 struct InstanceDescription {
   std::shared_ptr<const MeshPrototype> prototype;
   Matrix4d object_to_world;
@@ -48,9 +46,7 @@ struct InstanceDescription {
   std::string name;         // prim path, for reports
   /// Instances that scatter and name the same set do so as one body; empty: each for itself.
   std::string subsurface_set = {};
-  bool double_sided = true;  // false: not there for rays from behind, but where light passes below the surface
-  CameraCull camera_cull = CameraCull::none;
-  bool holdout = false;                             // a hole in the picture, where the camera sees it directly
+  MeshOptions options = {};
   uint32_t category_set = 0;                        // of SceneDescription
   std::shared_ptr<const TriangleSlots> slots = {};  // in the place of the mesh's own; null: those
 
@@ -107,9 +103,9 @@ struct Instance : Placement {
   uint32_t member = 0;                   // of the body
   uint32_t clear_rank = 0;               // among clear bodies: see rank_clear_bodies()
   bool see_through = false;              // rays may pass some hits: partly opaque, single-sided, or culled
-  bool single_sided = false;             // as far as it shows: a closed mesh is seen from its front alone
-  CameraCull camera_cull = CameraCull::none;
-  bool holdout = false;                            // a camera's path that meets it first ends there, without colour
+  bool single_sided = false;             // of some material slot
+  MeshOptions options;
+  std::vector<uint8_t> single_sided_slots;         // those whose back rays pass are not 0; empty: not single_sided
   uint32_t category_set = 0;                       // of SceneSnapshot
   const MeshAttribute<Vec4f>* tangents = nullptr;  // for a normal map
   const InstanceArray* array = nullptr;            // this is the look of all its instances; null: of one alone
@@ -131,6 +127,8 @@ struct Instance : Placement {
   const DisneyMaterial& material(uint32_t triangle) const { return *materials[slot(triangle)]; }
 };
 
+  /// Rays pass the back of the slot's triangles.
+  bool is_single_sided(size_t slot) const { return single_sided && single_sided_slots[slot] != 0; }
 /// The instances of an array have the indices from `first` on.
 struct InstanceArray {
   Instance look;

@@ -61,6 +61,12 @@ float radius_about(const Vec3d& origin, const BoundsDouble& bounds) {
   return static_cast<float>(length(half + Vec3d(std::abs(shift.x), std::abs(shift.y), std::abs(shift.z))));
 }
 
+// As far as it shows: a closed mesh is seen from its front alone.
+bool is_single_sided(const InstanceDescription& d, const DisneyMaterial& material) {
+  const Sides sides = material.constants.sides;
+  return !d.prototype->mesh.outward && (sides == Sides::mesh ? !d.options.double_sided : sides == Sides::front);
+}
+
 // All but where it stands.
 Instance look_of(const InstanceDescription& d) {
   Instance instance;
@@ -69,17 +75,23 @@ Instance look_of(const InstanceDescription& d) {
   instance.prim_id = d.prim_id;
   instance.instance_id = d.instance_id;
   instance.category_set = d.category_set;
-  for (const auto& material : d.materials) {
-    instance.materials.push_back(material.get());
-    instance.see_through |= material->is_partly_opaque();
-    for (const auto* map : {&material->normal_map, &material->coat_normal_map})
+  for (size_t slot = 0; slot < d.materials.size(); ++slot) {
+    const DisneyMaterial& material = *d.materials[slot];
+    instance.materials.push_back(&material);
+    const bool single_sided = is_single_sided(d, material);
+    instance.see_through |= material.is_partly_opaque() || single_sided;
+    if (single_sided && !material.is_translucent()) {
+      instance.single_sided = true;
+      instance.single_sided_slots.resize(d.materials.size());
+      instance.single_sided_slots[slot] = 1;
+    }
+    for (const auto* map : {&material.normal_map, &material.coat_normal_map})
       if (*map && !(*map)->is_bump && !instance.tangents)
         instance.tangents = d.prototype->tangents.of(d.prototype->mesh, (*map)->uv_set);
   }
-  instance.single_sided = !d.double_sided && !d.prototype->mesh.outward;
-  instance.camera_cull = d.camera_cull;
-  instance.holdout = d.holdout;
-  instance.see_through |= instance.single_sided || d.camera_cull != CameraCull::none;
+  instance.options = d.options;
+  if (!d.options.visible_to_camera) instance.options.camera_cull = CameraCull::all;
+  instance.see_through |= instance.options.camera_cull != CameraCull::none;
   return instance;
 }
 

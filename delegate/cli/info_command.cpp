@@ -164,7 +164,7 @@ int run_schema(const SchemaArguments& arguments) {
   const char* const text = hd::description::SchemaText(arguments.name);
   if (!text)
     console.usage_error("schema", "There is no schema '" + arguments.name +
-                                      "': choose from disney_material, textures, lights, camera, "
+                                      "': choose from disney_material, textures, mesh, lights, camera, "
                                       "render_settings, render_description and quality_presets.");
   std::fputs(text, stdout);
   return kDone;

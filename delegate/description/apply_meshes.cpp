@@ -121,8 +121,6 @@ void set_visible(const Target& target, bool visible, host::Fields* fields) {
   fields->emplace_back("invisibleFaces", std::move(faces));
 }
 
-constexpr const char* kPrimvars[] = {"subsurfaceSet", "holdout", "visibleToCamera"};  // of each mesh one value
-
 /// Adds the fields that a key of the entry sets.
 void add_fields(LoadState& load, const std::string& pointer, const std::string& name, const json& value,
                 const Target& target, host::Fields* fields) {
@@ -131,13 +129,7 @@ void add_fields(LoadState& load, const std::string& pointer, const std::string& 
   if (name == "material") return set_material(target, find_material(load, pointer, value), fields);
   if (name == "visible") return set_visible(target, value, fields);
   if (name == "scheme") check_scheme(load, pointer, value, target.path);
-  if (std::find(std::begin(kPrimvars), std::end(kPrimvars), name) == std::end(kPrimvars)) {
-    fields->emplace_back(name, support::value_of(value));
-  } else {
-    const Value set = support::value_of(value);
-    fields->emplace_back("primvars:" + name, value.is_string() ? Token(set.text_or("")) : set);
-    fields->emplace_back("primvars:" + name + ":interpolation", "constant");
-  }
+  fields->emplace_back(name, support::value_of(value));
 }
 
 void change_mesh(LoadState& load, const std::string& pointer, const json& entry, const Path& path) {

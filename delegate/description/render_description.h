@@ -110,7 +110,7 @@ class ALABASTER_API SceneSource {
 ALABASTER_API std::string WithOptions(const std::string& text, const LoadOptions& options,
                                       const std::function<std::string(const std::string&)>& place);
 
-/// The text of a schema by name: disney_material, lights, camera, render_settings, render_description, or
+/// The text of a schema by name: disney_material, mesh, lights, camera, render_settings, render_description, or
 /// quality_presets, which holds settings and measurements rather than a schema. Null if unknown. The texts of schemas/
 /// are embedded at build time.
 ALABASTER_API const char* SchemaText(const std::string& name);

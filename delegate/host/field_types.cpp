@@ -1,8 +1,4 @@
 // Types of fields by name, from the tables.
-#include "core/camera/camera.h"
-#include "core/light/light_description.h"
-#include "core/material/disney_material.h"
-#include "core/session/render_settings.h"
 #include "delegate/host/open_fields.h"
 
 namespace alabaster::hd::host {
@@ -43,11 +39,10 @@ Found find_field(const Kind& kind, const std::string& name) {
   for (const auto& table : {kind.fields, kind.open})
     for (const Field& row : table)
       if (name == row.name) return row.type;
-  const std::string parameters = kind.parameters;
   Found found;
-  if (parameters == "lights") found = find_parameter(light_parameters(), other_light_parameters(), name);
-  if (parameters == "camera") found = find_parameter(camera_parameters(), other_camera_parameters(), name);
-  if (parameters == "render_settings") found = find_parameter(setting_parameters(), {}, name);
+  if (!kind.fields.empty())  // parameters of materials are those of nodes
+    visit_table(kind.parameters,
+                [&](const auto& rows, const auto&, auto others) { found = find_parameter(rows, others, name); });
   if (found) return found;
   for (const Field& row : kind.open)
     if (row.type.type != ALABASTER_NONE && is_of(row, name)) return row.type;

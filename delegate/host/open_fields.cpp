@@ -3,10 +3,6 @@
 #include <algorithm>
 #include <charconv>
 
-#include "core/camera/camera.h"
-#include "core/light/light_description.h"
-#include "core/material/disney_material.h"
-#include "core/session/render_settings.h"
 #include "delegate/host/scene_fields.h"
 #include "delegate/support/nearest_name.h"
 #include "delegate/support/parameters.h"
@@ -71,6 +67,9 @@ bool fits(const OtherParameter& row, const Value& value) {
   return value.type() == row.type.type && value.is_array() == row.type.is_array;
 }
 constexpr FieldType kText = {ALABASTER_STRING, false};
+constexpr OtherParameter kOfMeshes[] = {
+    {"subsurfaceSet", kText, "a name",
+     R"({"type": "string", "minLength": 1, "default": "", "unit": "none", "description": "Set of objects that scatter light below the surface as one body, their union; byMaterial makes a set for each material. Without it each object scatters by itself."})"}};
 constexpr OtherParameter kOfLights[] = {
     {"texture:file", kText, "a file",
      R"({"type": "string", "minLength": 0, "default": "", "unit": "none", "appliesTo": ["domeLight", "rectLight"], "description": "Image that multiplies the light. Dome: latitude-longitude around the scene (y up, USD's orientation). Rect: upright as seen from the front, with the y axis of the light up."})"},
@@ -227,8 +226,7 @@ constexpr Field kMeshes[] = {
     open("primvars:normals", array_of(ALABASTER_FLOAT3), "Normals for shading."),
     open("primvars:st", kAny, "Texture coordinates (float2), v up."),
     open("primvars:NAME", kAny,
-         "Another primvar: displayColor, displayOpacity, tangents, subsurfaceSet, holdout, visibleToCamera and others "
-         "of delegate/manual/usd.md."),
+         "Another primvar: displayColor, displayOpacity, tangents and others of delegate/manual/usd.md."),
     open("primvars:NAME:interpolation", kWord, "How values are spread over the mesh. The default is vertex.",
          kInterpolations),
     open("primvars:NAME:indices", array_of(ALABASTER_INT),
@@ -318,6 +316,13 @@ Put put_open(MeshDescription* mesh, const std::string& name, const Value& value)
     if (value.empty()) return subsets.erase(found), "";
     return read_into(name, value, {}, &found->indices);
   }
+  // A parameter is a constant primvar.
+  Put parameter = check(mesh_parameters(), name, value);
+  if (!parameter) parameter = check_other(kOfMeshes, name, value);
+  if (parameter && parameter->empty() && value.empty()) mesh->primvars.erase(name);
+  if (parameter && parameter->empty() && !value.empty())
+    mesh->primvars[name] = {Interpolation::constant, {}, value, {}};
+  if (parameter) return parameter;
   const auto rest = after(name, "primvars:");
   if (!rest) return std::nullopt;
   const auto [text, suffix] = split_suffix(*rest, {"indices", "interpolation", "role", "samples"});
@@ -540,21 +545,16 @@ std::string finish(const MaterialNetwork& network) {
 
 const std::span<const Field> kOpenOfMeshes = kMeshes, kOpenOfInstancers = kInstancers, kOpenOfMaterials = kMaterials,
                              kOpenOfSettings = kSettings;
+const std::span<const OtherParameter> kOtherOfMeshes = kOfMeshes, kOtherOfLights = kOfLights,
+                                      kOtherOfCameras = kOfCameras;
 
-std::span<const OtherParameter> other_light_parameters() {
-  return kOfLights;
-}
-std::span<const OtherParameter> other_camera_parameters() {
-  return kOfCameras;
-}
 std::vector<std::string> LightParameterNames() {
   return parameter_names("lights");
 }
 std::vector<std::string> parameter_names(std::string_view schema) {
-  if (schema == "lights") return names_of(light_parameters(), kOfLights);
-  if (schema == "camera") return names_of(camera_parameters(), kOfCameras);
-  if (schema == "render_settings") return names_of(setting_parameters(), {});
-  return {};
+  std::vector<std::string> names;
+  visit_table(schema, [&](const auto& rows, const auto&, auto others) { names = names_of(rows, others); });
+  return names;
 }
 
 }  // namespace alabaster::hd::host

@@ -4,6 +4,11 @@
 #include <optional>
 #include <span>
 
+#include "core/camera/camera.h"
+#include "core/light/light_description.h"
+#include "core/material/disney_material.h"
+#include "core/scene/mesh_options.h"
+#include "core/session/render_settings.h"
 #include "delegate/host/field.h"
 #include "delegate/host/scene_fields.h"
 
@@ -36,8 +41,18 @@ struct OtherParameter {
   const char* must;              // what a value must be, for messages
   const char* schema = nullptr;  // its entry in schemas/*.json; null: it is in none
 };
-std::span<const OtherParameter> other_light_parameters();
-std::span<const OtherParameter> other_camera_parameters();
+extern const std::span<const OtherParameter> kOtherOfMeshes, kOtherOfLights, kOtherOfCameras;
+
+/// Calls visit(rows, defaults, others) with core's table of the parameters of a schema.
+template <class Visit>
+void visit_table(std::string_view schema, const Visit& visit) {
+  const std::span<const OtherParameter> none;
+  if (schema == "disney_material") visit(material_parameters(), DisneyParameters(), none);
+  if (schema == "mesh") visit(mesh_parameters(), MeshOptions(), kOtherOfMeshes);
+  if (schema == "lights") visit(light_parameters(), alabaster::LightDescription(), kOtherOfLights);
+  if (schema == "camera") visit(camera_parameters(), CameraParameters(), kOtherOfCameras);
+  if (schema == "render_settings") visit(setting_parameters(), RenderSettings(), none);
+}
 
 /// The tables of one kind of prim. Open fields have parts of their names in capitals: "primvars:NAME:indices". They
 /// have no functions.

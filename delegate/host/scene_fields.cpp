@@ -187,7 +187,8 @@ std::string unknown(const std::string& name, const T& object) {
   std::string label = kind.name;
   if constexpr (std::is_same_v<T, LightDescription>) label = object.type.str();
   if constexpr (std::is_same_v<T, Settings>) label += " prim";
-  std::vector<std::string> known = parameter_names(kind.parameters);
+  std::vector<std::string> known;
+  if (!kind.fields.empty()) known = parameter_names(kind.parameters);  // those of materials belong to nodes
   for (const auto& table : {kind.fields, kind.open})
     for (const Field& field : table)
       if (!is_pattern(field.name)) known.emplace_back(field.name);
@@ -254,7 +255,7 @@ const std::span<const Field> kProductFields = kProduct;
 std::span<const Kind> kinds() {
   static const std::vector<Kind> all = {
       // in the order of Kinds
-      {"mesh", kMesh, kOpenOfMeshes, ""},
+      {"mesh", kMesh, kOpenOfMeshes, "mesh"},
       {"instancer", kInstancer, kOpenOfInstancers, ""},
       {"material", {}, kOpenOfMaterials, "disney_material"},
       {"light", kLight, {}, "lights"},

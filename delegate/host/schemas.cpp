@@ -3,10 +3,6 @@
 #include <cmath>
 #include <sstream>
 
-#include "core/camera/camera.h"
-#include "core/light/light_description.h"
-#include "core/material/disney_material.h"
-#include "core/session/render_settings.h"
 #include "delegate/host/open_fields.h"
 #include "delegate/host/parameter_pages.h"
 #include "delegate/host/product_writer.h"
@@ -24,6 +20,8 @@ constexpr Schema kSchemas[] = {
     {"disney_material", "Disney BSDF parameters",
      "Parameters of the surface node AlabasterDisney (Burley 2012, Burley 2015). Values outside a range are clamped by "
      "the renderer and refused in a render description."},
+    {"mesh", "Mesh options",
+     "Options of mesh prims: fields of a mesh, and constant primvars of these names of a scene delegate."},
     {"lights", "Light parameters",
      "Parameters of light prims in UsdLux terms: radiance = color * intensity * 2^exposure. appliesTo names the light "
      "types that have a parameter; without it, all have it."},
@@ -82,59 +80,25 @@ Form form_of(const Row& row, const T& defaults) {
   return form;
 }
 
-template <class Row>
-void add_words(const Row& row, const Form& form, ordered_json* entry) {
-  (*entry)["default"] = form.fallback;
-  (*entry)["unit"] = row.unit;
-}
-
 template <class Row, class T>
 ordered_json entry_of(const Row& row, const T& defaults) {
   const Form form = form_of(row, defaults);
   ordered_json entry = form.type;
-  add_words(row, form, &entry);
-  entry["description"] = row.text;
-  return entry;
-}
-ordered_json entry_of(const MaterialParameter& row, const DisneyParameters& defaults) {
-  const Form form = form_of(row, defaults);
-  ordered_json entry;
-  if (row.is_textured()) {
+  if constexpr (std::is_same_v<Row, MaterialParameter>) {
     const char* texture = row.texels == Texels::colors ? "colorTexture" : "numberTexture";
     if (row.is_color() && row.texels == Texels::numbers) texture = "distanceTexture";
-    entry["anyOf"] = {form.type, {{"$ref", std::string("textures.json#/definitions/") + texture}}};
-  } else {
-    entry = form.type;
+    if (row.is_textured())
+      entry = {{"anyOf", {form.type, {{"$ref", std::string("textures.json#/definitions/") + texture}}}}};
   }
-  add_words(row, form, &entry);
+  entry["default"] = form.fallback;
+  entry["unit"] = row.unit;
+  if constexpr (std::is_same_v<T, alabaster::LightDescription>)
+    for (size_t type = 0; type < std::size(kLightTypes); ++type)
+      if (row.of >> type & 1) entry["appliesTo"].push_back(kLightTypes[type]);
+  if constexpr (std::is_same_v<T, CameraParameters>)
+    if (row.of == kMillimetres) entry["unitInDescription"] = "mm";
   entry["description"] = row.text;
   return entry;
-}
-ordered_json entry_of(const Parameter<alabaster::LightDescription>& row, const alabaster::LightDescription& defaults) {
-  const Form form = form_of(row, defaults);
-  ordered_json entry = form.type;
-  add_words(row, form, &entry);
-  for (size_t type = 0; type < std::size(kLightTypes); ++type)
-    if (row.of >> type & 1) entry["appliesTo"].push_back(kLightTypes[type]);
-  entry["description"] = row.text;
-  return entry;
-}
-ordered_json entry_of(const Parameter<CameraParameters>& row, const CameraParameters& defaults) {
-  const Form form = form_of(row, defaults);
-  ordered_json entry = form.type;
-  add_words(row, form, &entry);
-  if (row.of == kMillimetres) entry["unitInDescription"] = "mm";
-  entry["description"] = row.text;
-  return entry;
-}
-
-template <class Rows, class T>
-void add_rows(const Rows& rows, const T& defaults, ordered_json* properties) {
-  for (const auto& row : rows) (*properties)[row.name] = entry_of(row, defaults);
-}
-void add_others(std::span<const OtherParameter> rows, ordered_json* properties) {
-  for (const OtherParameter& row : rows)
-    if (row.schema) (*properties)[row.name] = ordered_json::parse(row.schema);
 }
 
 /// A line of an object: "name": value, on one line.
@@ -177,16 +141,11 @@ std::string schema_text(const Schema& schema) {
 
 ordered_json TableProperties(const std::string& name) {
   ordered_json properties = ordered_json::object();
-  if (name == "disney_material") add_rows(material_parameters(), DisneyParameters(), &properties);
-  if (name == "render_settings") add_rows(setting_parameters(), RenderSettings(), &properties);
-  if (name == "lights") {
-    add_rows(light_parameters(), alabaster::LightDescription(), &properties);
-    add_others(other_light_parameters(), &properties);
-  }
-  if (name == "camera") {
-    add_rows(camera_parameters(), CameraParameters(), &properties);
-    add_others(other_camera_parameters(), &properties);
-  }
+  visit_table(name, [&](const auto& rows, const auto& defaults, auto others) {
+    for (const auto& row : rows) properties[row.name] = entry_of(row, defaults);
+    for (const OtherParameter& row : others)
+      if (row.schema) properties[row.name] = ordered_json::parse(row.schema);
+  });
   return properties;
 }
 

@@ -8,7 +8,7 @@
 
 namespace alabaster::hd::host {
 
-/// The texts of these files, by their paths in the sources: the schemas disney_material, lights, camera and
+/// The texts of these files, by their paths in the sources: the schemas disney_material, mesh, lights, camera and
 /// render_settings, delegate/manual/parameters and delegate/python/alabaster/_fields.pyi.
 ALABASTER_API std::map<std::string, std::string> TableFiles();
 

@@ -3,6 +3,7 @@
 #include <utility>
 
 #include "delegate/prims/motion.h"
+#include "delegate/prims/parameters.h"
 #include "delegate/prims/prims.h"
 #include "delegate/support/float_values.h"
 
@@ -36,17 +37,21 @@ std::string pull_subsurface_set(SceneDelegate& scene, const Path& id, const std:
   return pulled.interpolation == Interpolation::constant ? name : std::string();
 }
 
-// A constant primvar that is true or false; a number is true unless it is 0.
-bool pull_flag(SceneDelegate& scene, const Path& id, const char* name, bool otherwise,
-               const std::vector<PrimvarDescriptor>& descriptors, const alabaster::DiagnosticSink& sink) {
-  const PulledPrimvar pulled = pull_primvar(scene, id, name, descriptors);
-  if (!pulled.present) return otherwise;
-  const auto* numbers = pulled.value.get<Array<float>>();
-  if (numbers && numbers->size() == 1 && pulled.interpolation == Interpolation::constant) return (*numbers)[0] != 0;
-  alabaster::report(
-      sink, alabaster::Severity::warning, "mesh." + std::string(name), id.str(),
-      "primvar " + std::string(name) + " must be a constant bool; " + (otherwise ? "true" : "false") + " is used");
-  return otherwise;
+// Each option is a constant primvar. A number stands for true unless it is 0.
+void pull_options(SceneDelegate& scene, const Path& id, const std::vector<PrimvarDescriptor>& descriptors,
+                  const alabaster::DiagnosticSink& sink, MeshOptions* options) {
+  for (const auto& row : mesh_parameters()) {
+    const Value otherwise = get_parameter(row, MeshOptions());
+    set_parameter(row, otherwise, options);
+    const PulledPrimvar pulled = pull_primvar(scene, id, row.name, descriptors);
+    if (!pulled.present) continue;
+    const auto* numbers = pulled.value.get<Array<float>>();
+    const Value value = numbers && numbers->size() == 1 ? Value((*numbers)[0]) : pulled.value;
+    if (pulled.interpolation != Interpolation::constant || set_parameter(row, value, options) == ParameterFault::type)
+      alabaster::report(sink, alabaster::Severity::warning, "mesh." + std::string(row.name), id.str(),
+                        "primvar " + std::string(row.name) + " must be a constant of the type in schemas/mesh.json; " +
+                            otherwise.to_string() + " is used");
+  }
 }
 
 TimeSamples<Value> pull_samples(SceneDelegate& scene, const Path& id, const Token& name) {
@@ -75,16 +80,11 @@ bool is_of_numbers(const Value& value) {
          value.get<Array<Vec4f>>();
 }
 
-CameraCull camera_cull_of(CullStyle style, bool double_sided) {
-  if (style == CullStyle::back) return CameraCull::back;
-  const bool front = style == CullStyle::front || (style == CullStyle::frontUnlessDoubleSided && !double_sided);
-  return front ? CameraCull::front : CameraCull::none;
-}
-
 // A front that the camera passes leaves the back as the only side there is to see.
-bool shows_both_sides(CullStyle style, bool double_sided) {
-  return double_sided || style == CullStyle::nothing || style == CullStyle::front ||
-         style == CullStyle::frontUnlessDoubleSided;
+void set_sides(CullStyle style, bool double_sided, MeshOptions* options) {
+  const bool front = style == CullStyle::front || (style == CullStyle::frontUnlessDoubleSided && !double_sided);
+  options->double_sided = double_sided || front || style == CullStyle::nothing;
+  options->camera_cull = front ? CameraCull::front : style == CullStyle::back ? CameraCull::back : CameraCull::none;
 }
 
 template <class T>
@@ -148,8 +148,7 @@ void MeshPrim::pull_primvars(SceneDelegate& scene, const SceneParam& param) {
     record_.other_primvars = std::make_shared<const OtherPrimvars>(std::move(others));
   }
   record_.subsurface_set = pull_subsurface_set(scene, GetId(), descriptors, sink);
-  record_.holdout = pull_flag(scene, GetId(), "holdout", false, descriptors, sink);
-  record_.visible_to_camera = pull_flag(scene, GetId(), "visibleToCamera", true, descriptors, sink);
+  pull_options(scene, GetId(), descriptors, sink, &record_.options);
 }
 
 void MeshPrim::pull(SceneDelegate& scene, const SceneParam& param, DirtyBits bits) {
@@ -158,8 +157,8 @@ void MeshPrim::pull(SceneDelegate& scene, const SceneParam& param, DirtyBits bit
   if (bits & dirty::kVisibility) record_.visible = scene.GetVisible(GetId());
   if (bits & dirty::kRenderTag) record_.render_tag = scene.GetRenderTag(GetId());
   if (bits & dirty::kCategories) record_.categories = scene.GetCategories(GetId());
-  if (bits & dirty::kDoubleSided) double_sided_ = scene.GetDoubleSided(GetId());
-  if (bits & dirty::kCullStyle) cull_style_ = scene.GetCullStyle(GetId());
+  if (bits & (dirty::kDoubleSided | dirty::kCullStyle))
+    set_sides(scene.GetCullStyle(GetId()), scene.GetDoubleSided(GetId()), &record_.options);
   if (bits & dirty::kTransform) {
     record_.transform = scene.GetTransform(GetId());
     record_.motion = checked_motion(scene.SampleTransform(GetId()), GetId(), param.sink());
@@ -184,8 +183,6 @@ DirtyBits MeshPrim::post_record(SceneDelegate& scene, SceneParam& param, DirtyBi
   if (shape_changed_) record_.source = std::make_shared<const PulledMesh>(pulled_);
   shape_changed_ = false;
   if (bits & dirty::kTopology) update_slots(param);
-  record_.double_sided = shows_both_sides(cull_style_, double_sided_);
-  record_.camera_cull = camera_cull_of(cull_style_, double_sided_);
   record_.prim_id = GetPrimId();
   record_.materials = slot_materials(subsets_, material_);
   param.post(GetId(), record_);

@@ -57,8 +57,6 @@ class MeshPrim final : public RecordedPrim<Rprim> {
   bool shape_changed_ = false;
   std::vector<GeomSubset> subsets_;
   Path material_;
-  bool double_sided_ = true;
-  CullStyle cull_style_ = CullStyle::dontCare;
   MeshRecord record_;
 };
 

@@ -37,11 +37,9 @@ struct MeshRecord {
   Path instancer;
   Array<int32_t> instance_indices;
   std::string subsurface_set;  // empty: each object scatters for itself
-  bool double_sided = true;
+  MeshOptions options;
   Token render_tag = "geometry";
   std::vector<Token> categories;
-  bool holdout = false, visible_to_camera = true;
-  CameraCull camera_cull = CameraCull::none;
   bool operator==(const MeshRecord&) const = default;
 };
 

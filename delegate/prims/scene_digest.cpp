@@ -108,10 +108,9 @@ class SceneDigest {
     add(digest, meshes_.at(instance.prototype.get()), instance.object_to_world, instance.poses);
     for (const auto& material : instance.materials) digest->add(material->name);
     add(digest, slots_.at(&instance.triangle_slots()), instance.prim_id, instance.instance_id, instance.subsurface_set,
-        instance.double_sided);
+        instance.options.double_sided, instance.options.camera_cull);
+    add_parameters(mesh_parameters(), instance.options, digest);
     if (instance.category_set != 0) digest->add(translation_.scene.category_sets[instance.category_set]);
-    digest->add(instance.camera_cull);
-    if (instance.holdout) digest->add(instance.holdout);
   }
   std::string digest_light(const LightDescription& light) const {
     Digest digest;

@@ -78,12 +78,13 @@ std::string instance_text(const InstanceDescription& instance, const Translation
   text += "  mesh points " + std::to_string(mesh.points.size()) + " triangles " +
           std::to_string(mesh.triangles.size()) + " normals " + yes_no(!mesh.normals.empty()) + " uvs " +
           yes_no(!mesh.uv_sets.empty()) + " closed " + yes_no(mesh.closed) + "\n";
-  if (!instance.double_sided) text += "  single-sided\n";
-  if (instance.camera_cull == CameraCull::all)
-    text += "  not visible to the camera\n";
-  else if (instance.camera_cull != CameraCull::none)
-    text += instance.camera_cull == CameraCull::back ? "  back culled\n" : "  front culled\n";
-  if (instance.holdout) text += "  hold-out\n";
+  const MeshOptions& options = instance.options;
+  if (!options.double_sided) text += "  single-sided\n";
+  if (options.camera_cull != CameraCull::none)
+    text += options.camera_cull == CameraCull::back ? "  back culled\n" : "  front culled\n";
+  for (const auto& row : mesh_parameters())
+    if (const Value value = get_parameter(row, options); !(value == get_parameter(row, MeshOptions())))
+      text += std::string("  ") + row.name + " " + value.to_string() + "\n";
   if (!instance.subsurface_set.empty()) text += "  subsurfaceSet " + instance.subsurface_set + "\n";
   if (instance.category_set != 0)
     for (const uint32_t category : translation.scene.category_sets[instance.category_set])

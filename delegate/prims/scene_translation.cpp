@@ -175,9 +175,7 @@ struct SceneTranslator::Run {
     instance.slots = built->slots;
     instance.prim_id = mesh.prim_id;
     instance.name = path.str();
-    instance.double_sided = mesh.double_sided;
-    instance.camera_cull = mesh.visible_to_camera ? mesh.camera_cull : CameraCull::all;
-    instance.holdout = mesh.holdout;
+    instance.options = mesh.options;
     for (const Path& id : mesh.materials) instance.materials.push_back(material(path, id, instance.prototype->mesh));
     check_closed(instance);
     check_direction(instance);

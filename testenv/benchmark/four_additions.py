@@ -22,29 +22,9 @@ ADDITIONS = {
          '      {"trialSetting", &S::trial_setting, 0, 1, {},\n       "none", "A setting that a trial adds."},'),
     ],
     "trialOption": [
-        ("delegate/host/retained_scene_delegate.h", "  bool doubleSided = true;", "  bool trialOption = false;"),
-        ("delegate/host/retained_scene_delegate.h", "  bool GetDoubleSided(const Path& id) override;", "  bool GetTrialOption(const Path& id) override;"),
-        ("delegate/host/retained_scene_delegate.cpp", "  return member_of(state_->meshes, id, &MeshDescription::cullStyle);\n}",
-         "bool RetainedSceneDelegate::GetTrialOption(const Path& id) {\n  return member_of(state_->meshes, id, &MeshDescription::trialOption);\n}"),
-        ("delegate/host/scene_fields.cpp", '    field<&Mesh::visible>("visible", dirty::kVisibility, "False: the mesh is not drawn."),',
-         '    field<&Mesh::trialOption>("trialOption", dirty::kDoubleSided, "An option that a trial adds."),'),
-        ("delegate/api/scene_delegate.h", "  virtual bool GetDoubleSided(const Path& id) = 0;",
-         "  virtual bool GetTrialOption(const Path& id);  // false, if a host has none"),
-        ("delegate/api/interfaces.cpp", "SceneDelegate::~SceneDelegate() = default;",
-         "bool SceneDelegate::GetTrialOption(const Path&) {\n  return false;\n}"),
-        ("delegate/prims/records.h", "  bool double_sided = true;", "  bool trial_option = false;"),
-        ("delegate/prims/mesh.cpp", "  if (bits & dirty::kDoubleSided) double_sided_ = scene.GetDoubleSided(GetId());",
-         "  if (bits & dirty::kDoubleSided) record_.trial_option = scene.GetTrialOption(GetId());"),
-        ("delegate/prims/scene_translation.cpp", "    instance.double_sided = mesh.double_sided;", "    instance.trial_option = mesh.trial_option;"),
-        ("delegate/prims/scene_digest.cpp", "    digest->add(instance.double_sided);", "    if (instance.trial_option) digest->add(instance.trial_option);"),
-        ("delegate/prims/scene_text.cpp", '  if (!instance.double_sided) text += "  single-sided\\n";', '  if (instance.trial_option) text += "  trial\\n";'),
-        ("delegate/hydra/scene_capture.cpp", "  mesh.doubleSided = scene.GetDoubleSided(id);", "  mesh.trialOption = scene.GetTrialOption(id);"),
-        ("core/scene/scene.h", "  std::string subsurface_set = {};", "  bool trial_option = false;"),
-        ("delegate/description/apply_meshes.cpp", '  mesh.visible = entry.value("visible", mesh.visible);',
-         '  mesh.trialOption = entry.value("trialOption", mesh.trialOption);'),
-        ("schemas/render_description.json", '            "description": "Subdivision scheme; none draws the mesh as it is."\n          },',
-         '          "trialOption": {\n            "type": "boolean",\n            "default": false,\n'
-         '            "unit": "none",\n            "description": "An option that a trial adds."\n          },'),
+        ("core/scene/mesh_options.h", "  bool holdout = false;", "  bool trial_option = false;"),
+        ("core/scene/mesh_options.cpp", "  static constexpr Parameter<O> kTable[] = {",
+         '      {"trialOption", &O::trial_option, -kUnbounded, kUnbounded, {},\n       "none", "An option that a trial adds."},'),
     ],
     "trialParameter": [
         ("core/light/light_description.h", "  bool treat_as_point = false;", "  float trial_parameter = 0;"),
@@ -85,7 +65,7 @@ def by_hand(folder):
 
 def written():
     print("| existing row | files written | lines that name it |\n| --- | --- | --- |")
-    for name, pattern in (("setting glossyFilter", '[`" ]glossyFilter["`:]'), ("mesh option doubleSided", "`doubleSided`|double_sided:"),
+    for name, pattern in (("setting glossyFilter", '[`" ]glossyFilter["`:]'), ("mesh option holdout", '[`" ]holdout["`:]'),
                           ("light parameter shaping:focus", '[`"]shaping:focus[`"]'), ("AOV Neye", '^ *"Neye",?$')):
         found = grep(pattern, "HEAD", "schemas", "delegate/manual/parameters", "delegate/python/alabaster/_fields.pyi")
         print(f"| {name} | {len(files_of(found))} | {len(found)} |")

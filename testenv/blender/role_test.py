@@ -9,7 +9,7 @@ import scenes
 from alabaster_render import motion, roles, sync
 from synced_scene import SyncedScene, Watched, dump, fresh
 
-HELD_OUT, UNSEEN = "  hold-out\n", "  not visible to the camera\n"
+HELD_OUT, UNSEEN = "  holdout true\n", "  visibleToCamera false\n"
 
 
 def instances_of(scene):

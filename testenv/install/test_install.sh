@@ -104,7 +104,7 @@ env -u ALABASTER_OIDN -u VIRTUAL_ENV HOME="$scratch" "$scratch/prefix/bin/alabas
   -o "$scratch/denoised.exr" --denoise --quiet
 oiiotool --info -v "$scratch/denoised.exr" | grep -q "denoised\.R"
 
-for schema in disney_material textures lights camera render_settings render_description quality_presets; do
+for schema in disney_material textures mesh lights camera render_settings render_description quality_presets; do
   test -s "$scratch/prefix/share/alabaster/schemas/$schema.json"
 done
 # The headers installed are those of the contract, and each compiles on its own.

@@ -30,7 +30,7 @@ SceneBuilder glowing_plane(bool holdout, float scatter_distance = 0) {
   glow.emission = Rgb(1.0f);
   glow.scatter_distance = Rgb(scatter_distance);
   b.add(b.prototype(testing::plane_mesh(4)), b.material(glow), kAside).add(testing::constant_dome(1, true));
-  last(&b).holdout = holdout;
+  last(&b).options.holdout = holdout;
   last(&b).prim_id = 7;
   return b;
 }
@@ -69,7 +69,7 @@ TEST(HoldOut, FilmsMixWithIt) {
     DisneyParameters film = matt(Rgb(0.0f));
     film.opacity = 0.5f;
     b.add(b.prototype(testing::plane_mesh(4)), b.material(film), at_height(1));
-    last(&b).holdout = film_is_hole;
+    last(&b).options.holdout = film_is_hole;
     PathTracer tracer(b.snapshot(), kEye);
     RunningStatistics alpha;
     for (uint32_t i = 0; i < testing::run_samples(4096u); ++i) {
@@ -108,8 +108,8 @@ std::vector<Rgb> floor_beside_a_wall(bool holdout, CameraCull cull, double above
   b.add(b.prototype(testing::plane_mesh(6)), b.material(floor), kAside);
   b.add(b.prototype(testing::plane_mesh(1)), b.material(wall),
         Matrix4d().setAxisAngle(Vec3d(0, 0, 1), 1.2) * Matrix4d().setTranslation(Vec3d(above > 0 ? 0.2 : -1.5, 1, 0)));
-  last(&b).holdout = holdout;
-  last(&b).camera_cull = cull;
+  last(&b).options.holdout = holdout;
+  last(&b).options.camera_cull = cull;
   b.add(testing::constant_dome(1, true));
   PathTracer tracer(b.snapshot(), kEye);
   std::vector<Rgb> colors;
@@ -135,7 +135,7 @@ TEST(CameraCull, HidesABodyAboutTheCamera) {
   for (const CameraCull cull : {CameraCull::none, CameraCull::front, CameraCull::back, CameraCull::all}) {
     SceneBuilder b;
     b.add(b.prototype(testing::sphere_mesh(5, 24, false)), b.material(glass)).add(testing::constant_dome(1, true));
-    last(&b).camera_cull = cull;
+    last(&b).options.camera_cull = cull;
     const FilmSample sample = PathTracer(b.snapshot(), kEye).trace(0);
     const bool hidden = cull == CameraCull::back || cull == CameraCull::all;
     EXPECT_EQ(sample.color == Rgb(1.0f), hidden) << int(cull) << " " << sample.color.g;
@@ -150,7 +150,7 @@ TEST(CameraCull, AllHidesBothSidesFromTheCameraAndShades) {
     b.add(b.prototype(testing::plane_mesh(2)), b.material(matt(Rgb(0.8f))),
           Matrix4d().setAxisAngle(Vec3d(1, 0, 0), turn) * at_height(1));
     last(&b).prim_id = 4;
-    last(&b).camera_cull = CameraCull::all;
+    last(&b).options.camera_cull = CameraCull::all;
     LightDescription sun;
     sun.type = LightType::distant;
     sun.angle = 0;

@@ -147,10 +147,10 @@ TEST(LightPath, BringsWhatItTakesThroughSheets) {
   b.add(sheet, b.material(film), Matrix4d().setTranslation(Vec3d(0.2, 0.3, 0.4)));
   b.add(sheet, b.material(testing::matt(Rgb(0.7f))),
         Matrix4d().setAxisAngle(Vec3d(1, 0, 0), 1.3) * Matrix4d().setTranslation(Vec3d(-0.6, 0.4, 0.3)));
-  b.description.instances.back().double_sided = false;
+  b.description.instances.back().options.double_sided = false;
   b.add(sheet, b.material(testing::matt(Rgb(0.7f))),
         Matrix4d().setAxisAngle(Vec3d(1, 0, 0), -1.7) * Matrix4d().setTranslation(Vec3d(0.6, 0.4, 0.3)));
-  b.description.instances.back().double_sided = false;
+  b.description.instances.back().options.double_sided = false;
   ASSERT_TRUE(b.snapshot()->features.see_through);
   expect_shared(&stage, 200000);
 }

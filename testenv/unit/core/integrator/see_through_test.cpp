@@ -93,7 +93,7 @@ TEST(SeeThrough, SingleSidedFacesAreNotThereFromBehind) {
     SceneBuilder b;
     const Matrix4d transform = mirrored ? Matrix4d().setScale(Vec3d(-1, 1, 1)) : Matrix4d();
     b.add(b.prototype(testing::plane_mesh(2)), b.material(p), transform);
-    b.description.instances[0].double_sided = double_sided;
+    b.description.instances[0].options.double_sided = double_sided;
     b.add(testing::constant_dome(1, true));
     PathTracer tracer(b.snapshot(), {0.1, eye_height, 0});
     tracer.settings.max_depth = 0;
@@ -112,7 +112,7 @@ TEST(SeeThrough, AClosedMeshCostsNothingSingleSided) {
   Mesh sphere = testing::sphere_mesh(1, 8, false);
   sphere.outward = true;
   b.add(b.prototype(std::move(sphere)), b.material({}));
-  b.description.instances[0].double_sided = false;
+  b.description.instances[0].options.double_sided = false;
   EXPECT_FALSE(b.snapshot()->features.see_through) << "only its front can be seen";
 }
 
@@ -157,6 +157,35 @@ TEST(TexturedEmission, LightsAsTheGlowingPartAlone) {
     const double error = std::hypot(textured.standard_error(), opacity * half.standard_error());
     EXPECT_TRUE(plausible(testing::z_test(textured.mean(), error, opacity * half.mean()))) << opacity;
   }
+}
+
+// A plane below a glowing mesh of two materials, which faces away: each material that has a back gives its half.
+TEST(SidesOfMaterials, DecideOnEmissionBeforeTheMesh) {
+  const auto plane_under = [](Sides first, Sides second, bool double_sided) {
+    SceneBuilder b;
+    b.add(b.prototype(testing::plane_mesh(4)), b.material(testing::matt(Rgb(0.8f))));
+    DisneyParameters glow = testing::matt(Rgb(0.0f));
+    glow.emission = Rgb(2.0f);
+    glow.sides = first;
+    Mesh quad = testing::plane_mesh(2);
+    quad.triangle_material = {0, 1};
+    b.add(b.prototype(std::move(quad)), b.material(glow), at_height(1.5));
+    glow.sides = second;
+    b.description.instances.back().materials.push_back(b.material(glow));
+    b.description.instances.back().options.double_sided = double_sided;
+    PathTracer tracer(b.snapshot(), {0.3, 0.7, 0.2});
+    tracer.settings.max_depth = 1;
+    return greens(&tracer, 20000);
+  };
+  const RunningStatistics whole = plane_under(Sides::both, Sides::mesh, true);
+  const RunningStatistics left = plane_under(Sides::both, Sides::front, true);
+  const RunningStatistics right = plane_under(Sides::mesh, Sides::both, false);
+  ASSERT_GT(std::min(left.mean(), right.mean()), 0.1);
+  const double error = std::hypot(std::hypot(left.standard_error(), right.standard_error()), whole.standard_error());
+  EXPECT_TRUE(plausible(testing::z_test(left.mean() + right.mean(), error, whole.mean())));
+  EXPECT_EQ(plane_under(Sides::both, Sides::mesh, false).mean(), left.mean());
+  EXPECT_EQ(plane_under(Sides::front, Sides::mesh, false).mean(), 0);
+  EXPECT_EQ(plane_under(Sides::mesh, Sides::mesh, true).mean(), whole.mean());
 }
 
 }  // namespace

@@ -166,7 +166,7 @@ TEST_F(InstanceArrayTest, GlassVeilsAndSingleSidesLookAsAlone) {
   look.materials = {b_.material(veil)};
   compare("veil");
   look.materials = {b_.material({})};
-  look.camera_cull = CameraCull::front;
+  look.options.camera_cull = CameraCull::front;
   compare("culled");
 }
 

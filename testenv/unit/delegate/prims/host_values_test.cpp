@@ -422,6 +422,36 @@ TEST_F(HostValues, CullStylesHideSidesFromTheCamera) {
     }
 }
 
+// The parts of a mesh, seen from behind.
+TEST_F(HostValues, SidesOfAMaterialComeBeforeTheMeshs) {
+  const auto set_material = [&](const char* path, const char* sides) {
+    MaterialNetwork network;
+    MaterialNode& node = network.nodes[Path(path).append("surface")];
+    node.nodeTypeId = "AlabasterDisney";
+    if (*sides) node.parameters["sides"] = Token(sides);
+    network.terminals["surface"] = {Path(path).append("surface"), "out"};
+    stage.scene.SetMaterial(path, network);
+  };
+  host::MeshDescription mesh = two_faces();
+  mesh.topology.orientation = "leftHanded";
+  mesh.material = "/left";
+  mesh.topology.geomSubsets = {{"/m/part", "/right", {1}}};
+  const auto is_there = [](bool mesh_says, const std::string& sides) {
+    return sides == "both" || (sides != "front" && mesh_says);
+  };
+  for (const bool double_sided : {true, false})
+    for (const char* left : {"", "mesh", "front", "both"})
+      for (const char* right : {"front", "both", "mesh"}) {
+        mesh.doubleSided = double_sided;
+        set_material("/left", left), set_material("/right", right);
+        stage.scene.SetMesh("/m", mesh);
+        const std::vector<float> faces = picture("elementId", 1);
+        EXPECT_EQ(at(faces, false, 1)[0], is_there(double_sided, left) ? 0 : -1) << double_sided << left << right;
+        EXPECT_EQ(at(faces, true, 1)[0], is_there(double_sided, right) ? 1 : -1) << double_sided << left << right;
+      }
+  EXPECT_EQ(stage.take_diagnostics().size(), 0u);
+}
+
 // Light does not fall through a wall that the camera looks through.
 TEST_F(HostValues, CulledFrontsStillShade) {
   const auto floor = [&](CullStyle style) {

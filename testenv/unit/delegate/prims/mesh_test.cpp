@@ -176,8 +176,8 @@ TEST(MeshSync, HoldoutAndVisibleToCameraAreConstantFlags) {
     return stage.dump();
   };
   const std::string plain = dump_with("unread", Interpolation::constant, true);
-  for (const auto& [name, otherwise, line] : {std::tuple("holdout", false, "  hold-out\n"),
-                                              std::tuple("visibleToCamera", true, "  not visible to the camera\n")}) {
+  for (const auto& [name, otherwise, line] : {std::tuple("holdout", false, "  holdout true\n"),
+                                              std::tuple("visibleToCamera", true, "  visibleToCamera false\n")}) {
     EXPECT_EQ(dump_with(name, Interpolation::constant, otherwise), plain);
     EXPECT_NE(dump_with(name, Interpolation::constant, !otherwise).find(line), std::string::npos);
     EXPECT_NE(dump_with(name, Interpolation::constant, otherwise ? 0.0f : 1.0f).find(line), std::string::npos);

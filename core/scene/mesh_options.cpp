@@ -1,0 +1,20 @@
+#include "core/scene/mesh_options.h"
+
+namespace alabaster {
+
+std::span<const Parameter<MeshOptions>> mesh_parameters() {
+  using O = MeshOptions;
+  // The second line of a row is its unit and its description. clang-format would give each element a line.
+  // clang-format off
+  static constexpr Parameter<O> kTable[] = {
+      {"visibleToCamera", &O::visible_to_camera, -kUnbounded, kUnbounded, {},
+       "none", "False hides the mesh from the camera alone: it casts shadows, reflects and is reflected."},
+      {"holdout", &O::holdout, -kUnbounded, kUnbounded, {},
+       "none", "True if the mesh is a hole in the picture: colour and alpha are 0 where the camera sees it directly. "
+       "Shadows, reflections and bounced light are as without it."},
+  };
+  // clang-format on
+  return kTable;
+}
+
+}  // namespace alabaster
