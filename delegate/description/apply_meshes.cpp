@@ -3,6 +3,7 @@
 #include "delegate/description/apply_motion.h"
 #include "delegate/description/description_reader.h"
 #include "delegate/description/name_match.h"
+#include "delegate/gltf/gltf_mesh.h"
 #include "delegate/support/json_values.h"
 
 namespace alabaster::hd::description {
@@ -132,7 +133,21 @@ void add_fields(LoadState& load, const std::string& pointer, const std::string& 
   fields->emplace_back(name, support::value_of(value));
 }
 
+// glTF splits vertices at seams of normals, texture coordinates and materials, which would cut the refined surface.
+void weld_triangles(LoadState& load, const std::string& pointer, const Path& path) {
+  const auto is_its_model = [&](const std::string& name) { return path.str().starts_with(name + "/"); };
+  host::MeshDescription mesh = load.scene->GetMeshes().at(path);
+  if (std::none_of(load.model_names.begin(), load.model_names.end(), is_its_model) ||
+      !(mesh.topology.scheme == Token("none")))
+    return;
+  if (const size_t dropped = gltf::weld_vertices(&mesh); dropped > 0 && !load.posing)
+    load.warn(pointer,
+              std::to_string(dropped) + " triangles of mesh '" + path.str() + "' have no area and are left out.");
+  load.scene->SetMesh(path, std::move(mesh));
+}
+
 void change_mesh(LoadState& load, const std::string& pointer, const json& entry, const Path& path) {
+  if (entry.value("scheme", "none") != "none") weld_triangles(load, pointer + "/scheme", path);
   const std::string pattern = entry["match"];
   Target target{path, load.scene->GetMeshes().at(path), {}};
   if (!matches(pattern, path, true)) target.parts = matching_subsets(pattern, target.mesh.topology);

@@ -250,6 +250,9 @@ const char* set_value(const MaterialParameter& parameter, const Json& value, Mat
   } else if (std::holds_alternative<bool DisneyParameters::*>(parameter.member)) {
     if (!value.is_boolean()) return "must be true or false";
     material->set(parameter.name, value.get<bool>());
+  } else if (parameter.words[0]) {
+    if (!value.is_string()) return "must be a word";
+    material->set(parameter.name, value.get<std::string>().c_str());
   } else {
     if (!value.is_number()) return "must be a number";
     material->set(parameter.name, value.get<double>());
@@ -294,6 +297,7 @@ MaterialNetwork translate_material(const Document& document, size_t index, const
     set_scatter(&material);
   }
   set_opacity(base, vertex, &material);
+  if (material.material().value("doubleSided", false)) material.set("sides", "both");
   set_disney_extension(&material);
   return material.finish();
 }

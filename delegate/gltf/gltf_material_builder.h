@@ -39,6 +39,7 @@ class MaterialBuilder {
   void set(const char* name, double value) { surface_.parameters[name] = float(value); }
   void set(const char* name, const Vec3f& value) { surface_.parameters[name] = value; }
   void set(const char* name, bool value) { surface_.parameters[name] = value; }
+  void set(const char* name, const char* word) { surface_.parameters[name] = Token(word); }
   /// The constant that was set; white, `fallback` otherwise.
   Vec3f color_set(const char* name) const;
   double number_set(const char* name, double fallback) const;

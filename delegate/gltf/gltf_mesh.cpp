@@ -7,6 +7,7 @@
 #include <map>
 #include <numeric>
 
+#include "core/material/disney_parameters.h"
 #include "delegate/gltf/gltf_material.h"
 #include "delegate/gltf/gltf_ngon_encoding.h"
 #include "delegate/gltf/gltf_surfaces.h"
@@ -105,27 +106,78 @@ void append(std::vector<T>&& more, std::vector<T>* all) {
     all->insert(all->end(), more.begin(), more.end());
 }
 
-// The triangles of one primitive or more, whose attributes are the same.
+template <class T>
+std::vector<T> gathered(const T* values, const std::vector<uint32_t>& places, size_t components = 1) {
+  std::vector<T> taken;
+  taken.reserve(places.size() * components);
+  for (const uint32_t place : places)
+    for (size_t c = 0; c < components; ++c) taken.push_back(values[place * components + c]);
+  return taken;
+}
+
+// A primitive as it is read.
+struct Piece {
+  size_t primitive;
+  VertexReader reader;
+  SkinnedVertices vertices;
+  std::vector<uint32_t> triangles;
+  std::string key;
+  std::vector<Primvar> primvars = {};  // of its vertices, where it is added to a surface
+
+  // Gives each triangle vertices of its own, whose normals are the triangle's: it has no NORMAL, others have.
+  void flatten() {
+    vertices.points = gathered(vertices.points.data(), triangles);
+    for (Primvar& primvar : primvars)
+      primvar.attribute.values = gathered(primvar.attribute.values.data(), triangles, primvar.attribute.components);
+    std::iota(triangles.begin(), triangles.end(), 0u);
+    for (size_t i = 0; i < triangles.size(); i += 3) {
+      const Vec3f* const p = &vertices.points[i];
+      const Vec3f normal = (p[1] - p[0]).cross(p[2] - p[0]).normalized();
+      vertices.normals.insert(vertices.normals.end(), 3, vertices.mirrored ? -normal : normal);
+    }
+  }
+};
+
+// The triangles of one primitive or more.
 struct Surface {
   SkinnedVertices vertices;
   std::vector<Vec3f> rest;  // the points at rest, of cages
   std::vector<Primvar> primvars;
   std::vector<uint32_t> triangles;
   std::vector<size_t> ends;  // of the primitives, in `triangles`
+  bool has_normals = false;  // some primitive has
+  bool has_tangents = true;  // all primitives have
 
-  void add(const VertexReader& reader, SkinnedVertices more, std::vector<uint32_t> corners) {
+  void add(Piece piece) {
     const auto first = uint32_t(vertices.points.size());
-    vertices.mirrored = more.mirrored;
-    append(std::move(more.points), &vertices.points);
-    append(std::move(more.normals), &vertices.normals);
-    append(std::move(more.tangents), &vertices.tangents);
-    if (is_cage(reader.primitive)) append(to_vectors<Vec3f>(reader.read_at_rest("POSITION")), &rest);
-    std::vector<Primvar> values = read_primvars(reader);
-    for (size_t i = 0; i < primvars.size(); ++i)
-      append(std::move(values[i].attribute.values), &primvars[i].attribute.values);
-    if (first == 0) primvars = std::move(values);
-    for (uint32_t& corner : corners) corner += first;
-    append(std::move(corners), &triangles);
+    piece.primvars = read_primvars(piece.reader);
+    if (is_cage(piece.reader.primitive))
+      append(to_vectors<Vec3f>(piece.reader.read_at_rest("POSITION")), &rest);
+    else if (has_normals && piece.vertices.normals.empty())
+      piece.flatten();
+    const size_t count = first + piece.vertices.points.size();
+    vertices.mirrored = piece.vertices.mirrored;
+    append(std::move(piece.vertices.points), &vertices.points);
+    append(std::move(piece.vertices.normals), &vertices.normals);
+    if (has_tangents) append(std::move(piece.vertices.tangents), &vertices.tangents);
+    // Without texture coordinates they are 0, and without colours a material has its own.
+    const auto fill = [&](Primvar* primvar, size_t points) {
+      const float own = piece.reader.primitive.material < 0 ? DisneyParameters().base_color.r : 1;
+      const float otherwise = primvar->role == "textureCoordinate" ? 0 : primvar->role == "color" ? own : 1;
+      primvar->attribute.values.resize(points * primvar->attribute.components, otherwise);
+    };
+    for (Primvar& more : piece.primvars) {
+      const auto same = [&](const Primvar& known) { return known.name == more.name; };
+      auto known = std::find_if(primvars.begin(), primvars.end(), same);
+      if (known == primvars.end()) {
+        known = primvars.insert(known, {more.name, more.role, {{}, more.attribute.components}});
+        fill(&*known, first);
+      }
+      append(std::move(more.attribute.values), &known->attribute.values);
+    }
+    for (Primvar& primvar : primvars) fill(&primvar, count);
+    for (uint32_t& corner : piece.triangles) corner += first;
+    append(std::move(piece.triangles), &triangles);
     ends.push_back(triangles.size());
   }
 };
@@ -163,7 +215,58 @@ void set_triangles(Surface surface, host::MeshDescription* mesh) {
     mesh->primvars[primvar.name] = {Interpolation::vertex, primvar.role, to_array(primvar.attribute), {}};
 }
 
+std::vector<float> floats_of(const Value& value) {
+  std::vector<float> floats(value.count() * GetTypeInfo(value.type()).components);
+  for (size_t i = 0; i < floats.size(); ++i) floats[i] = float(value.component(i));
+  return floats;
+}
+
+void gather_samples(const std::vector<uint32_t>& vertices, TimeSamples<Value>* samples) {
+  for (Value& sample : samples->values)
+    if (const auto* held = sample.get<Array<Vec3f>>()) sample = Array<Vec3f>(gathered(held->data(), vertices));
+}
+
 }  // namespace
+
+size_t weld_vertices(host::MeshDescription* mesh) {
+  MeshTopology& topology = mesh->topology;
+  Surface surface;
+  const auto* points = mesh->primvars["points"].value.get<Array<Vec3f>>();
+  if (!points || topology.faceVertexIndices.empty()) return 0;
+  surface.vertices.points.assign(points->begin(), points->end());
+  surface.triangles.assign(topology.faceVertexIndices.begin(), topology.faceVertexIndices.end());
+  for (size_t end = 3; end <= surface.triangles.size(); end += 3) surface.ends.push_back(end);  // no polygons
+  Cage cage = build_cage(surface.triangles, surface.vertices.points, surface.ends);
+  mesh->primvars.erase("tangents"), mesh->primvarSamples.erase("tangents");
+  for (const auto& [name, primvar] : mesh->primvars)
+    if (primvar.interpolation == Interpolation::vertex && !(name == Token("points")))
+      surface.primvars.push_back(
+          {name.str(), primvar.role.str(), {floats_of(primvar.value), GetTypeInfo(primvar.value.type()).components}});
+  for (auto& [name, samples] : mesh->primvarSamples)
+    gather_samples(name == Token("points") ? cage.point_vertices
+                                           : weld_corners(cage, floats_of(mesh->primvars[name].value), 3).vertices,
+                   &samples);
+  std::vector<int32_t> places(surface.ends.size(), -1);  // of triangles among those that are left
+  for (size_t i = 0; i < places.size(); ++i)
+    if (const size_t before = i == 0 ? 0 : cage.part_ends[i - 1]; cage.part_ends[i] > before)
+      places[i] = int32_t(before);
+  const auto move_faces = [&](Array<int32_t>* faces) {
+    std::vector<int32_t> moved;
+    for (const int32_t face : *faces)
+      if (face >= 0 && size_t(face) < places.size() && places[size_t(face)] >= 0) moved.push_back(places[size_t(face)]);
+    *faces = std::move(moved);
+  };
+  for (GeomSubset& subset : topology.geomSubsets) move_faces(&subset.indices);
+  move_faces(&topology.invisibleFaces), move_faces(&topology.holeIndices);
+  for (Array<int32_t>* tags : {&mesh->subdivTags.creaseIndices, &mesh->subdivTags.cornerIndices}) {
+    std::vector<int32_t> moved(tags->begin(), tags->end());
+    for (int32_t& vertex : moved) vertex = cage.vertex_points[size_t(vertex)];  // it was checked when it was set
+    *tags = std::move(moved);
+  }
+  const size_t dropped = cage.dropped_faces;
+  set_cage(surface, std::move(cage), mesh);
+  return dropped;
+}
 
 std::vector<uint32_t> triangle_list(const std::vector<uint32_t>& indices, int mode) {
   const size_t n = indices.size();
@@ -192,13 +295,8 @@ std::string primitive_name(size_t mesh, size_t primitive) {
 }
 
 // Only primitives of equal keys can be one mesh.
-std::string mesh_key(const Document& document, const tinygltf::Primitive& primitive, bool mirrored) {
-  std::string key;
-  for (const bool fact : {is_cage(primitive), is_double_sided(document, primitive), mirrored}) key += fact ? '1' : '0';
-  for (const auto& [name, index] : primitive.attributes)
-    if (!name.starts_with('_'))
-      key.append(name).append(std::to_string(document.accessors[size_t(index)].components)).append(" ");
-  return key;
+std::string mesh_key(const tinygltf::Primitive& primitive, bool mirrored) {
+  return std::string(is_cage(primitive) ? "cage" : "triangles") + (mirrored ? " mirrored" : "");
 }
 
 std::vector<uint32_t> triangles_of(const Document& document, const tinygltf::Primitive& primitive) {
@@ -240,15 +338,6 @@ host::MeshDescription describe(Surface surface, int refine_level, const std::str
   return mesh;
 }
 
-// A primitive as it is read.
-struct Piece {
-  size_t primitive;
-  VertexReader reader;
-  SkinnedVertices vertices;
-  std::vector<uint32_t> triangles;
-  std::string key;
-};
-
 // Those with triangles; the others are reported by check_meshes or here.
 std::vector<Piece> read_pieces(const Document& document, size_t index, const PrimitiveShape& shape, Report& report) {
   const std::vector<tinygltf::Primitive>& primitives = document.model.meshes[index].primitives;
@@ -262,7 +351,7 @@ std::vector<Piece> read_pieces(const Document& document, size_t index, const Pri
     const size_t count = document.accessors[size_t(primitive.attributes.at("POSITION"))].count;
     VertexReader reader{document, primitive, take_used(count, &triangles), shape.weights};
     SkinnedVertices vertices = read_vertices(reader, shape.joint_matrices);
-    std::string key = mesh_key(document, primitive, vertices.mirrored);
+    std::string key = mesh_key(primitive, vertices.mirrored);
     pieces.push_back({p, std::move(reader), std::move(vertices), std::move(triangles), std::move(key)});
   }
   return pieces;
@@ -290,20 +379,27 @@ std::vector<MeshPart> translate_mesh(const Document& document, size_t index, con
   const std::vector<size_t> first = meshes_of(pieces);
   std::vector<MeshPart> parts;
   std::vector<Surface> surfaces;
-  std::map<size_t, size_t> places;  // of a mesh in `parts`, by its first piece
+  std::map<size_t, size_t> places;   // of a mesh in `parts`, by its first piece
+  std::map<size_t, Surface> shapes;  // what its pieces have
+  for (size_t i = 0; i < pieces.size(); ++i) {
+    shapes[first[i]].has_normals |= !pieces[i].vertices.normals.empty();
+    shapes[first[i]].has_tangents &= !pieces[i].vertices.tangents.empty();
+  }
   for (size_t i = 0; i < pieces.size(); ++i) {
     Piece& piece = pieces[i];
     size_t& place = places.try_emplace(first[i], parts.size()).first->second;
     if (place < parts.size() && piece.vertices.points.size() > kMostPoints - surfaces[place].vertices.points.size())
       place = parts.size();
-    if (place == parts.size()) parts.emplace_back(), surfaces.emplace_back();
-    surfaces[place].add(piece.reader, std::move(piece.vertices), std::move(piece.triangles));
+    if (place == parts.size()) parts.emplace_back(), surfaces.push_back(shapes[first[i]]);
     parts[place].primitives.push_back(piece.primitive);
+    surfaces[place].add(std::move(piece));
   }
   for (size_t i = 0; i < parts.size(); ++i) {
-    const size_t primitive = parts[i].primitives[0];
-    parts[i].mesh = describe(std::move(surfaces[i]), shape.refine_level, primitive_name(index, primitive), report);
-    parts[i].mesh.doubleSided = is_double_sided(document, document.model.meshes[index].primitives[primitive]);
+    const std::vector<size_t>& primitives = parts[i].primitives;
+    parts[i].mesh = describe(std::move(surfaces[i]), shape.refine_level, primitive_name(index, primitives[0]), report);
+    parts[i].mesh.doubleSided = std::all_of(primitives.begin(), primitives.end(), [&](size_t primitive) {
+      return is_double_sided(document, document.model.meshes[index].primitives[primitive]);
+    });
   }
   std::erase_if(parts, [](const MeshPart& part) { return part.mesh.topology.faceVertexCounts.empty(); });
   return parts;

@@ -21,14 +21,21 @@ struct MeshPart {
 
 /// The meshes that `meshes[index]` is drawn as: topology and primvars, morphed and skinned, without transform, paths
 /// and instancer. Primitives whose open edges coincide are one mesh (gltf_surfaces.h), as glTF splits one surface by
-/// materials, unless they differ in the attributes that they have, in FB_ngon_encoding, or in what their materials say
-/// of doubleSided. Those without triangles are left out (reported), and points that no triangle uses.
+/// materials, unless they differ in FB_ngon_encoding. Those without triangles are left out (reported), and points that
+/// no triangle uses. Where one lacks an attribute of another, its normals are those of its triangles, its texture
+/// coordinates 0 and its colours 1, and where one lacks tangents the mesh has none. A mesh is double-sided if all its
+/// materials are.
 ///
 /// Primvars: points, normals, tangents (Vec4f: the fourth number is the sign of the bitangent), st, st1, st2, ... (v
 /// upwards), displayColor (linear) and displayOpacity. Primitives with FB_ngon_encoding become catmullClark cages,
 /// whose normals come from refinement; all others get scheme none and keep their normals, or are flat without.
 std::vector<MeshPart> translate_mesh(const Document& document, size_t index, const PrimitiveShape& shape,
                                      Report& report);
+
+/// Makes a control mesh of the triangles of translate_mesh: all vertices at one position, to the bit, become one point.
+/// Other primvars become face-varying, and tangents go. Triangles with fewer than three points are left out; returns
+/// how many.
+size_t weld_vertices(host::MeshDescription* mesh);
 
 /// The triangle list of indices drawn in `mode` 4, 5 or 6 (glTF 2.0, section 3.7.2.1: triangles, strip, fan).
 std::vector<uint32_t> triangle_list(const std::vector<uint32_t>& indices, int mode);

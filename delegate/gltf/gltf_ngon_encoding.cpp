@@ -6,6 +6,8 @@
 #include <map>
 #include <span>
 
+#include "core/geometry/mesh.h"
+
 namespace alabaster::hd::gltf {
 namespace {
 
@@ -45,20 +47,18 @@ uint32_t float_bits(float value) {
 class CageBuilder {
  public:
   explicit CageBuilder(const std::vector<Vec3f>& points) {
-    std::map<FloatKey, int32_t> places;
-    welded_.reserve(points.size());
-    for (size_t vertex = 0; vertex < points.size(); ++vertex) {
-      const Vec3f& p = points[vertex];
-      const FloatKey key{{float_bits(p.x), float_bits(p.y), float_bits(p.z)}};
-      const auto [found, is_new] = places.try_emplace(key, int32_t(cage_.point_vertices.size()));
-      if (is_new) cage_.point_vertices.push_back(uint32_t(vertex));
-      welded_.push_back(found->second);
+    const std::vector<int> first = weld_by_position(points);
+    for (uint32_t vertex = 0; vertex < points.size(); ++vertex) {
+      const bool is_new = first[vertex] == int(vertex);
+      cage_.vertex_points.push_back(is_new ? int32_t(cage_.point_vertices.size())
+                                           : cage_.vertex_points[size_t(first[vertex])]);
+      if (is_new) cage_.point_vertices.push_back(vertex);
     }
   }
 
   // Adds a polygon, given by the original vertices of its corners.
   void add(std::vector<uint32_t> corners) {
-    const auto same_place = [&](uint32_t a, uint32_t b) { return welded_[a] == welded_[b]; };
+    const auto same_place = [&](uint32_t a, uint32_t b) { return cage_.vertex_points[a] == cage_.vertex_points[b]; };
     corners.erase(std::unique(corners.begin(), corners.end(), same_place), corners.end());
     while (corners.size() > 1 && same_place(corners.front(), corners.back())) corners.pop_back();
     if (corners.size() < 3) {
@@ -71,7 +71,7 @@ class CageBuilder {
     }
     cage_.face_vertex_counts.push_back(int32_t(corners.size()));
     for (const uint32_t corner : corners) {
-      cage_.face_vertex_indices.push_back(welded_[corner]);
+      cage_.face_vertex_indices.push_back(cage_.vertex_points[corner]);
       cage_.corner_vertices.push_back(corner);
     }
   }
@@ -82,12 +82,11 @@ class CageBuilder {
  private:
   bool has_repeated_point(const std::vector<uint32_t>& corners) const {
     std::vector<int32_t> places;
-    for (const uint32_t corner : corners) places.push_back(welded_[corner]);
+    for (const uint32_t corner : corners) places.push_back(cage_.vertex_points[corner]);
     std::sort(places.begin(), places.end());
     return std::adjacent_find(places.begin(), places.end()) != places.end();
   }
 
-  std::vector<int32_t> welded_;
   Cage cage_;
 };
 

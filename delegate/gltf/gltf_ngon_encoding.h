@@ -12,6 +12,7 @@ namespace alabaster::hd::gltf {
 /// A control cage: vertices welded by position. Vertices are those of the triangles that it was made from.
 struct Cage {
   std::vector<uint32_t> point_vertices;  // the vertex that each point is taken from
+  std::vector<int32_t> vertex_points;    // the point that each vertex becomes
   std::vector<int32_t> face_vertex_counts, face_vertex_indices;
   std::vector<uint32_t> corner_vertices;  // per face vertex
   std::vector<size_t> part_ends;          // the number of faces up to the end of each part

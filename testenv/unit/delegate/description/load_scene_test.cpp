@@ -166,6 +166,27 @@ TEST_F(LoadSceneTest, SubdivisionOfAMesh) {
   EXPECT_EQ(mesh.subdivTags.faceVaryingLinearInterpolation, Token("all"));
 }
 
+// Two triangles without common vertices, as exporters write sharp edges, and one without area.
+TEST_F(LoadSceneTest, ASchemeWeldsTheVerticesOfGltf) {
+  const float points[27] = {-1, -1, 0, 1, -1, 0, 1, 1, 0, -1, -1, 0, 1, 1, 0, -1, 1, 0, 1, 1, 0, 1, 1, 0, -1, 1, 0};
+  std::ofstream(folder_ / "split.bin", std::ios::binary).write(reinterpret_cast<const char*>(points), sizeof points);
+  write("split.gltf",
+        R"({"asset": {"version": "2.0"}, "scenes": [{"nodes": [0]}], "nodes": [{"name": "split", "mesh": 0}],
+    "meshes": [{"primitives": [{"attributes": {"POSITION": 0}}]}],
+    "accessors": [{"bufferView": 0, "componentType": 5126, "count": 9, "type": "VEC3", "min": [-1, -1, 0], "max": [1, 1, 0]}],
+    "bufferViews": [{"buffer": 0, "byteLength": 108}], "buffers": [{"byteLength": 108, "uri": "split.bin"}]})");
+  ASSERT_TRUE(describe(R"({"gltf": [{"file": "split.gltf"}], "meshes": [
+    {"match": "split", "corners": [{"point": 5}]}, {"match": "split", "scheme": "loop", "refineLevel": 1}]})")
+                  .ok)
+      << errors();
+  EXPECT_EQ(only_mesh().topology.faceVertexIndices, (Array<int32_t>{0, 1, 2, 0, 2, 3}));
+  EXPECT_EQ(only_mesh().topology.scheme, Token("loop"));
+  EXPECT_EQ(only_mesh().primvars.at("points").value.count(), 4u);
+  EXPECT_EQ(only_mesh().subdivTags.cornerIndices, (Array<int32_t>{3}));
+  ASSERT_EQ(diagnostics.size(), 1u);
+  EXPECT_NE(diagnostics[0].text.find("1 triangles"), std::string::npos) << diagnostics[0].text;
+}
+
 TEST_F(LoadSceneTest, SubsurfaceSetOfAMesh) {
   const SceneFile file = describe(R"({"gltf": [{"file": "patch.gltf"}],
     "meshes": [{"match": "patch", "subsurfaceSet": "body"}]})");

@@ -1,4 +1,6 @@
 // Accessors of all kinds and the primvars made from them; instances; which scene and materials are used.
+#include "delegate/gltf/gltf_mesh.h"
+#include "testenv/support/stage.h"
 #include "testenv/unit/delegate/gltf/gltf_builder.h"
 
 namespace alabaster::hd::gltf::testing {
@@ -186,6 +188,71 @@ TEST(GltfGeometry, PrimitivesAreSubsetsOfOneMesh) {
   EXPECT_EQ(mesh.topology.geomSubsets[1].indices, (Array<int32_t>{1}));
 }
 
+// Seen from behind, a part of the mesh is there if its material is double-sided.
+TEST(GltfGeometry, PrimitivesOfDifferentSidesAreOneMesh) {
+  for (const bool first : {false, true})
+    for (const bool second : {false, true}) {
+      GltfBuilder b = two_primitives();
+      b.json["materials"][0]["doubleSided"] = first, b.json["materials"][1]["doubleSided"] = second;
+      b.node()["rotation"] = {0, 1, 0, 0};
+      const Loaded loaded = b.load();
+      EXPECT_EQ(only_mesh(loaded).doubleSided, first && second);
+      Stage stage{{{"samples", int64_t(1)}, {"filter", std::string("box")}}};
+      stage.add_basic_scene();
+      stage.scene.Remove("/quad");
+      for (const auto& [path, mesh] : loaded.scene->GetMeshes()) stage.scene.SetMesh(path, mesh);
+      for (const auto& [path, material] : loaded.scene->GetMaterials()) stage.scene.SetMaterial(path, material);
+      RenderBuffer* const buffer = stage.add_buffer("/buffer", 8, 8, Format::float32);
+      const std::unique_ptr<RenderPass> pass = stage.delegate->CreateRenderPass();
+      stage.index->SyncAll();
+      ASSERT_TRUE(Stage::finish(*pass, Stage::state_for(8, 8, "elementId", buffer)));
+      const std::vector<float> faces = Stage::pixels<float>(buffer);  // of half a unit, from (-2, 2) on
+      EXPECT_EQ(faces[3 * 8 + 2], first ? 0 : -1) << first << second;
+      EXPECT_EQ(faces[2 * 8 + 3], second ? 1 : -1) << first << second;
+    }
+}
+
+// What one primitive has and another lacks is for that one what it would be alone.
+TEST(GltfGeometry, PrimitivesOfDifferentAttributesAreOneMesh) {
+  for (const bool first : {true, false}) {
+    GltfBuilder b = two_primitives();
+    Json& attributes = b.json["meshes"][0]["primitives"][first ? 0 : 1]["attributes"];
+    attributes["NORMAL"] = b.add<float>({0, 1, 0, 0, 1, 0, 0, 1, 0}, "VEC3");
+    attributes["TANGENT"] = b.add<float>({1, 0, 0, 1, 1, 0, 0, 1, 1, 0, 0, 1}, "VEC4");
+    attributes["TEXCOORD_0"] = b.add<float>({0.5f, 0.25f, 0.5f, 0.25f, 0.5f, 0.25f}, "VEC2");
+    attributes["COLOR_0"] = b.add<float>({0.5f, 0, 0, 0.5f, 0.5f, 0, 0, 0.5f, 0.5f, 0, 0, 0.5f}, "VEC4");
+    const Loaded loaded = b.load();
+    const host::MeshDescription& mesh = only_mesh(loaded);
+    for (const size_t vertex : {0u, 2u, 3u, 5u}) {
+      const bool has = (vertex < 3) == first;
+      EXPECT_EQ(primvar<Array<Vec3f>>(mesh, "normals")[vertex], has ? Vec3f(0, 1, 0) : Vec3f(0, 0, 1)) << vertex;
+      EXPECT_EQ(primvar<Array<Vec2f>>(mesh, "st")[vertex], has ? Vec2f(0.5f, 0.75f) : Vec2f(0)) << vertex;
+      EXPECT_EQ(primvar<Array<Vec3f>>(mesh, "displayColor")[vertex], has ? Vec3f(0.5f, 0, 0) : Vec3f(1)) << vertex;
+      EXPECT_EQ(primvar<Array<float>>(mesh, "displayOpacity")[vertex], has ? 0.5f : 1.0f) << vertex;
+    }
+    EXPECT_EQ(mesh.primvars.count("tangents"), 0u);
+    EXPECT_EQ(mesh.topology.faceVertexIndices, (Array<int32_t>{0, 1, 2, 3, 4, 5}));
+  }
+}
+
+TEST(GltfGeometry, WeldedVerticesKeepTheirSeams) {
+  GltfBuilder b = two_primitives();
+  size_t n = 0;
+  for (Json& primitive : b.json["meshes"][0]["primitives"]) {
+    const float y = float(n++);
+    primitive["attributes"]["NORMAL"] = b.add<float>({0, y, 1, 0, y, 1, 0, y, 1}, "VEC3");
+    primitive["attributes"]["TEXCOORD_0"] = b.add<float>({0.5f, 1, 0.5f, 1, 0.5f, 1}, "VEC2");
+  }
+  host::MeshDescription mesh = only_mesh(b.load());
+  EXPECT_EQ(weld_vertices(&mesh), 0u);
+  EXPECT_EQ(mesh.topology.faceVertexIndices, (Array<int32_t>{0, 1, 2, 0, 2, 3}));
+  EXPECT_EQ(primvar<Array<Vec3f>>(mesh, "points"), (Array<Vec3f>{{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}}));
+  EXPECT_EQ(mesh.primvars.at("st").interpolation, Interpolation::faceVarying);
+  EXPECT_EQ(mesh.primvars.at("st").indices, (Array<int32_t>{0, 1, 2, 0, 2, 3})) << "no seam";
+  EXPECT_EQ(mesh.primvars.at("normals").indices, (Array<int32_t>{0, 1, 2, 3, 4, 5}));
+  EXPECT_EQ(mesh.topology.geomSubsets[1].indices, (Array<int32_t>{1}));
+}
+
 // Bodies that are closed alone, such as a liquid in its glass, are no parts of one surface, and neither are parts that
 // meet in points alone.
 TEST(GltfGeometry, PrimitivesWithoutACommonEdgeStayMeshes) {
@@ -209,16 +276,14 @@ TEST(GltfGeometry, PrimitivesWithoutAMaterialDoNotGetAnothers) {
 }
 
 TEST(GltfGeometry, PrimitivesThatAMeshCannotHoldTogetherStayMeshes) {
-  GltfBuilder sided = two_primitives(), attributes = two_primitives(), modes = two_primitives();
-  sided.json["materials"][1]["doubleSided"] = true;
-  attributes.attribute<float>("NORMAL", {0, 0, 1, 0, 0, 1, 0, 0, 1}, "VEC3");
+  GltfBuilder cages = two_primitives(), modes = two_primitives();
+  cages.json["extensionsUsed"] = {"FB_ngon_encoding"};
+  cages.primitive()["extensions"]["FB_ngon_encoding"] = Json::object();
   modes.primitive()["mode"] = 1;
-  for (const GltfBuilder* b : {&sided, &attributes}) {
-    const Loaded loaded = b->load();
-    ASSERT_EQ(loaded.scene->GetMeshes().size(), 2u) << loaded.said();
-    EXPECT_EQ(loaded.scene->GetMeshes().begin()->first, Path("/gltf/made/nodes/0/0"));
-    EXPECT_EQ(loaded.scene->GetMeshes().begin()->second.topology.geomSubsets.size(), 0u);
-  }
+  const Loaded loaded = cages.load();
+  ASSERT_EQ(loaded.scene->GetMeshes().size(), 2u) << loaded.said();
+  EXPECT_EQ(loaded.scene->GetMeshes().begin()->first, Path("/gltf/made/nodes/0/0"));
+  EXPECT_EQ(loaded.scene->GetMeshes().begin()->second.topology.geomSubsets.size(), 0u);
   EXPECT_EQ(modes.load().scene->GetMeshes().begin()->first, Path("/gltf/made/nodes/0/1")) << "beside lines";
 }
 
