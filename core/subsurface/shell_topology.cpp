@@ -76,7 +76,8 @@ class TopologyFinder {
     find_degenerate();
     cancel_.check();
     merge_coincident();
-    join_by_edges();
+    find_doubled();
+    for_each_edge([this](std::span<const Edge> edge) { join_at_edge(edge); });
     number_shells();
     out_.has_walls = !walls_.empty();
     out_.turned.resize(corners_.size());
@@ -128,6 +129,8 @@ class TopologyFinder {
     for (size_t i = 0; i < count; ++i) even += is_even(i) ? 1 : 0;
     if (2 * even == count) {
       for (size_t i = 0; i < count; ++i) kind_[group[i].triangle] = kBackToBack;
+      for (size_t i = 1; i < count; ++i)
+        backs_.push_back({group[0].triangle, group[i].triangle, is_even(i) != is_even(0)});
       return;
     }
     const bool majority = 2 * even > count;
@@ -145,7 +148,36 @@ class TopologyFinder {
     return (c[0] < c[1] && c[1] < c[2]) || (c[1] < c[2] && c[2] < c[0]) || (c[2] < c[0] && c[0] < c[1]);
   }
 
-  void join_by_edges() {
+  // A surface all of whose triangles are back to back is a body if one of each closes it, and a sheet otherwise.
+  void find_doubled() {
+    if (backs_.empty()) return;
+    std::vector<bool> is_first(corners_.size(), false);
+    for (const Back& back : backs_) is_first[back.first] = true;
+    Surfaces doubled(corners_.size());
+    std::vector<bool> open(corners_.size(), false);
+    std::vector<uint32_t> torn;
+    for_each_edge([&](std::span<const Edge> edge) {
+      std::vector<const Edge*> firsts;
+      for (const Edge& one : edge)
+        if (is_first[one.triangle]) firsts.push_back(&one);
+      bool closes = firsts.size() % 2 == 0;
+      for (const Edge& one : edge) closes = closes && kind_[one.triangle] == kBackToBack;
+      if (closes && firsts.size() == 2)
+        closes = doubled.join(firsts[0]->triangle, firsts[1]->triangle, firsts[0]->ascending == firsts[1]->ascending);
+      if (!closes)
+        for (const Edge* first : firsts) torn.push_back(first->triangle);
+    });
+    for (const uint32_t t : torn) open[doubled.root(t)] = true;
+    for (const Back& back : backs_) {
+      if (open[doubled.root(back.first)]) continue;
+      kind_[back.first] = kSingle, kind_[back.copy] = kCopy;
+      surfaces_.join(back.first, back.copy, back.turned);
+    }
+  }
+
+  /// Calls visit(edges) with the edges between each two points.
+  template <class Visit>
+  void for_each_edge(const Visit& visit) {
     const auto each = [&](const auto& add) {
       for (uint32_t t = 0; t < corners_.size(); ++t) {
         cancel_.check();
@@ -160,8 +192,7 @@ class TopologyFinder {
     for (size_t point = 0; point < edges.size(); ++point) {
       cancel_.check();
       for_each_run(
-          edges[point], [](const Edge& a, const Edge& b) { return a.other == b.other; },
-          [&](std::span<const Edge> edge) { join_at_edge(edge); });
+          edges[point], [](const Edge& a, const Edge& b) { return a.other == b.other; }, visit);
     }
   }
 
@@ -213,6 +244,11 @@ class TopologyFinder {
   std::vector<WeldedCorners>& corners_ = out_.corners;
   std::vector<Kind>& kind_ = out_.kind;
   Surfaces surfaces_;
+  struct Back {
+    uint32_t first, copy;  // triangles that lie on each other, as many of which wind either way
+    bool turned;           // they wind against each other
+  };
+  std::vector<Back> backs_;
   std::vector<uint32_t> torn_, walls_;  // a triangle of each surface that has an open edge; that continues in another
 };
 

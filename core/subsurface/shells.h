@@ -12,8 +12,8 @@ namespace alabaster {
 /// A shell is a set of triangles connected by edges that two of them share, after welding points by position. A closed
 /// shell has no other edges. The sign of its volume says which side is out, so that neither a mesh turned inside out
 /// nor single turned faces matter; except that a shell inside another one that winds the other way is a cavity, and out
-/// is into it. Triangles that lie on each other count once; two that lie back to back are a wall within a body where
-/// other triangles continue them, else an open sheet.
+/// is into it. Triangles that lie on each other count once. Two that lie back to back are a wall within a body where
+/// other triangles continue them, part of a closed shell where one of each such pair closes it, else an open sheet.
 struct MeshShells {
   enum Flag : uint8_t {
     kReversed = 1,  // winds clockwise seen from outside

@@ -128,6 +128,34 @@ TEST(Shells, CoincidentTrianglesAreOne) {
   EXPECT_EQ(thrice.winding({0.1f, 0.2f, 0}), 1);
 }
 
+// Modellers double the faces of what is to be seen from both sides, at once or face by face.
+TEST(Shells, ABodyOfDoubledFacesIsClosed) {
+  const Cage one = box({0, 0, 0}, 1), all = both(one, box({0, 0, 0}, 1, true));
+  Cage by_face = one, without_a_face = all;
+  by_face.face_vertex_counts.clear(), by_face.face_vertex_indices.clear();
+  for (size_t face = 0; face < one.face_vertex_counts.size(); ++face)
+    for (const bool turned : {false, true}) {
+      by_face.face_vertex_counts.push_back(4);
+      for (const size_t i : {0u, 1u, 2u, 3u})
+        by_face.face_vertex_indices.push_back(one.face_vertex_indices[4 * face + (turned ? 3 - i : i)]);
+    }
+  for (const Cage& cage : {all, by_face, both(all, box({5, 0, 0}, 1))}) {
+    const Found f = find(cage);
+    EXPECT_EQ(f.count(MeshShells::kReversed), 12u);
+    EXPECT_EQ(f.count(MeshShells::kOpen), 0u);
+    EXPECT_FALSE(f.shells.any_open);
+    EXPECT_FALSE(f.shells.overlapping);
+    EXPECT_EQ(f.winding({0.1f, 0.2f, 0}), 1);
+    EXPECT_EQ(f.winding({0.1f, 2, 0}), 0);
+  }
+  // The last face of the first half, and the first of the second half, which lies on it.
+  auto& counts = without_a_face.face_vertex_counts;
+  auto& corners = without_a_face.face_vertex_indices;
+  counts.erase(counts.begin() + 5, counts.begin() + 7);
+  corners.erase(corners.begin() + 20, corners.begin() + 28);
+  EXPECT_EQ(find(without_a_face).count(MeshShells::kOpen), find(without_a_face).mesh.triangles.size());
+}
+
 // Two cubes that touch in a face: the face between them is not a surface.
 TEST(Shells, BackToBackTrianglesWithinABodyAreAWall) {
   Cage cage = both(box({-1, 0, 0}, 1), box({1, 0, 0}, 1));
