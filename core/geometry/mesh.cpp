@@ -30,9 +30,8 @@ std::array<uint32_t, 3> position_key(const Vec3f& p) {
           std::bit_cast<uint32_t>(p.z + 0.0f)};
 }
 
-// `weld` empty: points are their own.
-bool every_edge_is_paired(const Mesh& mesh, const std::vector<int>& weld, const CancelToken& cancel) {
-  // Edges are grouped by the lower of their points, and stand for the other.
+// Grouped by the lower of their points; each stands for the other. `weld` empty: points are their own.
+GroupedItems<uint32_t> edges_of(const Mesh& mesh, const std::vector<int>& weld, const CancelToken& cancel) {
   const auto each_edge = [&](const auto& add) {
     for (const auto& t : mesh.triangles) {
       cancel.check();
@@ -46,7 +45,11 @@ bool every_edge_is_paired(const Mesh& mesh, const std::vector<int>& weld, const 
       }
     }
   };
-  const GroupedItems<uint32_t> edges(mesh.points.size(), each_edge, cancel);
+  return {mesh.points.size(), each_edge, cancel};
+}
+
+bool every_edge_is_paired(const Mesh& mesh, const std::vector<int>& weld, const CancelToken& cancel) {
+  const GroupedItems<uint32_t> edges = edges_of(mesh, weld, cancel);
   bool any = false;
   for (size_t point = 0; point < edges.size(); ++point) {
     const auto ends = edges[point];
@@ -273,6 +276,18 @@ std::vector<int> weld_by_position(const std::vector<Vec3f>& points, const Cancel
     first[keys[i][3]] = static_cast<int>(keys[run][3]);
   }
   return first;
+}
+
+OpenEdges find_open_edges(const Mesh& mesh) {
+  OpenEdges found;
+  const GroupedItems<uint32_t> edges = edges_of(mesh, weld_by_position(mesh.points, {}), {});
+  for (uint32_t point = 0; point < edges.size(); ++point)
+    for_each_run(edges[point], std::equal_to<>(), [&](std::span<const uint32_t> edge) {
+      if (edge.size() % 2 == 0) return;
+      OpenEdges::Kind& kind = edge.size() == 1 ? found.of_one : found.of_more;
+      if (kind.count++ == 0) kind.first = {mesh.points[point], mesh.points[edge[0]]};
+    });
+  return found;
 }
 
 size_t estimate_mesh_bytes(const Cage& cage, int level) {

@@ -141,4 +141,14 @@ size_t estimate_mesh_bytes(const Cage& cage, int level);
 /// of the first point with the same bits (after -0 -> +0).
 std::vector<int> weld_by_position(const std::vector<Vec3f>& points, const CancelToken& cancel = {});
 
+/// The edges for which a mesh is not closed, after welding.
+struct OpenEdges {
+  struct Kind {
+    size_t count = 0;
+    std::array<Vec3f, 2> first{};  // the ends of one of them
+  };
+  Kind of_one, of_more;  // with one triangle; with three or another odd number
+};
+OpenEdges find_open_edges(const Mesh& mesh);
+
 }  // namespace alabaster

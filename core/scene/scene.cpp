@@ -51,17 +51,21 @@ bool is_behind(const Instance& instance, const TriangleHit& hit, const Vec3f& di
   return dot(cross(p1 - p0, p2 - p0), instance.at(hit, &moved).world_to_object.vector(dir)) > 0;
 }
 
-std::vector<size_t> scattering_slots(const InstanceDescription& instance) {
+std::vector<size_t> used_slots(const InstanceDescription& instance, bool (*is_such)(const DisneyMaterial&)) {
   const auto& materials = instance.materials;
   std::vector<size_t> found;
-  if (std::none_of(materials.begin(), materials.end(), [](const auto& m) { return m->scatters(); })) return found;
+  if (std::none_of(materials.begin(), materials.end(), [&](const auto& m) { return is_such(*m); })) return found;
   const TriangleSlots& slots = instance.triangle_slots();
   std::vector<bool> used(materials.size(), false);
   if (slots.empty()) used[0] = true;
   for (const int32_t slot : slots) used[static_cast<size_t>(slot) < used.size() ? static_cast<size_t>(slot) : 0] = true;
   for (size_t slot = 0; slot < used.size(); ++slot)
-    if (used[slot] && materials[slot]->scatters()) found.push_back(slot);
+    if (used[slot] && is_such(*materials[slot])) found.push_back(slot);
   return found;
+}
+
+std::vector<size_t> scattering_slots(const InstanceDescription& instance) {
+  return used_slots(instance, [](const DisneyMaterial& material) { return material.scatters(); });
 }
 
 }  // namespace alabaster

@@ -68,6 +68,8 @@ struct InstanceArrayDescription {
 /// The material slots whose triangles let light below their surface, in order. A material that no face uses does not
 /// count.
 std::vector<size_t> scattering_slots(const InstanceDescription& instance);
+/// Those whose materials are such, likewise.
+std::vector<size_t> used_slots(const InstanceDescription& instance, bool (*is_such)(const DisneyMaterial&));
 
 struct SceneDescription {
   std::vector<InstanceDescription> instances;
@@ -125,10 +127,10 @@ struct Instance : Placement {
     return slot < materials.size() ? slot : 0;
   }
   const DisneyMaterial& material(uint32_t triangle) const { return *materials[slot(triangle)]; }
-};
-
   /// Rays pass the back of the slot's triangles.
   bool is_single_sided(size_t slot) const { return single_sided && single_sided_slots[slot] != 0; }
+};
+
 /// The instances of an array have the indices from `first` on.
 struct InstanceArray {
   Instance look;

@@ -40,6 +40,9 @@ class MeshInterior {
     };
     return grid_.get(build).part.get();
   }
+  const OpenEdges& open_edges(const Mesh& mesh) const {
+    return open_edges_.get([&] { return find_open_edges(mesh); });
+  }
   /// All that has been built.
   size_t memory_bytes() const {
     return shells_.measured([](const auto& shells) { return shells.part.triangle_flags.capacity(); }) +
@@ -60,6 +63,7 @@ class MeshInterior {
   std::shared_ptr<MemoryBudget> budget_;
   std::shared_ptr<ShellTopologyCache> topology_;  // null: its own, for a moment
   mutable BuiltOnce<Counted<MeshShells>> shells_;
+  mutable BuiltOnce<OpenEdges> open_edges_;
   mutable BuiltOnce<Counted<std::shared_ptr<const DistanceGrid>>> grid_;
 };
 

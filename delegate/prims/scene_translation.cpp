@@ -335,12 +335,30 @@ struct SceneTranslator::Run {
     return "material " + mesh.materials[slots.front()].str();
   }
 
+  // A sheet that spreads light alone may be open: both of its sides are lit.
   void check_closed(const InstanceDescription& instance) {
-    if (instance.prototype->mesh.closed || scattering_slots(instance).empty()) return;
-    translator.warn("mesh.open", Path(instance.name),
-                    "subsurface scattering in a mesh that is not closed: the medium goes on behind it without "
-                    "end, and light that does not come back is lost (stats: walk.lostEnergy); close the mesh, or "
-                    "bind a material without scatterDistance");
+    const MeshPrototype& prototype = *instance.prototype;
+    if (prototype.mesh.closed) return;
+    const bool scatters = !scattering_slots(instance).empty();
+    const bool is_clear = !used_slots(instance, [](const DisneyMaterial& material) {
+                             const DisneyParameters& p = material.constants;
+                             return !p.thin && (p.spec_trans > 0 || (p.diff_trans > 0 && p.attenuation_distance > 0));
+                           }).empty();
+    if (!scatters && !is_clear) return;
+    const OpenEdges& edges = prototype.interior.open_edges(prototype.mesh);
+    std::string text = scatters ? "subsurface scattering in a mesh that is not closed: the medium goes on behind it "
+                                  "without end, and light that does not come back is lost (stats: walk.lostEnergy)"
+                                : "a clear material in a mesh that is not closed: all that lies behind it is in its "
+                                  "interior, which absorbs nothing and which light reaches by refraction alone";
+    const auto add = [&](const OpenEdges::Kind& kind, const char* have, const char* remedy) {
+      if (kind.count == 0) return;
+      text += "; " + std::to_string(kind.count) + have + ", one from " + Value(kind.first[0]).to_string() + " to " +
+              Value(kind.first[1]).to_string() + ": " + remedy;
+    };
+    add(edges.of_one, " of its edges have one face", "close it there, or join it with the mesh that it meets there");
+    add(edges.of_more, " have three faces or another odd number", "delete the faces inside");
+    text += scatters ? "; or bind a material without scatterDistance" : "; or make the material `thin`";
+    translator.warn("mesh.open", Path(instance.name), text);
   }
 
   // Few faces without a direction, such as those at a pole, show nowhere.

@@ -77,6 +77,37 @@ TEST(MeshSync, SubsurfaceInAnOpenMeshIsToldOnceForEachPrim) {
   EXPECT_EQ(where, (std::vector<std::string>{"/a", "/b"}));
 }
 
+// Panes, which may be sheets, are told where their interior would be; a face within a body is told from a hole in it.
+TEST(MeshSync, OpenMeshesOfClearMaterialsAreToldWithTheirEdges) {
+  Stage stage;
+  const auto said = [&](const Dictionary& parameters, const host::MeshDescription& shape) {
+    MaterialNetwork network = scattering();
+    for (auto& [path, node] : network.nodes) node.parameters = {parameters.begin(), parameters.end()};
+    stage.scene.SetMaterial("/m", network);
+    host::MeshDescription mesh = shape;
+    mesh.material = "/m";
+    stage.scene.SetMesh("/a", mesh);
+    stage.index->SyncAll();
+    std::string text;
+    for (const Diagnostic& d : stage.take_diagnostics())
+      if (d.code == "mesh.open") text = d.text;
+    return text;
+  };
+  host::MeshDescription walled = Stage::quad();
+  walled.topology.faceVertexCounts = {3, 3, 3, 3, 3};
+  walled.topology.faceVertexIndices = {0, 2, 1, 0, 1, 3, 1, 2, 3, 2, 0, 3, 0, 1, 4};
+  walled.primvars["points"].value = Array<Vec3f>{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {0.25f, 0.25f, 0.25f}};
+  const std::string pane = said({{"specTrans", 1.0f}}, Stage::quad());
+  EXPECT_NE(pane.find("4 of its edges have one face, one from (-1, -1, 0)"), std::string::npos) << pane;
+  EXPECT_NE(pane.find("make the material `thin`"), std::string::npos) << pane;
+  const std::string wall = said({{"specTrans", 1.0f}}, walled);
+  EXPECT_NE(wall.find("1 have three faces or another odd number, one from (0, 0, 0) to (1, 0, 0)"), std::string::npos)
+      << wall;
+  EXPECT_EQ(said({{"specTrans", 1.0f}, {"thin", true}}, Stage::quad()), "");
+  EXPECT_EQ(said({{"diffTrans", 1.0f}}, Stage::quad()), "");
+  EXPECT_NE(said({{"diffTrans", 1.0f}, {"attenuationDistance", 1.0f}}, Stage::quad()), "");
+}
+
 TEST(MeshSync, AnisotropyWithoutADirectionIsToldOnceForEachPrim) {
   Stage stage;
   MaterialNetwork brushed;
