@@ -40,9 +40,9 @@ std::string pull_subsurface_set(SceneDelegate& scene, const Path& id, const std:
 // Each option is a constant primvar. A number stands for true unless it is 0.
 void pull_options(SceneDelegate& scene, const Path& id, const std::vector<PrimvarDescriptor>& descriptors,
                   const alabaster::DiagnosticSink& sink, MeshOptions* options) {
+  *options = {.double_sided = options->double_sided, .camera_cull = options->camera_cull};
   for (const auto& row : mesh_parameters()) {
-    const Value otherwise = get_parameter(row, MeshOptions());
-    set_parameter(row, otherwise, options);
+    const Value otherwise = get_parameter(row, *options);
     const PulledPrimvar pulled = pull_primvar(scene, id, row.name, descriptors);
     if (!pulled.present) continue;
     const auto* numbers = pulled.value.get<Array<float>>();

@@ -83,7 +83,7 @@ std::string instance_text(const InstanceDescription& instance, const Translation
   if (options.camera_cull != CameraCull::none)
     text += options.camera_cull == CameraCull::back ? "  back culled\n" : "  front culled\n";
   for (const auto& row : mesh_parameters())
-    if (const Value value = get_parameter(row, options); !(value == get_parameter(row, MeshOptions())))
+    if (const Value value = get_parameter(row, options); !(value == get_parameter(row, InstanceDescription().options)))
       text += std::string("  ") + row.name + " " + value.to_string() + "\n";
   if (!instance.subsurface_set.empty()) text += "  subsurfaceSet " + instance.subsurface_set + "\n";
   if (instance.category_set != 0)

@@ -28,6 +28,9 @@ class Mesh(TypedDict, total=False):
     instancer: Optional[str]
     render_tag: Optional[str]
     categories: Optional[Sequence[str]]
+    visibleToCamera: Optional[bool]
+    holdout: Optional[bool]
+    subsurfaceSet: Optional[str]
 
 class Instancer(TypedDict, total=False):
     transform: Optional[_Array]
