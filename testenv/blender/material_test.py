@@ -9,7 +9,7 @@ import bpy
 import numpy
 
 import scenes
-from alabaster_render import disney_group, images, materials, schema, shaders, sockets, subsurface, sync, world
+from alabaster_render import disney_group, images, materials, shaders, sockets, subsurface, sync, world
 from synced_scene import Watched, fresh
 
 
@@ -25,7 +25,7 @@ class Materials(unittest.TestCase):
         tree = disney_group.tree()
         sockets = ([one for one in tree.interface.items_tree if one.in_out == "INPUT"] if disney_group.MODERN else tree.inputs)
         held = {one.name: one for one in sockets}
-        for name, p in schema.parameters("disney_material").items():
+        for name, p in disney_group.PARAMETERS.items():
             self.assertEqual(held[name].description[:60], p.description[:60])  # Blender 3 keeps 63 bytes
             if p.kind == "float":
                 self.assertAlmostEqual(held[name].default_value, p.default, places=5)

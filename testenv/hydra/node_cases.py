@@ -30,13 +30,17 @@ def numbers_of(text):
 def fault_of_input(name, wanted, found):
     plain = wanted.get("anyOf", [wanted])[0]
     single = plain.get("items", plain)
-    kind = "color3f" if plain["type"] == "array" else {"number": "float", "integer": "int", "boolean": "bool"}[plain["type"]]
-    default = [float(v) for v in (wanted["default"] if plain["type"] == "array" else [wanted["default"]])]
+    kind = "color3f" if plain["type"] == "array" else {"number": "float", "integer": "int", "boolean": "bool", "string": "token"}[plain["type"]]
     said = found["metadata"]
     if (found["type"], found["help"], found["connectable"]) != (kind, wanted["description"], "anyOf" in wanted):
         return f"{name} is {found}"
-    if any(abs(a - b) > 1e-6 for a, b in zip(numbers_of(found["default"]), default, strict=True)):
-        return f"the default of {name} is {found['default']}, not {default}"
+    if kind == "token":
+        same = found["default"].strip('"') == wanted["default"] and found["options"] == wanted["enum"]
+    else:
+        default = wanted["default"] if plain["type"] == "array" else [wanted["default"]]
+        same = all(abs(a - b) <= 1e-6 for a, b in zip(numbers_of(found["default"]), map(float, default), strict=True))
+    if not same:
+        return f"the default of {name} is {found['default']}, not {wanted['default']}"
     if said.get("unit", "none") != wanted["unit"]:
         return f"the unit of {name} is {said.get('unit')}"
     if any(float(said.get(bound, "nan")) != single[bound] if bound in single else bound in said for bound in ("minimum", "maximum")):

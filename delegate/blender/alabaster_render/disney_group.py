@@ -5,7 +5,7 @@ from . import schema
 
 NAME = "Alabaster Material"
 MODERN = bpy.app.version >= (4, 0, 0)
-PARAMETERS = schema.parameters("disney_material")
+PARAMETERS = {name: p for name, p in schema.parameters("disney_material").items() if p.kind != "enum"}  # sockets have no words
 KINDS = {"float": "NodeSocketFloat", "int": "NodeSocketInt", "bool": "NodeSocketBool", "color": "NodeSocketColor"}
 # The Principled BSDF inside stands in for ours in other engines: an input of the group, and its inputs of both generations.
 PREVIEW = {"baseColor": ("Base Color",), "metallic": ("Metallic",), "roughness": ("Roughness",), "opacity": ("Alpha",),

@@ -101,6 +101,33 @@ TEST_F(SceneSourceTest, APoseIsWhatALoadForItsTimeGives) {
     }
 }
 
+// Two primitives of a square, which a scheme makes one control mesh.
+TEST_F(SceneSourceTest, AWeldedMeshKeepsItsSeams) {
+  gltf::testing::GltfBuilder b;
+  b.attribute<float>("POSITION", {0, 0, 0, 1, 0, 0, 1, 1, 0}, "VEC3");
+  b.json["meshes"][0]["primitives"].push_back(nlohmann::json::object());
+  b.json["meshes"][0]["primitives"][1]["attributes"]["POSITION"] = b.add<float>({0, 0, 0, 1, 1, 0, 0, 1, 0}, "VEC3");
+  float y = 0;
+  for (auto& primitive : b.json["meshes"][0]["primitives"]) {
+    primitive["attributes"]["NORMAL"] = b.add<float>({0, y, 1, 0, y, 1, 0, y, 1}, "VEC3");
+    primitive["attributes"]["TEXCOORD_0"] = b.add<float>({0.5f, 1, 0.5f, 1, 0.5f, 1}, "VEC2");
+    y = 1;
+  }
+  write("made.glb", b.bytes());
+  ASSERT_TRUE(describe(R"({"gltf": [{"file": "made.glb"}], "meshes": [{"match": "*", "scheme": "loop"}],
+    "settings": {"studio": "off"}})")
+                  .ok)
+      << errors();
+  ASSERT_EQ(scene.GetMeshes().size(), 1u);
+  const host::MeshDescription& mesh = scene.GetMeshes().begin()->second;
+  EXPECT_EQ(mesh.topology.faceVertexIndices, (Array<int32_t>{0, 1, 2, 0, 2, 3}));
+  EXPECT_EQ(mesh.primvars.at("points").value, Value(Array<Vec3f>{{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}}));
+  EXPECT_EQ(mesh.primvars.at("st").interpolation, Interpolation::faceVarying);
+  EXPECT_EQ(mesh.primvars.at("st").indices, (Array<int32_t>{0, 1, 2, 0, 2, 3})) << "no seam";
+  EXPECT_EQ(mesh.primvars.at("normals").indices, (Array<int32_t>{0, 1, 2, 3, 4, 5}));
+  EXPECT_EQ(mesh.topology.geomSubsets.at(1).indices, (Array<int32_t>{1}));
+}
+
 TEST_F(SceneSourceTest, WithoutAnAnimationOrASceneNothingMoves) {
   SceneSource source;
   EXPECT_EQ(source.Pose(1, {}), LoadCause::input) << "nothing is loaded";

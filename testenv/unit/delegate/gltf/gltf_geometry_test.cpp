@@ -1,5 +1,4 @@
 // Accessors of all kinds and the primvars made from them; instances; which scene and materials are used.
-#include "delegate/gltf/gltf_mesh.h"
 #include "testenv/support/stage.h"
 #include "testenv/unit/delegate/gltf/gltf_builder.h"
 
@@ -233,24 +232,6 @@ TEST(GltfGeometry, PrimitivesOfDifferentAttributesAreOneMesh) {
     EXPECT_EQ(mesh.primvars.count("tangents"), 0u);
     EXPECT_EQ(mesh.topology.faceVertexIndices, (Array<int32_t>{0, 1, 2, 3, 4, 5}));
   }
-}
-
-TEST(GltfGeometry, WeldedVerticesKeepTheirSeams) {
-  GltfBuilder b = two_primitives();
-  size_t n = 0;
-  for (Json& primitive : b.json["meshes"][0]["primitives"]) {
-    const float y = float(n++);
-    primitive["attributes"]["NORMAL"] = b.add<float>({0, y, 1, 0, y, 1, 0, y, 1}, "VEC3");
-    primitive["attributes"]["TEXCOORD_0"] = b.add<float>({0.5f, 1, 0.5f, 1, 0.5f, 1}, "VEC2");
-  }
-  host::MeshDescription mesh = only_mesh(b.load());
-  EXPECT_EQ(weld_vertices(&mesh), 0u);
-  EXPECT_EQ(mesh.topology.faceVertexIndices, (Array<int32_t>{0, 1, 2, 0, 2, 3}));
-  EXPECT_EQ(primvar<Array<Vec3f>>(mesh, "points"), (Array<Vec3f>{{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}}));
-  EXPECT_EQ(mesh.primvars.at("st").interpolation, Interpolation::faceVarying);
-  EXPECT_EQ(mesh.primvars.at("st").indices, (Array<int32_t>{0, 1, 2, 0, 2, 3})) << "no seam";
-  EXPECT_EQ(mesh.primvars.at("normals").indices, (Array<int32_t>{0, 1, 2, 3, 4, 5}));
-  EXPECT_EQ(mesh.topology.geomSubsets[1].indices, (Array<int32_t>{1}));
 }
 
 // Bodies that are closed alone, such as a liquid in its glass, are no parts of one surface, and neither are parts that

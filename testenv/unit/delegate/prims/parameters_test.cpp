@@ -32,6 +32,10 @@ Probe probe(const json& property) {
   const std::string type = p.at("type");
   if (type == "boolean")
     return {!property.at("default").get<bool>(), property.at("default").get<bool>() ? "false" : "true"};
+  if (type == "string") {
+    const Value word = p.at("enum").back().get<std::string>();
+    return {word, word.to_string()};
+  }
   if (type == "array") return {Vec3f(0.25f, 0.5f, 0.75f), "(0.25, 0.5, 0.75)"};
   if (type == "integer") {
     const uint32_t next = property.at("default").get<uint32_t>() + 1;
@@ -79,6 +83,7 @@ TEST(Parameters, MaterialDefaultsAreTheSchemas) {
     const json& d = property.at("default");
     const Value value = d.is_array()     ? Value(Vec3f(d[0], d[1], d[2]))
                         : d.is_boolean() ? Value(d.get<bool>())
+                        : d.is_string()  ? Value(d.get<std::string>())
                                          : Value(d.get<float>());
     EXPECT_NE(text.find("\n  " + name + " " + value.to_string() + "\n"), std::string::npos) << name;
   }
