@@ -140,7 +140,8 @@ std::optional<LightLanding> show_landing(const PathContext& context, const Pixel
   ++context.counters.bounce_rays;
   if (!ends_at(context, sampler, landed, dot(at.p - path.ray.org, path.ray.dir), &path, &hit)) return std::nullopt;
   const PathVertex x = find_vertex<kMode>(context, hit, &path);
-  if (x.material.transmits() || x.instance->options.holdout || goes_on_within_medium<kMode>(context, x, path)) return {};
+  if (x.material.transmits() || x.instance->options.holdout || goes_on_within_medium<kMode>(context, x, path))
+    return {};
 
   // Go on from there to where the light path began.
   const DisneyBsdf bsdf_x(x.material, x.frame.to_local(-path.ray.dir), context.settings.energy);

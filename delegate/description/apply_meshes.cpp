@@ -3,7 +3,7 @@
 #include "delegate/description/apply_motion.h"
 #include "delegate/description/description_reader.h"
 #include "delegate/description/name_match.h"
-#include "delegate/gltf/gltf_mesh.h"
+#include "delegate/gltf/gltf_scene.h"
 #include "delegate/support/json_values.h"
 
 namespace alabaster::hd::description {
@@ -140,7 +140,7 @@ void weld_triangles(LoadState& load, const std::string& pointer, const Path& pat
   if (std::none_of(load.model_names.begin(), load.model_names.end(), is_its_model) ||
       !(mesh.topology.scheme == Token("none")))
     return;
-  if (const size_t dropped = gltf::weld_vertices(&mesh); dropped > 0 && !load.posing)
+  if (const size_t dropped = gltf::WeldVertices(&mesh); dropped > 0 && !load.posing)
     load.warn(pointer,
               std::to_string(dropped) + " triangles of mesh '" + path.str() + "' have no area and are left out.");
   load.scene->SetMesh(path, std::move(mesh));

@@ -10,6 +10,7 @@
 #include "core/material/disney_parameters.h"
 #include "delegate/gltf/gltf_material.h"
 #include "delegate/gltf/gltf_ngon_encoding.h"
+#include "delegate/gltf/gltf_scene.h"
 #include "delegate/gltf/gltf_surfaces.h"
 #include "delegate/gltf/gltf_vertices.h"
 
@@ -228,7 +229,7 @@ void gather_samples(const std::vector<uint32_t>& vertices, TimeSamples<Value>* s
 
 }  // namespace
 
-size_t weld_vertices(host::MeshDescription* mesh) {
+size_t WeldVertices(host::MeshDescription* mesh) {
   MeshTopology& topology = mesh->topology;
   Surface surface;
   const auto* points = mesh->primvars["points"].value.get<Array<Vec3f>>();

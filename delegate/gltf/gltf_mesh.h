@@ -32,11 +32,6 @@ struct MeshPart {
 std::vector<MeshPart> translate_mesh(const Document& document, size_t index, const PrimitiveShape& shape,
                                      Report& report);
 
-/// Makes a control mesh of the triangles of translate_mesh: all vertices at one position, to the bit, become one point.
-/// Other primvars become face-varying, and tangents go. Triangles with fewer than three points are left out; returns
-/// how many.
-size_t weld_vertices(host::MeshDescription* mesh);
-
 /// The triangle list of indices drawn in `mode` 4, 5 or 6 (glTF 2.0, section 3.7.2.1: triangles, strip, fan).
 std::vector<uint32_t> triangle_list(const std::vector<uint32_t>& indices, int mode);
 

@@ -6,8 +6,6 @@
 #include <map>
 #include <span>
 
-#include "core/geometry/mesh.h"
-
 namespace alabaster::hd::gltf {
 namespace {
 
@@ -47,12 +45,14 @@ uint32_t float_bits(float value) {
 class CageBuilder {
  public:
   explicit CageBuilder(const std::vector<Vec3f>& points) {
-    const std::vector<int> first = weld_by_position(points);
-    for (uint32_t vertex = 0; vertex < points.size(); ++vertex) {
-      const bool is_new = first[vertex] == int(vertex);
-      cage_.vertex_points.push_back(is_new ? int32_t(cage_.point_vertices.size())
-                                           : cage_.vertex_points[size_t(first[vertex])]);
-      if (is_new) cage_.point_vertices.push_back(vertex);
+    std::map<FloatKey, int32_t> places;
+    cage_.vertex_points.reserve(points.size());
+    for (size_t vertex = 0; vertex < points.size(); ++vertex) {
+      const Vec3f& p = points[vertex];
+      const FloatKey key{{float_bits(p.x), float_bits(p.y), float_bits(p.z)}};
+      const auto [found, is_new] = places.try_emplace(key, int32_t(cage_.point_vertices.size()));
+      if (is_new) cage_.point_vertices.push_back(uint32_t(vertex));
+      cage_.vertex_points.push_back(found->second);
     }
   }
 

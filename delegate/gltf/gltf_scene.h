@@ -60,6 +60,11 @@ struct GltfSummary {
 ALABASTER_API GltfSummary LoadGltf(const std::string& file, const GltfOptions& options,
                                    host::RetainedSceneDelegate* scene, const DiagnosticSink& sink);
 
+/// Makes a control mesh of the triangles of a loaded mesh, whose vertices glTF splits at seams: all that lie at one
+/// position, to the bit, become one point. Other primvars become face-varying, and tangents go. Triangles with fewer
+/// than three points are left out; returns how many.
+ALABASTER_API size_t WeldVertices(host::MeshDescription* mesh);
+
 struct GltfPrims {
   std::map<Path, host::MeshDescription> meshes;
   std::map<Path, host::InstancerDescription> instancers;

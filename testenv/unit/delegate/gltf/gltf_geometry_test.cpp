@@ -211,7 +211,7 @@ TEST(GltfGeometry, PrimitivesOfDifferentSidesAreOneMesh) {
     }
 }
 
-// What one primitive has and another lacks is for that one what it would be alone.
+// A primitive without an attribute looks as it would alone.
 TEST(GltfGeometry, PrimitivesOfDifferentAttributesAreOneMesh) {
   for (const bool first : {true, false}) {
     GltfBuilder b = two_primitives();

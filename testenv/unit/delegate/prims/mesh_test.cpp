@@ -77,7 +77,7 @@ TEST(MeshSync, SubsurfaceInAnOpenMeshIsToldOnceForEachPrim) {
   EXPECT_EQ(where, (std::vector<std::string>{"/a", "/b"}));
 }
 
-// Panes, which may be sheets, are told where their interior would be; a face within a body is told from a hole in it.
+// Panes with an interior are reported. A face within a body has another remedy than a hole in it.
 TEST(MeshSync, OpenMeshesOfClearMaterialsAreToldWithTheirEdges) {
   Stage stage;
   const auto said = [&](const Dictionary& parameters, const host::MeshDescription& shape) {
