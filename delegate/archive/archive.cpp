@@ -69,7 +69,8 @@ class Writer {
     if (!outside_.empty() && options_.sink)
       options_.sink({Severity::info, "archive.outside", file,
                      "It names files outside of its folder, such as " + outside_ +
-                         ": read it with --allow-outside, or store its images in it (convert --embed)."});
+                         ": read it with --allow-outside (hosts: option allow_outside), or store its images in it "
+                         "(convert --embed)."});
     return support::StreamOutputFile(file, [&](const support::ByteSink& sink) {
       if (!sink({reinterpret_cast<const uint8_t*>(header.data()), header.size()})) return false;
       for (const std::span<const uint8_t> bytes : tensors_.order())

@@ -144,6 +144,10 @@ typedef struct AlabasterApi {
      type that the field has in every kind that has it. ALABASTER_NONE: it takes several types, or there is no such
      field. Any thread, at any time. */
   AlabasterStatus (*field_type)(const char* kind, const char* name, int32_t* type, int32_t* is_array);
+
+  /* scene_set_instances of several primvars, all or none. Each parameter has the name of one. */
+  AlabasterStatus (*scene_edit_instances)(AlabasterScene*, const char* instancer, size_t first,
+                                          const AlabasterParameter* primvars, size_t count);
 } AlabasterApi;
 
 /* Null if the library has another version. The table lives as long as the library is loaded. */

@@ -127,23 +127,42 @@ AlabasterStatus scene_edit(AlabasterScene* handle, const char* path, const Alaba
   });
 }
 
+void edit_instances(AlabasterScene* handle, const char* path, size_t first, const std::map<Token, Value>& elements) {
+  SceneData& data = *required(handle, "scene").data;
+  const Path id(&required(path, "path"));
+  const SceneLock lock(data);
+  const auto found = data.scene.GetInstancers().find(id);
+  if (found == data.scene.GetInstancers().end())
+    throw Failure(ALABASTER_NOT_FOUND, "there is no instancer " + id.str());
+  std::string names;
+  for (const auto& [name, value] : elements) {
+    if (!found->second.primvars.contains(name))
+      throw Failure(ALABASTER_NOT_FOUND, "the instancer " + id.str() + " has no primvar " + name.str());
+    names += (names.empty() ? "" : ", ") + name.str();
+  }
+  if (!data.scene.SetInstanceValues(id, first, elements))
+    throw bad_argument("the values of " + names + " are of another type than the instancer's or beyond its end");
+}
+
 AlabasterStatus scene_set_instances(AlabasterScene* handle, const char* path, const char* primvar, size_t first,
                                     const AlabasterValue* values) {
   return guarded([&] {
     ValueReader reader(values);
-    const std::shared_ptr<SceneData> data = required(handle, "scene").data;
-    const Path id(&required(path, "path"));
     const Token name(&required(primvar, "primvar"));
     const Value read = reader.value(required(values, "values"), primvar);
     reader.take();
-    const SceneLock lock(*data);
-    const auto found = data->scene.GetInstancers().find(id);
-    if (found == data->scene.GetInstancers().end())
-      throw Failure(ALABASTER_NOT_FOUND, "there is no instancer " + id.str());
-    if (!found->second.primvars.contains(name))
-      throw Failure(ALABASTER_NOT_FOUND, "the instancer " + id.str() + " has no primvar " + name.str());
-    if (!data->scene.SetInstanceValues(id, name, first, read))
-      throw bad_argument("the values of " + name.str() + " are of another type than the instancer's or beyond its end");
+    edit_instances(handle, path, first, {{name, read}});
+  });
+}
+
+AlabasterStatus scene_edit_instances(AlabasterScene* handle, const char* path, size_t first,
+                                     const AlabasterParameter* primvars, size_t count) {
+  return guarded([&] {
+    const ParameterList given{primvars, count};
+    ValueReader reader(&given);
+    const Dictionary read = reader.dictionary(given, "primvars");
+    reader.take();
+    edit_instances(handle, path, first, {read.begin(), read.end()});
   });
 }
 
@@ -181,6 +200,7 @@ void add_scene_functions(AlabasterApi* api) {
   api->scene_set_instances = scene_set_instances;
   api->get_prims = get_prims;
   api->field_type = field_type;
+  api->scene_edit_instances = scene_edit_instances;
 }
 
 }  // namespace alabaster::hd::c_api

@@ -53,6 +53,7 @@ void add_scene_options(CLI::App* command, SceneArguments* a) {
 
 hd::description::LoadOptions scene_load_options(const SceneArguments& a, std::vector<hd::description::Override> flags) {
   hd::description::LoadOptions options;
+  options.are_flags = true;
   options.overrides = std::move(flags);
   for (const std::string& assignment : a.overrides)
     options.overrides.emplace_back(assignment).origin = "--set " + assignment;

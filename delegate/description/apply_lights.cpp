@@ -119,7 +119,10 @@ void apply_link(const MeshLink& link, host::RetainedSceneDelegate* scene) {
       return matches(pattern, mesh_path, true) || !matching_subsets(pattern, topology).empty();
     };
     if (std::any_of(link.patterns.begin(), link.patterns.end(), is_match)) categories.push_back(link.category);
-    if (!(categories == mesh.categories)) host::EditPrim(scene, path, {{"categories", categories}});
+    if (categories == mesh.categories) continue;
+    host::MeshDescription linked = mesh;
+    linked.categories = std::move(categories);
+    scene->SetMesh(path, std::move(linked));
   }
 }
 

@@ -35,10 +35,7 @@ void set_fields(LoadState& load, const std::string& pointer, const host::Fields&
 bool is_refused_limit(const LoadState& load, const json& mib) {
   const std::string pointer = "/settings/memoryLimit";
   if (load.document.is_of_option(pointer) || !loosens_memory_limit(mib.get<double>())) return false;
-  if (mib.get<double>() != 0)
-    load.warn(pointer, "A file cannot raise the limit, so this is not taken: " +
-                           std::to_string(support::default_memory_limit() >> 20) +
-                           " MiB hold. Raise it with --memory-limit (hosts: setting memoryLimit).");
+  if (mib.get<double>() != 0) load.warn(pointer, refused_limit_text(load.options));
   return true;
 }
 
@@ -77,6 +74,12 @@ ProductPlan product_of(LoadState& load, const std::string& pointer, const json& 
 
 bool loosens_memory_limit(double mib) {
   return !(mib >= 1 && mib <= std::ceil(static_cast<double>(support::default_memory_limit()) / 0x1p20));
+}
+
+std::string refused_limit_text(const LoadOptions& options) {
+  return "A file cannot raise the limit of memory, so this is not taken: " +
+         std::to_string(support::default_memory_limit() >> 20) + " MiB hold. Raise it with " +
+         (options.are_flags ? "--memory-limit." : "the renderer's setting memoryLimit.");
 }
 
 void apply_settings(LoadState& load) {

@@ -2,6 +2,7 @@
 #include <cmath>
 
 #include "delegate/description/description_reader.h"
+#include "delegate/description/layers.h"
 #include "delegate/description/placement.h"
 #include "delegate/description/soft_dome.h"
 #include "delegate/description/studio.h"
@@ -117,13 +118,13 @@ void add_studio(LoadState* state, const StudioPlan& plan, bool backdrop) {
   add_studio_lights(plan, !dome, scene);
   if (backdrop) add_studio_backdrop(plan, scene);
   const std::string added = backdrop ? "added a studio, lights and a backdrop" : "added the lights of a studio";
-  std::string note;
+  const std::string on = option_text(state->options, "studio", "on");
+  const std::string off = option_text(state->options, "studio", "off");
   if (state->studio == StudioChoice::on)
-    note = "--studio on: " + added + (replaced > 0 ? " in place of the scene's lights" : "");
-  else
-    note = "no light: " + added +
-           (backdrop ? " (--studio off: a soft dome)" : " (--studio on: with a backdrop; --studio off: a soft dome)");
-  state->result->notes.push_back(note);
+    return state->result->notes.push_back(on + ": " + added +
+                                          (replaced > 0 ? " in place of the scene's lights" : ""));
+  const std::string others = backdrop ? off : on + ": with a backdrop; " + off;
+  state->result->notes.push_back("no light: " + added + " (" + others + ": a soft dome)");
 }
 
 // Without being asked, the studio brings no backdrop before a file's own camera, since it might hide what the camera
@@ -133,8 +134,8 @@ void complete_lights(LoadState* state, bool own_camera) {
   const bool lit = !scene.GetLights().empty() || any_emission(scene), asked = state->studio == StudioChoice::on;
   if (lit && !asked) return;
   if (state->has_archive && !asked) {
-    state->result->notes.push_back(
-        "no light: the scene is drawn as the archive has it (--studio on: lights and a backdrop)");
+    state->result->notes.push_back("no light: the scene is drawn as the archive has it (" +
+                                   option_text(state->options, "studio", "on") + ": lights and a backdrop)");
     return;
   }
   const Matrix4d camera = scene.GetCameras().at(state->settings.camera).transform;

@@ -1,13 +1,16 @@
 #include "delegate/description/layers.h"
 
 #include <algorithm>
+#include <cmath>
 #include <filesystem>
 #include <sstream>
 
 #include "delegate/description/name_match.h"
 #include "delegate/description/quality_presets.h"
+#include "delegate/description/schema_check.h"
 #include "delegate/support/extension.h"
 #include "delegate/support/json_values.h"
+#include "delegate/support/nearest_name.h"
 
 namespace alabaster::hd::description {
 namespace {
@@ -83,6 +86,8 @@ json dome_light(const std::string& dome) {
   return light;
 }
 
+// Lists of a description whose entries change the prims of a name.
+constexpr const char* kLists[] = {"materials", "meshes", "lights"};
 // Keys of which a description has one only.
 constexpr const char* kPlacements[] = {"transform", "lookAt", "motion"};
 
@@ -92,23 +97,31 @@ class Layers {
       : options_(options), sink_(sink), document_(*document) {}
 
   bool add() {
+    for (const auto& [name, number] : {std::pair{"time", options_.time.value_or(0)},
+                                       {"shutter", options_.shutter ? options_.shutter->open : 0},
+                                       {"shutter", options_.shutter ? options_.shutter->close : 0}})
+      if (!std::isfinite(number)) return fail("option", option(name), "It is not a finite number.");
     if (!options_.camera.empty()) choose_camera();
     if (options_.shutter) {
-      document_.set("/camera/shutterOpen", options_.shutter->open, "--shutter");
-      document_.set("/camera/shutterClose", options_.shutter->close, "--shutter");
+      document_.set("/camera/shutterOpen", options_.shutter->open, option("shutter"));
+      document_.set("/camera/shutterClose", options_.shutter->close, option("shutter"));
     }
     if (!choose_of_model()) return false;
     for (const Override& one : options_.overrides)
       if (const std::string fault = add_override(one); !fault.empty()) return fail("override", one.origin, fault);
-    if (options_.size) document_.set("/settings/resolution", {options_.size->x, options_.size->y}, "--size");
-    if (const auto& c = options_.crop) document_.set("/settings/crop", {c->minX, c->minY, c->maxX, c->maxY}, "--crop");
-    if (!is_utf8(options_.dome))
-      return fail("dome", "--dome " + options_.dome, "It is not UTF-8, as names of files in a scene are.");
-    if (!options_.dome.empty()) append("lights", dome_light(options_.dome), "--dome " + options_.dome);
+    if (options_.size) document_.set("/settings/resolution", {options_.size->x, options_.size->y}, option("size"));
+    if (const auto& c = options_.crop)
+      document_.set("/settings/crop", {c->minX, c->minY, c->maxX, c->maxY}, option("crop"));
+    const std::string dome = option("dome", options_.dome);
+    if (!is_utf8(options_.dome)) return fail("dome", dome, "It is not UTF-8, as names of files in a scene are.");
+    if (!options_.dome.empty()) append("lights", dome_light(options_.dome), dome);
     return true;
   }
 
  private:
+  std::string option(const std::string& name, const std::string& value = {}) const {
+    return option_text(options_, name, value);
+  }
   bool fail(const char* code, const std::string& where, const std::string& text) const {
     if (sink_) sink_({Severity::error, code, where, text});
     return false;
@@ -119,8 +132,8 @@ class Layers {
     const auto own = document_.value.find("camera");
     const bool makes_one = own != document_.value.end() && own->size() > size_t(own->contains("use"));
     if (options_.camera == "camera" && makes_one) return;
-    document_.set("/camera", json::object(), "--camera " + options_.camera);
-    document_.set("/camera/use", options_.camera, "--camera " + options_.camera);
+    document_.set("/camera", json::object(), option("camera", options_.camera));
+    document_.set("/camera/use", options_.camera, option("camera", options_.camera));
   }
 
   bool choose_of_model() {
@@ -134,7 +147,7 @@ class Layers {
       if (models->size() > 1)
         return fail("gltf.choice", document_.place(pointer),
                     "There are several models: write scene, animation or variant beside each one's file.");
-      document_.set(pointer_append(pointer + "/0", key), choice, "--" + std::string(key) + " " + choice);
+      document_.set(pointer_append(pointer + "/0", key), choice, option(key, choice));
     }
     return true;
   }
@@ -156,24 +169,48 @@ class Layers {
 
   // "materials/skin.roughness" -> {"materials": [{"match": "skin", "set": {"roughness": value}}]}
   std::string set(const std::string& place, json value, const std::string& origin) {
-    const size_t slash = place.find('/');
-    if (slash == std::string::npos) {
-      if (place.starts_with("camera."))
-        set_camera(place.substr(7), std::move(value), origin);
-      else
-        set_setting(place, std::move(value), origin);
+    const size_t end = std::min(place.find_first_of("./"), place.size()), dot = place.rfind('.');
+    const std::string kind = place.substr(0, end);
+    const bool is_list = std::find(std::begin(kLists), std::end(kLists), kind) != std::end(kLists);
+    if (!is_list && kind != "camera" && end == place.size()) {
+      set_setting(place, std::move(value), origin);
       return {};
     }
-    const std::string kind = place.substr(0, slash);
-    const size_t dot = place.rfind('.');
-    if (dot == std::string::npos || dot < slash + 2 || dot + 1 == place.size())
-      return "'" + place + "' does not name a parameter: write " + kind + "/NAME.parameter=value.";
-    if (kind != "materials" && kind != "meshes" && kind != "lights")
-      return "'" + kind + "' cannot be set." + suggestion(kind, {"materials", "meshes", "lights"});
-    json entry{{"match", place.substr(slash + 1, dot - slash - 1)}};
+    if (!place.substr(end).starts_with(is_list ? "/" : ".") || !(is_list || kind == "camera"))
+      return end < place.size() ? unknown_place(place) : no_parameter(place);
+    if (dot == std::string::npos || dot + 1 == place.size() || (is_list && dot < end + 2)) return no_parameter(place);
+    if (!is_list) {
+      set_camera(place.substr(end + 1), std::move(value), origin);
+      return {};
+    }
+    json entry{{"match", place.substr(end + 1, dot - end - 1)}};
     (kind == "materials" ? entry["set"] : entry)[place.substr(dot + 1)] = std::move(value);
     append(kind, std::move(entry), origin);
     return {};
+  }
+
+  // "--set camera=1" and the like. A place begins with the kind.
+  static std::string no_parameter(const std::string& place) {
+    const std::string kind = place.substr(0, place.find_first_of("./"));
+    return "'" + place + "' does not name a parameter: write " + kind + (kind == "camera" ? "" : "/NAME") +
+           ".parameter=value.";
+  }
+
+  static std::string unknown_place(const std::string& place) {
+    const size_t end = place.find_first_of("./"), last = place.find_last_of("./");
+    std::vector<std::string> kinds{"camera"};
+    kinds.insert(kinds.end(), std::begin(kLists), std::end(kLists));
+    const std::string kind = support::NearestName(place.substr(0, end), kinds), parameter = place.substr(last + 1);
+    std::vector<std::string> known = known_keys(description_schema()["properties"]["settings"]);
+    std::string nearest = support::NearestName(parameter, known);
+    if (kind == "camera")
+      nearest = "camera." + parameter;
+    else if (!kind.empty())
+      nearest = kind + "/" + (last > end + 1 ? place.substr(end + 1, last - end - 1) : "NAME") + "." + parameter;
+    return "'" + place +
+           "' cannot be set: write NAME for a setting, camera.NAME, or materials/, meshes/ or lights/ with the name of "
+           "one, a point and a parameter." +
+           (nearest.empty() ? "" : " Did you mean '" + nearest + "'?");
   }
 
   void set_camera(const std::string& name, json value, const std::string& origin) {
@@ -235,6 +272,11 @@ void expand_preset(json* description) {
   if (settings == description->end()) return;
   if (const QualityPreset* preset = FindQualityPreset(settings->value("quality", "")))
     for (const auto& [key, own] : preset->settings) settings->emplace(key, support::json_of(own));
+}
+
+std::string option_text(const LoadOptions& options, const std::string& name, const std::string& value) {
+  const std::string text = (options.are_flags ? "--" : "") + name;
+  return value.empty() ? text : text + (options.are_flags ? " " : "=") + value;
 }
 
 bool add_options(const LoadOptions& options, const DiagnosticSink& sink, JsonDocument* document) {

@@ -12,6 +12,9 @@ namespace alabaster::hd::description {
 /// False after a report: an override is malformed, or the choice of a model is ambiguous.
 bool add_options(const LoadOptions& options, const DiagnosticSink& sink, JsonDocument* document);
 
+/// An option of a load as messages name it: "--camera NAME" or "camera=NAME"; without a value "--camera" or "camera".
+std::string option_text(const LoadOptions& options, const std::string& name, const std::string& value = {});
+
 /// Sets the settings of the file's preset beside it, where the file does not set them itself.
 void expand_preset(nlohmann::json* description);
 

@@ -40,8 +40,7 @@ void drop_loose_limits(const std::string& file, const LoadState& state, host::Re
     if (limit == settings.settings.end() || !loosens_memory_limit(limit->second.number_or(0))) continue;
     if (limit->second.number_or(0) != 0)
       state.report(Severity::warning, "archive.memoryLimit", file + ": " + path.str(),
-                   "A file cannot raise the limit of memory, so this is not taken. Raise it with --memory-limit "
-                   "(hosts: setting memoryLimit).");
+                   refused_limit_text(state.options));
     settings.settings.erase(limit);
     scene->SetRenderSettings(path, std::move(settings));
   }

@@ -51,6 +51,8 @@ struct LoadOptions {
   std::optional<Rect2i> crop;
   /// As in gltf::GltfOptions, in place of the description's; an error if it has several models.
   std::string scene, animation, variant;
+  /// Messages name these options as flags, "--camera NAME"; else as arguments, "camera=NAME".
+  bool are_flags = false;
 };
 
 /// The cause of a failed load. `option`: LoadOptions name or set something that the scene does not have or take; a file

@@ -61,14 +61,6 @@ const json* member_schema(const json& schema, const std::string& step, bool in_a
   return nullptr;
 }
 
-std::vector<std::string> known_keys(const json& schema) {
-  std::vector<std::string> keys;
-  for (const json* part : alternatives(schema))
-    if (part->contains("properties"))
-      for (const auto& [key, value] : (*part)["properties"].items()) keys.push_back(key);
-  return keys;
-}
-
 std::string range_text(const json& schema) {
   const bool low = schema.contains("minimum"), high = schema.contains("maximum");
   if (low && high) return " from " + schema["minimum"].dump() + " to " + schema["maximum"].dump();
@@ -301,6 +293,14 @@ class Checker {
 };
 
 }  // namespace
+
+std::vector<std::string> known_keys(const json& schema) {
+  std::vector<std::string> keys;
+  for (const json* part : alternatives(schema))
+    if (part->contains("properties"))
+      for (const auto& [key, value] : (*part)["properties"].items()) keys.push_back(key);
+  return keys;
+}
 
 json expanded_schema(const std::string& name) {
   Schemas parsed;

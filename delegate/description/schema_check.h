@@ -12,6 +12,9 @@ nlohmann::json expanded_schema(const std::string& name);
 /// thread.
 const nlohmann::json& description_schema();
 
+/// The keys of the objects that a schema describes.
+std::vector<std::string> known_keys(const nlohmann::json& schema);
+
 /// True if `document` satisfies the schema of render descriptions. Otherwise reports every violation: unknown keys
 /// first, each with the nearest known key, then types, ranges and missing keys.
 bool check_description(const JsonDocument& document, const DiagnosticSink& sink);

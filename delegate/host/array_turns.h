@@ -124,6 +124,11 @@ class EditedArray {
     if (copied.empty()) copied = copy<Quatf>(now, first, elements);
     return copied.empty() ? copy<Matrix4d>(now, first, elements) : copied;
   }
+  /// `elements` are of the type of `now`, and lie within it.
+  static bool fits(const Value& now, size_t first, const Value& elements) {
+    return fits<Vec3f>(now, first, elements) || fits<Quatf>(now, first, elements) ||
+           fits<Matrix4d>(now, first, elements);
+  }
   /// True if `now` is what the last edit() returned.
   bool is_latest(const Value& now) const {
     return is_latest(translations_, now) || is_latest(rotations_, now) || is_latest(transforms_, now);
@@ -136,20 +141,21 @@ class EditedArray {
     return array && turns.is_latest(*array);
   }
   template <class T>
-  static bool fits(const Array<T>* array, size_t first, const Array<T>* part) {
+  static bool fits(const Value& now, size_t first, const Value& elements) {
+    const auto *array = now.get<Array<T>>(), *part = elements.get<Array<T>>();
     return array && part && first <= array->size() && part->size() <= array->size() - first;
   }
   template <class T>
   static Value edit(ArrayTurns<T>* turns, const Value& now, size_t first, const Value& elements) {
-    const auto *array = now.get<Array<T>>(), *part = elements.get<Array<T>>();
-    return fits(array, first, part) ? Value(turns->edit(*array, first, *part)) : Value();
+    if (!fits<T>(now, first, elements)) return {};
+    return turns->edit(*now.get<Array<T>>(), first, *elements.get<Array<T>>());
   }
   template <class T>
   static Value copy(const Value& now, size_t first, const Value& elements) {
-    const auto *array = now.get<Array<T>>(), *part = elements.get<Array<T>>();
-    if (!fits(array, first, part)) return {};
-    std::vector<T> values(array->begin(), array->end());
-    std::copy(part->begin(), part->end(), values.begin() + static_cast<std::ptrdiff_t>(first));
+    if (!fits<T>(now, first, elements)) return {};
+    const auto &array = *now.get<Array<T>>(), &part = *elements.get<Array<T>>();
+    std::vector<T> values(array.begin(), array.end());
+    std::copy(part.begin(), part.end(), values.begin() + static_cast<std::ptrdiff_t>(first));
     return Array<T>(std::move(values));
   }
 

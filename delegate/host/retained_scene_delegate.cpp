@@ -118,22 +118,30 @@ void RetainedSceneDelegate::SetInstancer(const Path& id, InstancerDescription in
   state_->forget_edits(id);
 }
 
-bool RetainedSceneDelegate::SetInstanceValues(const Path& instancer, const Token& primvar, size_t first,
-                                              const Value& elements) {
+bool RetainedSceneDelegate::SetInstanceValues(const Path& instancer, size_t first,
+                                              const std::map<Token, Value>& elements) {
   const auto found = state_->instancers.find(instancer);
   if (found == state_->instancers.end()) return false;
-  const auto held = found->second.primvars.find(primvar);
-  if (held == found->second.primvars.end()) return false;
-  // Instances that move stand still where they are set: their elements are the same at all times.
-  TimeSamples<Value> samples;
-  if (const auto moving = found->second.primvarSamples.find(primvar); moving != found->second.primvarSamples.end())
-    samples = moving->second;
-  for (Value& sample : samples.values)
-    if ((sample = EditedArray::copy(sample, first, elements)).empty()) return false;
-  Value edited = state_->edited[{instancer, primvar}].edit(held->second, first, elements);
-  if (edited.empty()) return false;
-  held->second = std::move(edited);
-  if (!samples.values.empty()) found->second.primvarSamples[primvar] = std::move(samples);
+  InstancerDescription& held = found->second;
+  const auto fits = [&](const auto& primvar) {
+    const Value* now = find(held.primvars, primvar.first);
+    const auto* moving = find(held.primvarSamples, primvar.first);
+    const auto takes_them = [&](const Value& array) { return EditedArray::fits(array, first, primvar.second); };
+    return now && takes_them(*now) &&
+           (!moving || std::all_of(moving->values.begin(), moving->values.end(), takes_them));
+  };
+  if (!std::all_of(elements.begin(), elements.end(), fits)) return false;
+  std::map<Token, Value> primvars = held.primvars;
+  std::map<Token, TimeSamples<Value>> samples = held.primvarSamples;
+  for (const auto& [primvar, part] : elements) {
+    // Instances that move stand still where they are set: their elements are the same at all times.
+    if (const auto moving = samples.find(primvar); moving != samples.end())
+      for (Value& sample : moving->second.values) sample = EditedArray::copy(sample, first, part);
+    Value& value = primvars[primvar];
+    value = state_->edited[{instancer, primvar}].edit(value, first, part);
+  }
+  held.primvars.swap(primvars);
+  held.primvarSamples.swap(samples);
   state_->mark(instancer, dirty::kPrimvar);
   return true;
 }

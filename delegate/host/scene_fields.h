@@ -12,7 +12,7 @@ namespace alabaster::hd::host {
 /// Names and values, in the order in which they are given. delegate/manual/parameters has a page for each kind.
 using Fields = std::vector<std::pair<std::string, Value>>;
 
-struct SetResult {
+struct [[nodiscard]] SetResult {
   bool found = true;  // false: there is no prim of that path
   std::string fault;  // "": the fields are set. Else nothing is
 };
@@ -31,8 +31,8 @@ ALABASTER_API Fields GetFields(const RenderSettingsDescription& settings);
 /// Nodes that do not lie below `id`, the material's path, have their own paths as names.
 ALABASTER_API Fields GetFields(const MaterialNetwork& network, const Path& id);
 /// A camera, or settings, that are no prim: changes the named fields. Returns a fault, or "".
-ALABASTER_API std::string ReadCamera(const Fields& fields, CameraDescription* camera);
-ALABASTER_API std::string ReadSettings(const Fields& fields, RenderSettingsDescription* settings);
+[[nodiscard]] ALABASTER_API std::string ReadCamera(const Fields& fields, CameraDescription* camera);
+[[nodiscard]] ALABASTER_API std::string ReadSettings(const Fields& fields, RenderSettingsDescription* settings);
 /// "" if it is a setting of schemas/render_settings.json and the value fits it; else a sentence.
 ALABASTER_API std::string CheckSetting(const std::string& name, const Value& value);
 

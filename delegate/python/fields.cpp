@@ -97,6 +97,8 @@ void add_primvar(const std::string& kind, const std::string& field, const Primva
                  c_api::Parameters* fields) {
   if (!primvar.motion.is_none() && type_of(kind, field).type == ALABASTER_NONE)
     throw py::value_error("points, normals and transforms of instances have motion; " + argument + " has none");
+  if (field.starts_with(kOfInstances) && !(primvar.indices.is_none() && primvar.role.empty()))
+    throw py::value_error("primvars of instances have no indices and no role; " + argument + " has");
   fields->emplace_back(field, field_value(kind, field, primvar.values, argument));
   if (!primvar.values.is_none() && !field.starts_with(kOfInstances)) {
     fields->emplace_back(field + ":interpolation", Value(primvar.interpolation));

@@ -114,16 +114,18 @@ void Scene::edit(const std::string& path, const py::object& fields, const py::di
 
 void Scene::set_instance_values(const std::string& path, size_t first, const py::dict& options) {
   check_options(options, {"transforms", "translations", "rotations", "scales"});
-  c_api::Parameters all;  // read before the first one is set
+  c_api::Parameters all;
   add_fields("instancer", options, "options", &all);
-  for (const auto& [name, value] : all) {
-    if (value.type() == ALABASTER_NONE) continue;
-    const AlabasterValue raw = value.pass();
-    const std::string primvar = name.substr(name.find(':') + 1);
-    run([&](const AlabasterApi& api, AlabasterScene* scene) {
-      return api.scene_set_instances(scene, path.c_str(), primvar.c_str(), first, &raw);
-    });
+  c_api::Parameters primvars;
+  for (auto& [field, value] : all) {
+    if (field.ends_with(":samples"))
+      throw py::value_error("instances that are set one by one stand still: their values have no motion");
+    if (value.type() != ALABASTER_NONE) primvars.emplace_back(field.substr(field.find(':') + 1), std::move(value));
   }
+  const std::vector<AlabasterParameter> raw = c_api::pass(primvars);
+  run([&](const AlabasterApi& api, AlabasterScene* scene) {
+    return api.scene_edit_instances(scene, path.c_str(), first, raw.data(), raw.size());
+  });
 }
 
 }  // namespace alabaster::python

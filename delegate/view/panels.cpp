@@ -112,7 +112,7 @@ void Panels::draw_prim(const hd::Path& prim, const std::vector<ParameterRow>& ro
     if (!texture.empty()) {
       label(row.label, row.description);
       if (widgets_->button("constant##" + row.name, "Use one value in place of the image."))
-        session_->edit([&] { edits.set(prim, row, edits.value(prim, row)); });
+        session_->edit(prim, [&] { return edits.set(prim, row, edits.value(prim, row)); });
       ImGui::SameLine();
       ImGui::TextDisabled("%s", std::filesystem::path(texture).filename().c_str());
       help(texture);
@@ -121,8 +121,8 @@ void Panels::draw_prim(const hd::Path& prim, const std::vector<ParameterRow>& ro
     bool reset = false;
     hd::Value value = edits.value(prim, row);
     if (draw_row(row, edits.is_changed(prim, row.name), &reset, &value))
-      session_->edit([&] { edits.set(prim, row, value); });
-    if (reset) session_->edit([&] { edits.reset(prim, row.name); });
+      session_->edit(prim, [&] { return edits.set(prim, row, value); });
+    if (reset) session_->edit(prim, [&] { return edits.reset(prim, row.name); });
   }
 }
 

@@ -90,27 +90,30 @@ std::string SceneEdits::texture(const hd::Path& material, const std::string& par
   return "the mesh's own colour";  // a primvar
 }
 
-void SceneEdits::set(const hd::Path& prim, const ParameterRow& row, const hd::Value& shown) {
+std::string SceneEdits::set(const hd::Path& prim, const ParameterRow& row, const hd::Value& shown) {
   const Prim* const found = find(prim);
-  if (!found) return;
+  if (!found) return "it is no prim that can be edited here";
   const hd::Value value = stored_value(row, shown);
   const std::string name = found->node + row.name;
-  if (!hd::host::EditPrim(scene_, prim, {{name, {}}, {name, value}}).fault.empty()) return;
-  (found->light_type.empty() ? changed_materials_ : changed_lights_)[prim][row.name] = value;
+  std::string fault = hd::host::EditPrim(scene_, prim, {{name, {}}, {name, value}}).fault;
+  if (fault.empty()) (found->light_type.empty() ? changed_materials_ : changed_lights_)[prim][row.name] = value;
+  return fault;
 }
 
-void SceneEdits::reset(const hd::Path& prim, const std::string& parameter) {
+std::string SceneEdits::reset(const hd::Path& prim, const std::string& parameter) {
   const Prim* const found = find(prim);
-  if (!found) return;
+  if (!found) return "it is no prim that can be edited here";
   Fields fields{{found->node + parameter, {}}};
   for (const auto& loaded : found->loaded)
     if (loaded.first == fields[0].first) fields.push_back(loaded);
-  hd::host::EditPrim(scene_, prim, fields);
+  std::string fault = hd::host::EditPrim(scene_, prim, fields).fault;
+  if (!fault.empty()) return fault;
   for (Changes* changes : {&changed_materials_, &changed_lights_})
     if (const auto of_prim = changes->find(prim); of_prim != changes->end()) {
       of_prim->second.erase(parameter);
       if (of_prim->second.empty()) changes->erase(of_prim);
     }
+  return fault;
 }
 
 }  // namespace alabaster::view

@@ -30,10 +30,11 @@ class SceneEdits {
   hd::Value value(const hd::Path& prim, const ParameterRow& row) const;
   /// The image that a material's parameter is read from; empty if it is a constant.
   std::string texture(const hd::Path& material, const std::string& parameter) const;
+  // These return the fault of an edit that the scene refuses, or "".
   /// A constant. A material's parameter loses its image.
-  void set(const hd::Path& prim, const ParameterRow& row, const hd::Value& value);
+  [[nodiscard]] std::string set(const hd::Path& prim, const ParameterRow& row, const hd::Value& value);
   /// Takes the changes of a parameter back.
-  void reset(const hd::Path& prim, const std::string& parameter);
+  [[nodiscard]] std::string reset(const hd::Path& prim, const std::string& parameter);
   bool is_changed(const hd::Path& prim, const std::string& parameter) const { return change(prim, parameter); }
 
   const Changes& changed_materials() const { return changed_materials_; }

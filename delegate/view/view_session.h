@@ -89,10 +89,11 @@ class ViewSession {
   bool paused() const { return paused_; }
 
   SceneEdits& edits() { return edits_; }
-  /// Makes an edit of edits(), and has the picture follow.
+  /// Makes an edit of edits(), and has the picture follow. A fault that it returns is reported.
   template <class Edit>
-  void edit(const Edit& make) {
-    make();
+  void edit(const hd::Path& prim, const Edit& make) {
+    if (const std::string fault = make(); !fault.empty())
+      sink_({hd::Severity::error, "view.edit", prim.str(), fault});
     changed();
   }
   const hd::CameraDescription& camera() const { return camera_; }

@@ -122,6 +122,28 @@ class Renders(unittest.TestCase):
         with self.assertRaises(ValueError):
             scene.set_instance_values("/many", 2, translations=[(0, 0, 1)])
 
+    def test_values_of_instances_are_all_set_or_none(self):
+        scene = square()
+        scene.set_mesh("/square", CORNERS, [[0, 1, 2, 3]], instancer="/many", transform=None)
+        scene.set_instancer("/many", {"/square": [0, 1]}, translations=[(-9, 0, 0), (0, 0, 0)], scales=[(1, 1, 1)] * 2)
+        away, here = [(70, 0, 0), (70, 0, 0)], [(0, 0, 0), (0, 0, 0)]
+        small, far = [(.1, .1, .1)] * 2, [(0, 90, 0)]
+        cases = {
+            "motion": dict(translations=alabaster.Primvar(away, motion=[(0, here), (1, here)])),
+            "indices": dict(translations=alabaster.Primvar(away, indices=[0, 1])),
+            "one is beyond the end": dict(translations=away, scales=small + small),
+            "one is not there": dict(translations=away, rotations=[(1, 0, 0, 0)]),
+            "one is of another type": dict(translations=away, scales=[(1, 0, 0, 0)] * 2),
+        }
+        for what, values in cases.items():
+            with self.assertRaises((ValueError, KeyError, TypeError), msg=what):
+                scene.set_instance_values("/many", 0, **values)
+            render = draw(alabaster.Renderer(scene, samples=4), aovs=["instanceId"])
+            self.assertEqual(pixel(render, 8, 8, "instanceId"), 1, what)
+        scene.set_instance_values("/many", 1, translations=far, scales=[(1, 1, 1)])
+        render = draw(alabaster.Renderer(scene, samples=4), aovs=["instanceId"])
+        self.assertNotEqual(pixel(render, 8, 8, "instanceId"), 1)
+
     def test_refined_cage_with_primvars_and_creases(self):
         scene = square()
         scene.set_mesh("/square", CORNERS, [0, 1, 2, 3], counts=[4], scheme="catmullClark", refine_level=2, material="/wax",
@@ -478,6 +500,22 @@ class Errors(unittest.TestCase):
         with self.assertRaisesRegex(alabaster.Error, "camera"):
             alabaster.Renderer(square()).render(width=8, height=8, camera="/missing")
         self.assertTrue(issubclass(alabaster.SceneError, alabaster.Error))
+
+    def test_messages_of_load_name_its_arguments(self):
+        with tempfile.TemporaryDirectory() as folder:
+            file = pathlib.Path(folder) / "a.json"
+            file.write_text("{}")
+            for argument, value in {"camera": "nope", "dome": "nope.hdr", "shutter": (1, 0), "time": float("nan")}.items():
+                with self.assertRaisesRegex(alabaster.SceneError, f"^{argument}") as caught:
+                    alabaster.Scene().load(file, **{argument: value})
+                self.assertNotIn("--", str(caught.exception))
+            notes = alabaster.Scene().load(file)["notes"]
+            self.assertIn("studio=off", notes[-1])
+            self.assertNotIn("--", "".join(notes))
+            for override, nearest in {"settings.samples=4": "'samples'", "Camera.fStop=1": "'camera.fStop'",
+                                      "lights.key.intensity=2": "'lights/key.intensity'", "renderer.x=1": "cannot be set"}.items():
+                with self.assertRaisesRegex(alabaster.SceneError, nearest):
+                    alabaster.Scene().load(file, overrides=[override])
 
     def test_arguments(self):
         scene = square()

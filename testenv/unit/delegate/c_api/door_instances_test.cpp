@@ -41,6 +41,16 @@ TEST_F(Door, OneInstanceIsEditedByItself) {
     EXPECT_TRUE(says("is null")) << api().last_error();
   }
   EXPECT_EQ(centre(render())[3], 1) << "none of them has changed anything";
+
+  const float far[] = {70, 0, 0};
+  const AlabasterValue away = array(ALABASTER_FLOAT3, far, 1);
+  const AlabasterParameter and_another[] = {{kPlaces, away}, {"hydra:instanceScales", one}};
+  EXPECT_EQ(api().scene_edit_instances(scene_, "/many", 0, and_another, 2), ALABASTER_NOT_FOUND);
+  EXPECT_EQ(api().scene_edit_instances(scene_, "/many", 2, and_another, 1), ALABASTER_INVALID_ARGUMENT);
+  EXPECT_EQ(api().scene_edit_instances(scene_, "/many", 0, nullptr, 1), ALABASTER_INVALID_ARGUMENT);
+  EXPECT_EQ(centre(render())[3], 1) << "all or none";
+  EXPECT_EQ(api().scene_edit_instances(scene_, "/many", 0, and_another, 1), ALABASTER_OK) << api().last_error();
+  EXPECT_EQ(centre(render())[3], 0);
 }
 
 }  // namespace

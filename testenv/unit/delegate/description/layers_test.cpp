@@ -76,8 +76,59 @@ TEST_F(Layers, ErrorsNameTheOptionOrTheLineThatSetTheValue) {
 }
 
 TEST_F(Layers, NumbersAreNamesOfNoSetting) {
-  for (const char* one : {"999999999999=1", "camera.999999999999=1", "-=1", "camera.-=1", "a~b=1", ".=1", "camera.=1"})
+  for (const char* one : {"999999999999=1", "camera.999999999999=1", "-=1", "camera.-=1", "a~b=1"})
     expect_error("{}", with_overrides({one}), LoadCause::option, std::string(one) + ": Unknown key");
+}
+
+TEST_F(Layers, APlaceThatIsNoneNamesTheNearestOne) {
+  const std::pair<const char*, const char*> places[] = {
+      {"settings.samples", "Did you mean 'samples'?"},
+      {"render.samlpes", "Did you mean 'samples'?"},
+      {"renderer/samples", "Did you mean 'samples'?"},
+      {"renderer.x", "write NAME for a setting"},
+      {"renderer.x", "'renderer.x' cannot be set"},
+      {".", "'.' cannot be set"},
+      {"a.b/c", "'a.b/c' cannot be set"},
+      {"Camera.fStop", "Did you mean 'camera.fStop'?"},
+      {"camera/main.fStop", "Did you mean 'camera.fStop'?"},
+      {"material/skin.roughness", "Did you mean 'materials/skin.roughness'?"},
+      {"materials.skin.roughness", "Did you mean 'materials/skin.roughness'?"},
+      {"light/a/b.intensity", "Did you mean 'lights/a/b.intensity'?"},
+      {"mesh.refineLevel", "Did you mean 'meshes/NAME.refineLevel'?"},
+      {"products/0.file", "cannot be set"},
+      {"camera", "write camera.parameter=value"},
+      {"camera.", "write camera.parameter=value"},
+      {"lights", "write lights/NAME.parameter=value"},
+      {"lights/key", "write lights/NAME.parameter=value"},
+      {"lights/.x", "write lights/NAME.parameter=value"},
+      {"lights/key.", "write lights/NAME.parameter=value"},
+  };
+  for (const auto& [place, said] : places)
+    expect_error("{}", with_overrides({std::string(place) + "=1"}), LoadCause::option, said);
+}
+
+TEST_F(Layers, MessagesNameOptionsAsTheHostWritesThem) {
+  const auto set = [](const auto& change) {
+    LoadOptions options;
+    change(&options);
+    return options;
+  };
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  const std::tuple<LoadOptions, const char*, const char*> cases[] = {
+      {set([](LoadOptions* o) { o->camera = "none"; }), "camera=none: No camera", "--camera none: No camera"},
+      {set([](LoadOptions* o) { o->dome = "none.hdr"; }), "dome=none.hdr: There is", "--dome none.hdr: There is"},
+      {set([](LoadOptions* o) { o->shutter = {1, 0}; }), "shutter: The shutter", "--shutter: The shutter"},
+      {set([&](LoadOptions* o) { o->shutter = {0, nan}; }), "shutter: It is not a finite", "--shutter: It is not"},
+      {set([&](LoadOptions* o) { o->time = nan; }), "time: It is not a finite", "--time: It is not a finite"},
+      {set([](LoadOptions* o) { o->crop = {{1, 1, 1, 1}}; }), "crop: The crop is empty", "--crop: The crop is empty"},
+  };
+  for (auto [options, argument, flag] : cases) {
+    expect_error("{}", options, LoadCause::option, argument);
+    EXPECT_EQ(errors().find("--"), std::string::npos) << errors();
+    options.are_flags = true;
+    expect_error("{}", options, LoadCause::option, flag);
+  }
+  EXPECT_EQ(describe("{}").notes.back().find("--"), std::string::npos) << describe("{}").notes.back();
 }
 
 TEST_F(Layers, AnOptionOfAnotherTypeReplacesTheFilesValue) {

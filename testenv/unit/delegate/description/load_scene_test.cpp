@@ -34,7 +34,7 @@ TEST_F(LoadSceneTest, BareModelIsFramedAndLit) {
   ASSERT_TRUE(file.ok) << errors();
   EXPECT_EQ(file.notes,
             (std::vector<std::string>{"no camera: framed the scene",
-                                      "no light: added a studio, lights and a backdrop (--studio off: a soft dome)"}));
+                                      "no light: added a studio, lights and a backdrop (studio=off: a soft dome)"}));
   // Every corner is inside the film, and the two widest apart span most of its width or height.
   const host::CameraDescription& camera = scene.GetCameras().at(settings(file).camera);
   const Matrix4d to_camera = camera.transform.inverse();

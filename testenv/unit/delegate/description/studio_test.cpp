@@ -81,13 +81,13 @@ TEST_F(StudioTest, LightsStandRoundTheObjectsAsTheCameraSeesThem) {
 TEST_F(StudioTest, AFilesOwnCameraSeesNoBackdropUnlessItIsAskedFor) {
   SceneFile file = patch(kFront);
   ASSERT_TRUE(file.ok) << errors();
-  EXPECT_EQ(file.notes, (std::vector<std::string>{"no light: added the lights of a studio (--studio on: with a "
-                                                  "backdrop; --studio off: a soft dome)"}));
+  EXPECT_EQ(file.notes, (std::vector<std::string>{"no light: added the lights of a studio (studio=on: with a "
+                                                  "backdrop; studio=off: a soft dome)"}));
   EXPECT_EQ(lights(), kStudioLights);
   EXPECT_FALSE(has_backdrop());
 
   file = patch(std::string(kFront) + R"(, "settings": {"studio": "on"})");
-  EXPECT_EQ(file.notes, (std::vector<std::string>{"--studio on: added a studio, lights and a backdrop"}));
+  EXPECT_EQ(file.notes, (std::vector<std::string>{"studio=on: added a studio, lights and a backdrop"}));
   EXPECT_TRUE(has_backdrop());
 }
 
@@ -158,7 +158,7 @@ TEST_F(StudioTest, NoBackdropHidesTheObjectsFromACameraBelowThem) {
     "settings": {"studio": "on"})");
   ASSERT_TRUE(file.ok) << errors();
   EXPECT_FALSE(has_backdrop());
-  EXPECT_EQ(file.notes, (std::vector<std::string>{"--studio on: added the lights of a studio"}));
+  EXPECT_EQ(file.notes, (std::vector<std::string>{"studio=on: added the lights of a studio"}));
 }
 
 // A camera that looks straight down has the key at the left of its picture, too.

@@ -120,6 +120,21 @@ TEST(InstanceValues, StandStillWhereTheirPrimvarMoves) {
   EXPECT_TRUE(same(leaves.now(), in_a_row(3)));
 }
 
+TEST(InstanceValues, OfSeveralPrimvarsAreSetTogetherOrNotAtAll) {
+  Leaves leaves(in_a_row(3));
+  const Array<Vec3f> two{Vec3f(7), Vec3f(8)};
+  const Array<Quatf> turned{Quatf{0, 1, 0, 0}, Quatf{0, 0, 1, 0}}, too_many(std::vector<Quatf>(3));
+  const char* const kTurns = "hydra:instanceRotations";
+  EXPECT_FALSE(leaves.scene.SetInstanceValues("/leaves", 1, {{kPlaces, two}, {kTurns, too_many}}));
+  EXPECT_FALSE(leaves.scene.SetInstanceValues("/leaves", 1, {{kPlaces, two}, {kTurns, two}}));
+  EXPECT_FALSE(leaves.scene.SetInstanceValues("/leaves", 1, {{kPlaces, two}, {"none", two}}));
+  EXPECT_TRUE(same(leaves.now(), in_a_row(3)));
+  ASSERT_TRUE(leaves.scene.SetInstanceValues("/leaves", 1, {{kPlaces, two}, {kTurns, turned}}));
+  EXPECT_TRUE(same(leaves.now(), {Vec3f(0), Vec3f(7), Vec3f(8)}));
+  const Value& rotations = leaves.scene.GetInstancers().at("/leaves").primvars.at(kTurns);
+  EXPECT_EQ((*rotations.get<Array<Quatf>>())[2], turned[1]);
+}
+
 TEST(InstanceValues, MarkTheirInstancerAlone) {
   FakeDelegate delegate;
   RenderIndex index(&delegate);

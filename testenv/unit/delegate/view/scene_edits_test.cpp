@@ -64,9 +64,9 @@ TEST_F(SceneEditsTest, OffersOurMaterialsAndAllLights) {
 
 TEST_F(SceneEditsTest, AnEditReachesTheSceneAndTheRecord) {
   SceneEdits edits(&scene);
-  edits.set(kSkin, row_of("disney_material", "roughness"), 0.5);
-  edits.set(kSkin, row_of("disney_material", "thin"), true);
-  edits.set(kKey, row_of("lights", "intensity"), 3.0);
+  EXPECT_EQ(edits.set(kSkin, row_of("disney_material", "roughness"), 0.5), "");
+  EXPECT_EQ(edits.set(kSkin, row_of("disney_material", "thin"), true), "");
+  EXPECT_EQ(edits.set(kKey, row_of("lights", "intensity"), 3.0), "");
   EXPECT_EQ(surface().parameters.at("roughness"), Value(0.5f));
   EXPECT_EQ(surface().parameters.at("thin"), Value(true));
   EXPECT_EQ(scene.GetLights().at(kKey).parameters.at("intensity"), Value(3.0f));
@@ -78,8 +78,8 @@ TEST_F(SceneEditsTest, AnEditReachesTheSceneAndTheRecord) {
 
 TEST_F(SceneEditsTest, ValuesStayWithinTheirLimits) {
   SceneEdits edits(&scene);
-  edits.set(kSkin, row_of("disney_material", "ior"), 100.0);
-  edits.set(kSkin, row_of("disney_material", "baseColor"), Vec3f(-1, 0.5f, 2));
+  EXPECT_EQ(edits.set(kSkin, row_of("disney_material", "ior"), 100.0), "");
+  EXPECT_EQ(edits.set(kSkin, row_of("disney_material", "baseColor"), Vec3f(-1, 0.5f, 2)), "");
   EXPECT_EQ(surface().parameters.at("ior"), Value(4.0f));
   EXPECT_EQ(surface().parameters.at("baseColor"), Value(Vec3f(0, 0.5f, 1)));
 }
@@ -88,24 +88,34 @@ TEST_F(SceneEditsTest, AConstantTakesAnImagesPlaceAndAResetBringsItBack) {
   SceneEdits edits(&scene);
   EXPECT_EQ(edits.texture(kSkin, "baseColor"), "skin.png");
   EXPECT_EQ(edits.texture(kSkin, "roughness"), "");
-  edits.set(kSkin, row_of("disney_material", "baseColor"), Vec3f(1, 0, 0));
+  EXPECT_EQ(edits.set(kSkin, row_of("disney_material", "baseColor"), Vec3f(1, 0, 0)), "");
   EXPECT_EQ(edits.texture(kSkin, "baseColor"), "");
   EXPECT_FALSE(surface().inputConnections.contains("baseColor"));
-  edits.set(kSkin, row_of("disney_material", "ior"), 2.0);
-  edits.reset(kSkin, "baseColor");
+  EXPECT_EQ(edits.set(kSkin, row_of("disney_material", "ior"), 2.0), "");
+  EXPECT_EQ(edits.reset(kSkin, "baseColor"), "");
   EXPECT_EQ(edits.texture(kSkin, "baseColor"), "skin.png");
   EXPECT_TRUE(edits.is_changed(kSkin, "ior")) << "the other edit stays";
-  edits.reset(kSkin, "ior");
+  EXPECT_EQ(edits.reset(kSkin, "ior"), "");
   EXPECT_EQ(scene.GetMaterials().at(kSkin), loaded);
   EXPECT_TRUE(edits.changed_materials().empty());
+}
+
+TEST_F(SceneEditsTest, AFaultOfTheSceneIsReturnedAndNothingIsRecorded) {
+  SceneEdits edits(&scene);
+  EXPECT_EQ(edits.set(kSkin, row_of("disney_material", "ior"), 2.0), "");
+  scene.Remove(kSkin);
+  EXPECT_NE(edits.set(kSkin, row_of("disney_material", "roughness"), 0.5).find("no prim"), std::string::npos);
+  EXPECT_NE(edits.reset(kSkin, "ior").find("no prim"), std::string::npos);
+  EXPECT_FALSE(edits.is_changed(kSkin, "roughness"));
+  EXPECT_TRUE(edits.is_changed(kSkin, "ior")) << "it was not taken back";
 }
 
 TEST_F(SceneEditsTest, PrimsThatAreNotThereAreLeftAlone) {
   SceneEdits edits(&scene);
   const auto materials = scene.GetMaterials();
-  edits.set("/nowhere", row_of("disney_material", "ior"), 2.0);
-  edits.set(kPreview, row_of("disney_material", "ior"), 2.0);
-  edits.reset("/nowhere", "ior");
+  EXPECT_NE(edits.set("/nowhere", row_of("disney_material", "ior"), 2.0), "");
+  EXPECT_NE(edits.set(kPreview, row_of("disney_material", "ior"), 2.0), "");
+  EXPECT_NE(edits.reset("/nowhere", "ior"), "");
   EXPECT_EQ(scene.GetMaterials(), materials);
   EXPECT_TRUE(edits.changed_materials().empty());
 }

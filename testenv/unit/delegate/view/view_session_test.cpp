@@ -106,6 +106,16 @@ TEST_F(ViewSessionTest, APlacedCameraStandsStillAndObjectsGoOnMoving) {
   EXPECT_TRUE(session->is_camera_motion_kept());
 }
 
+TEST_F(ViewSessionTest, AnEditThatTheSceneRefusesIsReported) {
+  open({"samples=1"});
+  const hd::Path gone("/materials/gone");
+  const ParameterRow row = parameter_rows("disney_material").front();
+  session->edit(gone, [&] { return session->edits().set(gone, row, row.default_value); });
+  ASSERT_EQ(told().size(), 1u);
+  EXPECT_EQ(diagnostics[0].code, "view.edit");
+  EXPECT_EQ(diagnostics[0].where, gone.str());
+}
+
 TEST(SecondsTo, CountsFromNowOn) {
   ViewStatus status;
   EXPECT_LT(seconds_to(status, 0.01), 0) << "nothing is known yet";
