@@ -121,8 +121,7 @@ void add_studio(LoadState* state, const StudioPlan& plan, bool backdrop) {
   const std::string on = option_text(state->options, "studio", "on");
   const std::string off = option_text(state->options, "studio", "off");
   if (state->studio == StudioChoice::on)
-    return state->result->notes.push_back(on + ": " + added +
-                                          (replaced > 0 ? " in place of the scene's lights" : ""));
+    return state->result->notes.push_back(on + ": " + added + (replaced > 0 ? " in place of the scene's lights" : ""));
   const std::string others = backdrop ? off : on + ": with a backdrop; " + off;
   state->result->notes.push_back("no light: " + added + " (" + others + ": a soft dome)");
 }

@@ -118,7 +118,7 @@ void load_scene(const std::string& file, LoadState* state);
 
 /// True if a memory limit in MiB, of a description, is none or above the one that holds without it.
 bool loosens_memory_limit(double mib);
-/// What a warning says of a limit that is not taken.
+/// The warning that a limit of a file is not taken.
 std::string refused_limit_text(const LoadOptions& options);
 
 /// Adds the prims of a scene archive, below a root of their own where the scene has prims of their paths.

@@ -201,15 +201,16 @@ class Layers {
     std::vector<std::string> kinds{"camera"};
     kinds.insert(kinds.end(), std::begin(kLists), std::end(kLists));
     const std::string kind = support::NearestName(place.substr(0, end), kinds), parameter = place.substr(last + 1);
-    std::vector<std::string> known = known_keys(description_schema()["properties"]["settings"]);
-    std::string nearest = support::NearestName(parameter, known);
+    const std::vector<std::string> settings = known_keys(description_schema()["properties"]["settings"]);
+    std::string nearest = support::NearestName(parameter, settings);
+    if (place.find('/') != std::string::npos && nearest != parameter) nearest.clear();
     if (kind == "camera")
       nearest = "camera." + parameter;
     else if (!kind.empty())
       nearest = kind + "/" + (last > end + 1 ? place.substr(end + 1, last - end - 1) : "NAME") + "." + parameter;
     return "'" + place +
-           "' cannot be set: write NAME for a setting, camera.NAME, or materials/, meshes/ or lights/ with the name of "
-           "one, a point and a parameter." +
+           "' cannot be set: write SETTING=value, camera.PARAMETER=value, or materials/NAME.PARAMETER=value, and the "
+           "same for meshes and lights." +
            (nearest.empty() ? "" : " Did you mean '" + nearest + "'?");
   }
 

@@ -92,8 +92,7 @@ class ViewSession {
   /// Makes an edit of edits(), and has the picture follow. A fault that it returns is reported.
   template <class Edit>
   void edit(const hd::Path& prim, const Edit& make) {
-    if (const std::string fault = make(); !fault.empty())
-      sink_({hd::Severity::error, "view.edit", prim.str(), fault});
+    if (const std::string fault = make(); !fault.empty()) sink_({hd::Severity::error, "view.edit", prim.str(), fault});
     changed();
   }
   const hd::CameraDescription& camera() const { return camera_; }

@@ -49,6 +49,7 @@ std::vector<Pair> DoorCounts::pairs() {
       {"AlabasterValue.count", [this] { return set_quad(array(ALABASTER_FLOAT3, nullptr, kMany)); }},
       {"scene_set.count", [this] { return api().scene_set(scene_, "/a", "mesh", nullptr, kMany); }},
       {"scene_edit.count", [this] { return api().scene_edit(scene_, "/quad", nullptr, kMany); }},
+      {"scene_edit_instances.count", [this] { return api().scene_edit_instances(scene_, "/many", 0, nullptr, kMany); }},
       {"AlabasterLoadOptions.override_count",
        [this] {
          auto options = sized<AlabasterLoadOptions>();

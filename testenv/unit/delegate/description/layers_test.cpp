@@ -85,7 +85,7 @@ TEST_F(Layers, APlaceThatIsNoneNamesTheNearestOne) {
       {"settings.samples", "Did you mean 'samples'?"},
       {"render.samlpes", "Did you mean 'samples'?"},
       {"renderer/samples", "Did you mean 'samples'?"},
-      {"renderer.x", "write NAME for a setting"},
+      {"renderer.x", "write SETTING=value"},
       {"renderer.x", "'renderer.x' cannot be set"},
       {".", "'.' cannot be set"},
       {"a.b/c", "'a.b/c' cannot be set"},
@@ -95,7 +95,7 @@ TEST_F(Layers, APlaceThatIsNoneNamesTheNearestOne) {
       {"materials.skin.roughness", "Did you mean 'materials/skin.roughness'?"},
       {"light/a/b.intensity", "Did you mean 'lights/a/b.intensity'?"},
       {"mesh.refineLevel", "Did you mean 'meshes/NAME.refineLevel'?"},
-      {"products/0.file", "cannot be set"},
+      {"products/0.file", "the same for meshes and lights.\n"},
       {"camera", "write camera.parameter=value"},
       {"camera.", "write camera.parameter=value"},
       {"lights", "write lights/NAME.parameter=value"},
@@ -116,11 +116,19 @@ TEST_F(Layers, MessagesNameOptionsAsTheHostWritesThem) {
   const double nan = std::numeric_limits<double>::quiet_NaN();
   const std::tuple<LoadOptions, const char*, const char*> cases[] = {
       {set([](LoadOptions* o) { o->camera = "none"; }), "camera=none: No camera", "--camera none: No camera"},
-      {set([](LoadOptions* o) { o->dome = "none.hdr"; }), "dome=none.hdr: There is", "--dome none.hdr: There is"},
-      {set([](LoadOptions* o) { o->shutter = {1, 0}; }), "shutter: The shutter", "--shutter: The shutter"},
-      {set([&](LoadOptions* o) { o->shutter = {0, nan}; }), "shutter: It is not a finite", "--shutter: It is not"},
+      {set([](LoadOptions* o) {
+         o->shutter = {1, 0};
+       }),
+       "shutter: The shutter", "--shutter: The shutter"},
+      {set([&](LoadOptions* o) {
+         o->shutter = {0, nan};
+       }),
+       "shutter: It is not a finite", "--shutter: It is not"},
       {set([&](LoadOptions* o) { o->time = nan; }), "time: It is not a finite", "--time: It is not a finite"},
-      {set([](LoadOptions* o) { o->crop = {{1, 1, 1, 1}}; }), "crop: The crop is empty", "--crop: The crop is empty"},
+      {set([](LoadOptions* o) {
+         o->crop = {{1, 1, 1, 1}};
+       }),
+       "crop: The crop is empty", "--crop: The crop is empty"},
   };
   for (auto [options, argument, flag] : cases) {
     expect_error("{}", options, LoadCause::option, argument);

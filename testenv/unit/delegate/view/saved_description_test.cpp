@@ -99,9 +99,9 @@ TEST_F(SavedDescription, AGltfFileWithEditsLoadsAsItWasShown) {
   SceneEdits edits(&scene);
   ASSERT_EQ(edits.materials().size(), 1u);
   ASSERT_EQ(edits.lights().size(), 1u);
-  edits.set(edits.materials()[0], row_of("disney_material", "scatterDistance"), Vec3f(0.1f, 0.3f, 0.7f));
-  edits.set(edits.materials()[0], row_of("disney_material", "roughness"), 0.1);
-  edits.set(edits.lights()[0], row_of("lights", "intensity"), 12.34);
+  ASSERT_EQ(edits.set(edits.materials()[0], row_of("disney_material", "scatterDistance"), Vec3f(0.1f, 0.3f, 0.7f)), "");
+  ASSERT_EQ(edits.set(edits.materials()[0], row_of("disney_material", "roughness"), 0.1), "");
+  ASSERT_EQ(edits.set(edits.lights()[0], row_of("lights", "intensity"), 12.34), "");
   changes.materials = edits.changed_materials(), changes.lights = edits.changed_lights();
   changes.settings = {{"samples", int32_t(7)}, {"subsurface", std::string("diffusion")}};
   hd::CameraDescription camera = scene.GetCameras().begin()->second;
@@ -144,8 +144,8 @@ TEST_F(SavedDescription, ADescriptionKeepsWhatItHas) {
       "settings": {"maxDepth": 3}})");
   ASSERT_TRUE(loaded.ok) << errors();
   SceneEdits edits(&scene);
-  edits.set(edits.materials()[0], row_of("disney_material", "roughness"), 0.1);
-  edits.set("/lights/key", row_of("lights", "width"), 0.5);
+  ASSERT_EQ(edits.set(edits.materials()[0], row_of("disney_material", "roughness"), 0.1), "");
+  ASSERT_EQ(edits.set("/lights/key", row_of("lights", "width"), 0.5), "");
   changes.materials = edits.changed_materials(), changes.lights = edits.changed_lights();
   save_and_load("scene.json", loaded);
   expect_same_materials();
