@@ -50,15 +50,39 @@ std::vector<const json*> alternatives(const json& schema) {
   return all;
 }
 
-// The schema of a member of the object or array that `schema` describes; null if it describes none.
-const json* member_schema(const json& schema, const std::string& step, bool in_array) {
-  for (const json* part : alternatives(schema)) {
-    if (in_array && part->contains("items")) return &(*part)["items"];
-    if (in_array || !part->contains("properties")) continue;
-    const json& properties = (*part)["properties"];
-    if (const auto found = properties.find(step); found != properties.end()) return &*found;
-  }
+// The schema of a member by this schema alone, without its alternatives; null if it describes none.
+const json* own_member(const json& schema, const std::string& key, bool in_array) {
+  const auto members = schema.find(in_array ? "items" : "properties");
+  if (members == schema.end()) return nullptr;
+  if (in_array) return &*members;
+  const auto found = members->find(key);
+  return found == members->end() ? nullptr : &*found;
+}
+const json* member_schema(const json& schema, const std::string& key, bool in_array) {
+  for (const json* part : alternatives(schema))
+    if (const json* member = own_member(*part, key, in_array)) return member;
   return nullptr;
+}
+
+// The keywords of JSON schemas that schemas/ uses are those of this file; a test fails for another one.
+struct Type {
+  const char* name;
+  bool (json::*is)() const noexcept;
+  const char *one, *several;  // in messages
+};
+constexpr Type kTypes[] = {{"number", &json::is_number, "a number", "numbers"},
+                           {"integer", &json::is_number_integer, "a whole number", "whole numbers"},
+                           {"boolean", &json::is_boolean, "true or false", "entries"},
+                           {"string", &json::is_string, "text", "entries"},
+                           {"array", &json::is_array, "a list", "entries"},
+                           {"object", &json::is_object, "an object", "entries"}};
+// Null: the schema does not say it.
+const Type* type_of(const json& schema) {
+  const auto name = schema.find("type");
+  const auto* found = name == schema.end() ? std::end(kTypes)
+                                           : std::find_if(std::begin(kTypes), std::end(kTypes),
+                                                          [&](const Type& type) { return *name == type.name; });
+  return found == std::end(kTypes) ? nullptr : found;
 }
 
 std::string range_text(const json& schema) {
@@ -72,12 +96,11 @@ std::string range_text(const json& schema) {
 
 std::string array_expectation(const json& schema) {
   const json items = schema.value("items", json::object());
-  const std::string type = items.value("type", "");
-  const std::string of = type == "number" ? "numbers" : type == "integer" ? "whole numbers" : "entries";
-  const json low = schema.value("minItems", json()), high = schema.value("maxItems", json());
-  if (!low.is_null() && low == high) return "a list of " + low.dump() + " " + of + range_text(items);
-  if (!low.is_null()) return "a list of at least " + low.dump() + " " + of + range_text(items);
-  return "a list of " + of + range_text(items);
+  const Type* const type = type_of(items);
+  const std::string entries = (type ? type->several : "entries") + range_text(items);
+  const json low = schema.value("minItems", json());
+  if (low.is_null()) return "a list of " + entries;
+  return (low == schema.value("maxItems", json()) ? "a list of " : "a list of at least ") + low.dump() + " " + entries;
 }
 
 std::string object_expectation(const json& schema) {
@@ -104,14 +127,11 @@ std::string expectation(const json& schema) {
     for (const json& choice : schema["enum"]) text += (text.empty() ? "one of " : ", ") + choice.get<std::string>();
     return text;
   }
-  const std::string type = schema.value("type", "");
   if (schema.contains("pattern")) return "a text that begins with '" + beginning_of(schema) + "'";
-  if (type == "number") return "a number" + range_text(schema);
-  if (type == "integer") return "a whole number" + range_text(schema);
-  if (type == "boolean") return "true or false";
-  if (type == "string" && !schema.contains("anyOf")) return "text";
-  if (type == "array") return array_expectation(schema);
-  if (type == "object") return object_expectation(schema);
+  const Type* const type = type_of(schema);
+  if (type && type->is == &json::is_array) return array_expectation(schema);
+  if (type && type->is == &json::is_object) return object_expectation(schema);
+  if (type && !(type->is == &json::is_string && schema.contains("anyOf"))) return type->one + range_text(schema);
   std::string text;
   for (const char* key : {"anyOf", "allOf"})
     for (const json& choice : schema.value(key, json::array()))
@@ -129,19 +149,9 @@ std::string shortened(const json& value) {
 
 constexpr size_t kMostMessages = 100;
 
-bool has_type(const json& value, const std::string& type) {
-  if (type == "number") return value.is_number();
-  if (type == "integer") return value.is_number_integer();
-  if (type == "boolean") return value.is_boolean();
-  if (type == "string") return value.is_string();
-  if (type == "array") return value.is_array();
-  return type != "object" || value.is_object();
-}
-
-/// Type, range, length and words of a value, but not its members. These are the keywords of JSON schemas that schemas/
-/// uses; a test fails for another one.
+/// Type, range, length and words of a value, but not its members.
 bool fits_itself(const json& value, const json& schema) {
-  if (!has_type(value, schema.value("type", ""))) return false;
+  if (const Type* const type = type_of(schema); type && !(value.*type->is)()) return false;
   if (const auto words = schema.find("enum"); words != schema.end())
     if (std::find(words->begin(), words->end(), value) == words->end()) return false;
   if (value.is_number()) {
@@ -158,15 +168,6 @@ bool fits_itself(const json& value, const json& schema) {
   }
   return !value.is_array() ||
          (value.size() >= schema.value("minItems", size_t(0)) && value.size() <= schema.value("maxItems", ~size_t(0)));
-}
-
-// The schema of a member by this schema alone, without its alternatives; null if it describes none.
-const json* own_member(const json& schema, const std::string& key, bool in_array) {
-  const auto members = schema.find(in_array ? "items" : "properties");
-  if (members == schema.end()) return nullptr;
-  if (in_array) return &*members;
-  const auto found = members->find(key);
-  return found == members->end() ? nullptr : &*found;
 }
 
 std::vector<std::string> missing_keys(const json& value, const json& schema) {
