@@ -159,7 +159,7 @@ TEST_F(DescriptionErrors, OverridesAreCheckedLikeFiles) {
   EXPECT_FALSE(load("patch.gltf", with_overrides({"samples"})).ok);
   EXPECT_SAYS("write key=value");
   EXPECT_FALSE(load("patch.gltf", with_overrides({"material/skin.roughness=1"})).ok);
-  EXPECT_SAYS("Did you mean 'materials'?");
+  EXPECT_SAYS("Did you mean 'materials/skin.roughness'?");
   EXPECT_FALSE(load("patch.gltf", with_overrides({"materials/skin=1"})).ok);
   EXPECT_SAYS("does not name a parameter");
   EXPECT_FALSE(load("patch.gltf", with_dome("absent.hdr,2")).ok);
