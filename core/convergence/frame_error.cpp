@@ -72,6 +72,7 @@ struct Convergence {
   ConvergenceLaw law;
   PerDifference means;                // over the frame, each pixel over its scale
   PerDifference elasticity{1, 0, 0};  // d ln V(1) / d ln of each mean
+  double steepest_fall = 2;  // of the differences from one power of two to the next. Independent samples have 2
 };
 
 // Mean over the frame of the differences before the latest, over that of the latest.
@@ -176,10 +177,13 @@ Convergence fit_convergence(const PixelSet& pixels, const std::vector<double>& s
   if (!(means.earlier > 0)) least = std::min(least, 7u);
   if (least < 4) return {};
   const Ratios ratios = ratios_of(pixels, scales, means, least < 8 ? 4.0 : 8.0, cancel);
-  if (least < 8)
+  c.steepest_fall = std::max(c.steepest_fall, ratios.previous);
+  if (least < 8) {
     fit_one_b(ratios, &c);
-  else
+  } else {
+    c.steepest_fall = std::max(c.steepest_fall, std::sqrt(ratios.earlier));
     fit_two_b(ratios, &c);
+  }
   return c;
 }
 
@@ -332,6 +336,15 @@ double high_without_strata(const PixelSet& pixels, const std::vector<double>& sc
   return mean_of(pixels.size(), value, cancel) * std::exp(1.96 * kNoiseDoubt);
 }
 
+// The lower end of E^2 if the variance falls on as steeply as it did: by a power law, as that of hair does
+// (frame_error.md, "The interval"). Where noise rules, it is the other lower end without the scatter.
+double low_of_power_law(const PixelSet& pixels, const RelativeErrors& errors, uint32_t most,
+                        const CancelToken& cancel) {
+  const Variances variances({.exponent = std::log2(errors.convergence().steepest_fall)}, most);
+  const auto value = [&](size_t i) { return variances.of(pixels[i]) / errors.scale(i); };
+  return mean_of(pixels.size(), value, cancel) * std::exp(-1.96 * kNoiseDoubt);
+}
+
 }  // namespace
 
 FrameError estimate_frame_error(const NoiseImage& image, const CancelToken& cancel, uint32_t groups) {
@@ -367,7 +380,8 @@ FrameError estimate_frame_error(const NoiseImage& image, const CancelToken& canc
   constexpr double kWeightOfMost = 2.0 / 3;
   return {.known = true,
           .relative_rmse = std::sqrt(least * std::pow(most / least, kWeightOfMost)),
-          .low = std::sqrt(least * std::exp(-least_reach)),
+          .low = std::sqrt(
+              std::min(least * std::exp(-least_reach), low_of_power_law(pixels, errors, samples.most, cancel))),
           .high = std::sqrt(
               std::max(most * std::exp(most_reach), high_without_strata(pixels, lowest.scales, samples.most, cancel)))};
 }

@@ -130,6 +130,7 @@ TEST_F(PredictTest, SaysWhatARenderNeedsToBeAllowed) {
   };
   EXPECT_TRUE(ask("0.00001"));
   EXPECT_FALSE(ask("0.2"));
+  EXPECT_NE(out_.find("light that the probe has not met"), std::string::npos) << out_;
 }
 
 TEST_F(PredictTest, RefusesWhatIsNoError) {
