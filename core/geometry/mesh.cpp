@@ -3,6 +3,7 @@
 #include <tbb/parallel_sort.h>
 
 #include <bit>
+#include <cmath>
 #include <cstring>
 
 #include "core/geometry/grouped_items.h"
@@ -67,14 +68,17 @@ void find_closed(const Mesh* before, const CancelToken& cancel, Mesh* mesh) {
   mesh->closed = mesh->sealed || every_edge_is_paired(*mesh, weld_by_position(mesh->points, cancel), cancel);
 }
 
-// By tetrahedra over the centre of the bounds, so that no digits cancel.
+// By tetrahedra over the centre of the bounds, so that no digits cancel. Those of doubled faces do.
 bool encloses_positive_volume(const Mesh& mesh) {
   const Vec3d center(mesh.bounds.center());
-  double volume = 0;
-  for (const auto& t : mesh.triangles)
-    volume += dot(Vec3d(mesh.points[t[0]]) - center,
-                  cross(Vec3d(mesh.points[t[1]]) - center, Vec3d(mesh.points[t[2]]) - center));
-  return volume > 0;
+  constexpr double kLeastShare = 1e-9;
+  double volume = 0, all = 0;
+  for (const auto& t : mesh.triangles) {
+    const double one = dot(Vec3d(mesh.points[t[0]]) - center,
+                           cross(Vec3d(mesh.points[t[1]]) - center, Vec3d(mesh.points[t[2]]) - center));
+    volume += one, all += std::abs(one);
+  }
+  return volume > kLeastShare * all;
 }
 
 template <class T>

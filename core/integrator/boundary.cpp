@@ -11,8 +11,12 @@
 namespace alabaster {
 namespace {
 
-// True if the vertex is seen from the interior.
-bool is_seen_from_inside(const PathVertex& v) {
+// True if the vertex is seen from the interior. The winding of a closed mesh that does not wind outward, such as one
+// whose faces are all doubled, does not tell; `interiors` do, in which the ray arrives.
+bool is_seen_from_inside(const PathVertex& v, const Interiors& interiors) {
+  const Mesh& mesh = v.instance->prototype->mesh;
+  if (!mesh.outward && mesh.closed) [[unlikely]]
+    return interiors.contains(v.triangle.instance);
   return is_behind(*v.instance, v.triangle, -v.hit.ng);
 }
 
@@ -184,7 +188,7 @@ bool find_coincident(const PathContext& context, const PixelSampler& sampler, bo
   std::vector<Interior> entered;
   for (const TriangleHit& hit : hits) {
     const PathVertex other = make_vertex(context, across, hit);
-    const bool leaves = is_seen_from_inside(other);
+    const bool leaves = is_seen_from_inside(other, *interiors);
     if (leaves == interiors->contains(hit.instance)) {
       if (!leaves) entered.push_back(interior_of(other));
       continue;
@@ -216,7 +220,7 @@ Meeting meet_boundary(const PathContext& context, const PixelSampler& sampler, P
     v->boundary = {p.ior / interiors.index(), false};
     return Meeting::boundary;
   }
-  const bool inside = is_seen_from_inside(*v);
+  const bool inside = is_seen_from_inside(*v, interiors);
   const Interior own = interior_of(*v);
   // A surface that is left without having been entered belongs to an open mesh.
   if (inside && !interiors.contains(instance)) interiors.enter(own);
@@ -323,7 +327,7 @@ Interiors interiors_at(const PathContext& context, Ray ray, Seeker seeker) {
     if (!context.scene.top->intersect(ray, &hit, &filter)) break;
     const PathVertex v = make_vertex(context, ray, hit);
     ray.org = beyond(v);
-    const bool inside = is_seen_from_inside(v);
+    const bool inside = is_seen_from_inside(v, entered);
     if (!v.material.transmits() || (is_camera && v.instance->options.camera_cull == CameraCull::all)) continue;
     // The way out of this body is not seen: the camera's ray would carry its interior on.
     if (is_camera && inside && is_culled(*v.instance, hit, ray.dir)) continue;

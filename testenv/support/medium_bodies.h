@@ -50,7 +50,7 @@ inline Mesh box_mesh(const Vec3f& lower, const Vec3f& upper, int steps = 1) {
         }
     }
   for (const Vec3f& p : mesh.points) mesh.bounds.extend(p);
-  mesh.closed = true;
+  mesh.closed = mesh.outward = true;
   return mesh;
 }
 

@@ -17,7 +17,7 @@ double triangle_area(const Mesh& mesh, size_t triangle) {
 }
 
 void complete(Mesh* mesh) {
-  mesh->closed = true;
+  mesh->closed = mesh->outward = true;
   for (const Vec3f& p : mesh->points) mesh->bounds.extend(p);
   for (size_t i = 0; i < mesh->triangles.size(); ++i) mesh->triangle_face.push_back(static_cast<int32_t>(i));
 }

@@ -73,7 +73,7 @@ Mesh sphere_mesh(float radius, int rings, bool smooth) {
   }
   if (smooth)
     for (const auto& p : mesh.points) mesh.normals.push_back(normalize(p));
-  mesh.closed = true;
+  mesh.closed = mesh.outward = true;
   return with_bounds(std::move(mesh));
 }
 

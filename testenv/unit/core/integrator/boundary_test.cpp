@@ -87,6 +87,37 @@ PathTracer look_down(SceneBuilder* b, float eye_height = 5) {
   return tracer;
 }
 
+// A slab whose faces are doubled, or wind inward, is the same slab.
+TEST(Boundary, TheWindingOfAClosedMeshDoesNotMatter) {
+  const auto seen = [](bool has_outward, bool has_inward) {
+    const Mesh slab = slab_mesh(-0.2f, 0.3f, 2);
+    Cage cage;
+    cage.points = slab.points;
+    for (const Corners& t : slab.triangles) {
+      if (has_outward)
+        cage.face_vertex_indices.insert(cage.face_vertex_indices.end(), {int(t[0]), int(t[1]), int(t[2])});
+      if (has_inward)
+        cage.face_vertex_indices.insert(cage.face_vertex_indices.end(), {int(t[0]), int(t[2]), int(t[1])});
+    }
+    cage.face_vertex_counts.assign(cage.face_vertex_indices.size() / 3, 3);
+    const Mesh mesh = build_mesh(cage, {}, {});
+    EXPECT_TRUE(mesh.closed);
+    EXPECT_EQ(mesh.outward, !has_inward);
+    SceneBuilder b;
+    DisneyParameters glass = clear(1.5f);
+    glass.attenuation_color = Rgb(0.5f);
+    glass.attenuation_distance = 0.5f;
+    b.add(b.prototype(mesh), b.material(glass)).add(testing::constant_dome(1, true));
+    PathTracer tracer(b.snapshot(), {0.4, 3, 0.1});
+    return means(&tracer, 1, 16).mean();
+  };
+  const double right = seen(true, false);
+  EXPECT_GT(right, 0.3);
+  EXPECT_LT(right, 0.7);
+  EXPECT_NEAR(seen(false, true), right, 1e-5);
+  EXPECT_NEAR(seen(true, true), right, 1e-5);
+}
+
 TEST(Boundary, AnAbsorbingSlabFollowsBeerAndLambert) {
   SceneBuilder b;
   DisneyParameters glass = clear(1.5f);

@@ -175,6 +175,20 @@ TEST(SceneFields, OfMeshes) {
         &RetainedSceneDelegate::GetMeshes);
 }
 
+TEST(SceneFields, OptionsOfMeshesAreConstantPrimvars) {
+  DrawnScene drawn;
+  drawn.set("/m", "mesh", {{"primvars:points", Array<Vec3f>{Vec3f(1)}}, {"holdout", true}});
+  const auto primvars = [&] { return drawn.scene.GetMeshes().at("/m").primvars; };
+  EXPECT_EQ(primvars().at("holdout"), (PrimvarValue{Interpolation::constant, {}, true, {}}));
+  EXPECT_EQ(drawn.edit("/m", {{"subsurfaceSet", Token("all")}}), dirty::kPrimvar);
+  EXPECT_EQ(primvars().at("subsurfaceSet").value, Value(Token("all")));
+  EXPECT_EQ(drawn.edit("/m", {{"holdout", Value()}}), dirty::kPrimvar);
+  EXPECT_EQ(primvars().count("holdout"), 0u);
+  EXPECT_EQ(EditPrim(&drawn.scene, "/m", {{"holdout", Token("yes")}}).fault, "'holdout' must be a number, and is yes");
+  EXPECT_EQ(EditPrim(&drawn.scene, "/m", {{"holdot", true}}).fault,
+            "a mesh has no field 'holdot'; did you mean 'holdout'?");
+}
+
 TEST(SceneFields, OfInstancers) {
   using T = InstancerDescription;
   const std::vector<Row<T>> rows = {
