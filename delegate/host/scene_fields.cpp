@@ -61,7 +61,8 @@ constexpr Field kMesh[] = {
     field<&Mesh::transformSamples>("transform:samples", dirty::kTransform, "Matrices at times, of what moves."),
     field<&Mesh::visible>("visible", dirty::kVisibility, "False: the mesh is not drawn."),
     field<&Mesh::doubleSided>("doubleSided", dirty::kDoubleSided,
-                              "False: rays that hit the back of a face pass through."),
+                              "False: rays that hit the back of a face pass through, unless its material's sides "
+                              "decides."),
     field<&Mesh::cullStyle>(
         "cullStyle", dirty::kCullStyle,
         "Sides of faces that are not shown. dontCare leaves them to doubleSided; back and front hide them from the "
