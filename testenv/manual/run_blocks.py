@@ -2,7 +2,9 @@
 """Runs the commands of the manual: every block of sh in delegate/manual, and those of the README that begin with `alabaster`, in a folder
 with the files that they name.
 
-  run_blocks.py PROGRAM
+  run_blocks.py PROGRAM [--no-hosts]
+
+Blocks of c and cpp are hosts. They are compiled against the library of PROGRAM's build, and run, except with --no-hosts.
 
 A file of --stats has the keys that pipeline.md, "Statistics", lists: all that are always there, and no others.
 
@@ -85,13 +87,31 @@ def fault_of(text, program):
         return "".join(fault_of_statistics(folder / file) for file in re.findall(r"--stats (\S+)", text))
 
 
+def fault_of_host(text, kind, program):
+    """Compiles and runs a host in a folder with the files that blocks name; "": both went well."""
+    library = program.parents[1] / "lib"
+    compiler = ["cc", "-std=c99"] if kind == "c" else ["c++", "-std=c++17"]
+    with tempfile.TemporaryDirectory() as name:
+        folder = pathlib.Path(name)
+        make_folder(folder, program)
+        (folder / "alabaster").symlink_to(TOP / "delegate/c_api")
+        (folder / f"host.{kind}").write_text(text)
+        for command in ([*compiler, "-Wall", "-Werror", "-I.", f"-I{TOP}", f"host.{kind}", "-o", "host", f"-L{library}", "-lhdAlabaster",
+                         f"-Wl,-rpath,{library}"], ["./host"]):
+            ran = subprocess.run(command, cwd=folder, capture_output=True, text=True, timeout=600)
+            if ran.returncode != 0:
+                return f"{shlex.join(command)}: exit code {ran.returncode}\n{ran.stdout}{ran.stderr}"
+    return ""
+
+
 def main():
     if sys.argv[1:2] == ["--as"]:
         return subprocess.run([sys.argv[2], *reduced(sys.argv[3:])]).returncode
     program = pathlib.Path(sys.argv[1]).resolve()
     ran, faults = 0, 0
-    for page, text in blocks("sh"):
-        fault = fault_of(text, program)
+    hosts = [] if "--no-hosts" in sys.argv else [(*block, kind) for kind in ("c", "cpp") for block in blocks(kind)]
+    for page, text, kind in [*((*block, "sh") for block in blocks("sh")), *hosts]:
+        fault = fault_of(text, program) if kind == "sh" else fault_of_host(text, kind, program)
         ran, faults = ran + 1, faults + bool(fault)
         print(f"{page}: {'FAILED: ' + fault if fault else 'ok'}\n  " + text.strip().replace("\n", "\n  "), flush=True)
     if ran < LEAST_BLOCKS:
