@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Renders the figures of the manual into delegate/manual/figures: rows of cups, a value of a parameter or a material each.
 
-  figures.py [--program PATH] [--only NAME ...] [--out FOLDER] [--denoise] [--check]
+  figures.py [--program PATH] [--only NAME ...] [--out FOLDER] [--samples N] [--denoise] [--check]
 
 A cup is 36 mm high, its wall 1 mm thick at the lip and its bottom 10 mm; those of recipes are three times as large. rows.json beside
 this file has the values of each row, and the materials of recipes.md. --check renders nothing; it fails if a figure is missing, is not
@@ -32,7 +32,6 @@ CUP = [(8.6, 0), (9.8, 0.3), (10.2, 1.1), (9.6, 2.0), (6.0, 3.6), (5.8, 5.0), (1
 PITCH, MARGIN = 43, 8  # mm between cups, and beside them all
 RECIPE_UNIT = 3000  # mm of a scene unit: cups of recipes are three times as large
 HEIGHT = 200  # pixels of a row
-SAMPLES = 16
 TABLE = json.loads((HERE / "rows.json").read_text())
 
 
@@ -51,7 +50,7 @@ def row_files(folder, name, materials, lights):
         "models": [{"file": f"{name}.glb", "refineLevel": 3}], "lights": lights,
         "camera": {"lookAt": {"eye": [0, 0.2, 0.62], "target": [0, 0.0165, 0]}, "focalLength": 50, "verticalAperture": 3.9,
                    "horizontalAperture": 3.9 * width / HEIGHT},
-        "settings": {"samples": SAMPLES, "resolution": [width, HEIGHT]}}
+        "settings": {"resolution": [width, HEIGHT]}}
     (folder / f"{name}.json").write_text(json.dumps(scene))
     return folder / f"{name}.json"
 
@@ -59,8 +58,8 @@ def row_files(folder, name, materials, lights):
 def render(options, folder, name, materials, lights):
     scene = row_files(folder, name, materials, lights)
     picture = folder / f"{name}.png"
-    subprocess.run([options.program, "render", str(scene), "-o", str(picture), "--quiet", "--threads", str(options.threads),
-                    *(["--denoise"] if options.denoise else [])], check=True)
+    subprocess.run([options.program, "render", str(scene), "-o", str(picture), "--quiet", "--threads", str(options.threads), "--spp",
+                    str(options.samples), *(["--denoise"] if options.denoise else [])], check=True)
     return str(picture)
 
 
@@ -103,6 +102,7 @@ def main():
     parser.add_argument("--only", nargs="+")
     parser.add_argument("--out", type=pathlib.Path, default=OUT)
     parser.add_argument("--threads", type=int, default=0)
+    parser.add_argument("--samples", type=int, default=16)
     parser.add_argument("--denoise", action="store_true")
     parser.add_argument("--check", action="store_true")
     options = parser.parse_args()
