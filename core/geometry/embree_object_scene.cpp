@@ -153,11 +153,10 @@ void EmbreeObjectScene::mend(const Affine& to_world, const Ray& ray, TriangleHit
 }
 
 void EmbreeObjectScene::intersect_all(const Ray& ray, std::pmr::vector<TriangleHit>* hits) const {
-  const size_t before = hits->size();
   intersect_all_in_scene(scene_.get(), ray, hits);
-  for (size_t i = before; i < hits->size(); ++i)
-    if (is_at_first_corner((*hits)[i])) [[unlikely]]
-      mend(Affine(), ray, &(*hits)[i]);
+  for (TriangleHit& hit : *hits)
+    if (is_at_first_corner(hit)) [[unlikely]]
+      mend(Affine(), ray, &hit);
 }
 
 std::shared_ptr<const ObjectScene> build_object_scene(const std::shared_ptr<TraceDevice>& device, const Mesh& mesh,
