@@ -52,28 +52,58 @@ std::shared_ptr<MeshPrototype> deformed(const Mesh& mesh, const Deformation& def
 
 }  // namespace
 
+void Deformations::build(const Path& path, const MeshPrototype& still, Built* built, SceneParam* param,
+                         const CancelToken& cancel) {
+  std::string refusal = "not enough memory to trace it";
+  param->run([&] {
+    try {
+      auto prototype = deformed(still.mesh, *built->from, built->shutter, param->memory());
+      prototype->object =
+          build_object_scene(param->device(), prototype->mesh, [cancel] { return cancel.is_cancelled(); });
+      if (prototype->object) built->prototype = std::move(prototype);
+    } catch (const MemoryRefused& e) {
+      refusal = e.what();
+    } catch (const std::bad_alloc&) {
+      // The text says so.
+    }
+  });
+  cancel.check();
+  const bool is_reported = built->fault.has_value();
+  built->fault = std::nullopt;
+  if (built->prototype) return;
+  built->fault = SceneFault{false, refusal + "; the mesh is drawn without deformation"};
+  if (!is_reported)
+    alabaster::report(param->sink(), alabaster::Severity::error, "mesh.memory", path.str(), built->fault->text);
+}
+
+bool Deformations::incomplete() const {
+  return std::any_of(built_.begin(), built_.end(), [](const auto& entry) { return entry.second.fault.has_value(); });
+}
+
+void Deformations::add_faults(const Records& records, const support::Selection& selection, SceneFaults* faults) const {
+  for (const auto& [path, built] : built_) {
+    const auto* mesh = find_record<MeshRecord>(records, path);
+    if (built.fault && mesh && selection.includes(path, mesh->visible, mesh->render_tag))
+      faults->emplace(path, *built.fault);
+  }
+}
+
 DeformedMeshes Deformations::in(const Shutter& shutter, const BuiltMeshes& meshes, SceneParam* param,
                                 const CancelToken& cancel) {
   DeformedMeshes drawn;
-  std::map<Path, Built> kept;
+  std::set<Path> deforming;
   meshes.for_each([&](const Path& path, const MeshBuild& mesh) {
     if (!mesh.deformation || !mesh.prototype) return;
-    Built& built = kept[path];
-    if (const auto held = built_.find(path); held != built_.end()) built = held->second;
+    deforming.insert(path);
+    Built& built = built_[path];
     if (built.from != mesh.deformation || !(built.shutter == shutter) || !built.prototype) {
       cancel.check();
-      built = {mesh.deformation, shutter, nullptr};
-      param->run([&] {
-        auto prototype = deformed(mesh.prototype->mesh, *mesh.deformation, shutter, param->memory());
-        prototype->object =
-            build_object_scene(param->device(), prototype->mesh, [cancel] { return cancel.is_cancelled(); });
-        if (prototype->object) built.prototype = std::move(prototype);
-      });
-      cancel.check();
+      built.from = mesh.deformation, built.shutter = shutter, built.prototype = nullptr;
+      build(path, *mesh.prototype, &built, param, cancel);
     }
     if (built.prototype) drawn[path] = built.prototype;
   });
-  built_ = std::move(kept);
+  std::erase_if(built_, [&](const auto& entry) { return !deforming.contains(entry.first); });
   return drawn;
 }
 

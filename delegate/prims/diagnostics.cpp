@@ -15,10 +15,11 @@ alabaster::DiagnosticSink core_sink(const hd::DiagnosticSink& host) {
   };
 }
 
-void report_exception(const alabaster::DiagnosticSink& sink, std::string_view where, const char* what) noexcept {
+void report_exception(const alabaster::DiagnosticSink& sink, std::string_view where, const char* what,
+                      const char* outcome) noexcept {
   try {
     alabaster::report(sink, alabaster::Severity::error, "delegate.exception", std::string(where),
-                      std::string("failed: ") + what + "; the earlier state is kept");
+                      std::string("failed: ") + what + outcome);
   } catch (...) {
     // Memory has run out altogether.
   }

@@ -17,8 +17,13 @@ namespace alabaster::hd::prims {
 /// Core's sink over the host's. Exceptions of the host's sink are dropped. Empty for an empty sink.
 alabaster::DiagnosticSink core_sink(const hd::DiagnosticSink& host);
 
-/// Reports an exception that an entry point caught. Does nothing if memory does not even suffice for a report.
-void report_exception(const alabaster::DiagnosticSink& sink, std::string_view where, const char* what) noexcept;
+/// `outcome` of an exception that changed nothing.
+inline constexpr const char* kEarlierStateIsKept = "; the earlier state is kept";
+
+/// Reports an exception that an entry point caught. `outcome` ends the sentence. Does nothing if memory does not even
+/// suffice for a report.
+void report_exception(const alabaster::DiagnosticSink& sink, std::string_view where, const char* what,
+                      const char* outcome) noexcept;
 
 /// The faults of something that is looked at again and again. Each is reported where it is found first, and again only
 /// if it was gone in between. One thread at a time.
@@ -32,19 +37,20 @@ class KnownFaults {
 
 /// Runs a boundary entry point, in the default floating-point environment. An exception becomes a report and false.
 template <class F>
-bool guarded(const alabaster::DiagnosticSink& sink, std::string_view where, F&& body) noexcept {
+bool guarded(const alabaster::DiagnosticSink& sink, std::string_view where, F&& body,
+             const char* outcome = "") noexcept {
   const FloatEnvironment environment;
   try {
     body();
     return true;
   } catch (const MemoryRefused& e) {
-    report_exception(sink, where, e.what());
+    report_exception(sink, where, e.what(), outcome);
   } catch (const std::bad_alloc&) {
-    report_exception(sink, where, "not enough memory");
+    report_exception(sink, where, "not enough memory", outcome);
   } catch (const std::exception& e) {
-    report_exception(sink, where, e.what());
+    report_exception(sink, where, e.what(), outcome);
   } catch (...) {
-    report_exception(sink, where, "unknown reason");
+    report_exception(sink, where, "unknown reason", outcome);
   }
   return false;
 }

@@ -62,13 +62,14 @@ void MeshBatch::build_one(Item* item, const CancelToken& cancel) {
   bool cancelled = false;
   MeshResult result;
   const auto keep = [&](const alabaster::Diagnostic& d) { result.failure = d; };
-  const bool built = guarded(keep, item->job->path.str(), [&] {
+  const auto build = [&] {
     try {
       result = build_mesh_job(*item->job, param_, cancel);
     } catch (const BuildCancelled&) {
       cancelled = true;
     }
-  });
+  };
+  const bool built = guarded(keep, item->job->path.str(), build, "; the mesh is not drawn");
   if (cancelled) return;
   if (!built) result.built.fault = SceneFault{false, "the mesh could not be built"};
   item->result = std::move(result);

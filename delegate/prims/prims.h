@@ -19,11 +19,11 @@ class Recorded : public Base {
   using Base::Base;
   void Sync(SceneDelegate* scene, RenderParam* param, DirtyBits* bits) final {
     SceneParam& channel = SceneParam::of(param);
-    const bool synced =
-        guarded(channel.sink(), this->GetId().str(), [&] { *bits = post_record(*scene, channel, *bits); });
+    const bool synced = guarded(
+        channel.sink(), this->GetId().str(), [&] { *bits = post_record(*scene, channel, *bits); }, kEarlierStateIsKept);
     channel.set_failed(&failed_, !synced);
   }
-  void Finalize(RenderParam* param) final {
+  void Finalize(RenderParam* param) override {
     SceneParam::of(param).set_failed(&failed_, false);
     SceneParam::of(param).remove(this->GetId());
   }
@@ -111,10 +111,16 @@ CameraRecord record_of(const CameraDescription& camera, const Path& where, const
 
 class RenderSettingsPrim final : public RecordedPrim<Bprim> {
  public:
-  using RecordedPrim::RecordedPrim;
+  /// `changed` is called in Sync and Finalize, after the record or its end has been posted.
+  RenderSettingsPrim(const Path& id, std::function<void()> changed) : RecordedPrim(id), changed_(std::move(changed)) {}
+  void Finalize(RenderParam* param) override {
+    RecordedPrim::Finalize(param);
+    guarded(SceneParam::of(param).sink(), GetId().str(), [&] { changed_(); });
+  }
 
  private:
   DirtyBits post_record(SceneDelegate& scene, SceneParam& param, DirtyBits bits) override;
+  const std::function<void()> changed_;
 };
 
 }  // namespace alabaster::hd::prims

@@ -156,14 +156,12 @@ void SceneParam::reload(const std::string& file) {
   for (const auto& [id, reread] : rereads) guarded(sink_, id.str(), [&, &again = reread] { again(file); });
 }
 
-void SceneParam::set_texture_memory(uint32_t mib, bool by_host) {
-  if (by_host) host_set_texels_ = true;
-  if (by_host || !host_set_texels_) texels_->set_budget(size_t(mib) << 20);
+void SceneParam::set_texture_memory(uint32_t mib) {
+  texels_->set_budget(size_t(mib) << 20);
 }
 
-void SceneParam::set_memory_limit(uint32_t mib, bool by_host) {
-  if (by_host) host_set_limit_ = true;
-  if (by_host || !host_set_limit_) memory_->set_limit(mib ? size_t(mib) << 20 : support::default_memory_limit());
+void SceneParam::set_memory_limit(uint32_t mib) {
+  memory_->set_limit(mib ? size_t(mib) << 20 : support::default_memory_limit());
 }
 
 std::shared_ptr<tbb::task_arena> SceneParam::arena() {

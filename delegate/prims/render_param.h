@@ -74,10 +74,10 @@ class SceneParam final : public RenderParam {
   /// Work that runs now stays in its arena. Later work has another.
   void leave_arena();
   void set_threads(uint32_t threads) { threads_ = threads; }
-  /// MiB, for images that are read from then on. A value of the host counts before that of a settings prim.
-  void set_texture_memory(uint32_t mib, bool by_host);
-  /// The same for the memory limit; 0: default_memory_limit(). The next commit builds the meshes that were refused.
-  void set_memory_limit(uint32_t mib, bool by_host);
+  /// MiB, for images that are read from then on.
+  void set_texture_memory(uint32_t mib);
+  /// MiB; 0: default_memory_limit(). The next commit builds the meshes that were refused.
+  void set_memory_limit(uint32_t mib);
 
   // The edit transaction.
   void post(const Path& id, Record record) { post(Edit{id, std::move(record), {}, false}); }
@@ -128,7 +128,6 @@ class SceneParam final : public RenderParam {
   std::shared_ptr<const ColorConfig> colors_;
   std::shared_ptr<MemoryBudget> memory_;
   std::shared_ptr<TexelStore> texels_;
-  std::atomic<bool> host_set_texels_{false}, host_set_limit_{false};
   std::atomic<uint32_t> threads_{0};
   std::atomic<size_t> edits_{0};
   std::atomic<int> failed_{0};

@@ -11,14 +11,12 @@ DirtyBits RenderSettingsPrim::post_record(SceneDelegate& scene, SceneParam& para
   for (const auto& [key, value] : description.settings)
     if (const std::string fault = support::RetiredSetting(key, value.text_or("")); !fault.empty())
       alabaster::report(param.sink(), alabaster::Severity::error, "settings.retired", GetId().str(), fault);
-  // Memory limits take effect in Sync, other settings at CommitResources.
   RenderSettings settings;
   for (const SettingParameter& row : setting_parameters())
     if (const auto given = description.settings.find(row.name); given != description.settings.end())
       report_fault(param.sink(), GetId().str(), row.name, set_parameter(row, given->second, &settings), given->second);
-  if (description.settings.contains("textureMemory")) param.set_texture_memory(settings.texture_memory, false);
-  if (description.settings.contains("memoryLimit")) param.set_memory_limit(settings.memory_limit, false);
   param.post(GetId(), SettingsRecord{description});
+  changed_();
   return dirty::kClean;
 }
 

@@ -167,7 +167,7 @@ std::vector<Part> open_parts(const Array<std::string>& files, const std::shared_
     naming(file, [&] { reader = std::make_unique<CheckpointReader>(file, memory); });
     *fault = reader->fault();
     if (fault->empty() && !is_complete(reader->header()))
-      *fault = "it does not have all samples of its part yet; let its render end first (--resume)";
+      *fault = "it does not have all samples of its part yet; continue its render to the end first";
     const SampleRange range = range_of(reader->header());
     if (fault->empty()) *fault = range_fault(range);
     if (!fault->empty()) return *fault = in_quotes(file) + ": " + *fault, std::vector<Part>();

@@ -44,10 +44,22 @@ void RenderCore::set_setting(const Token& key, const Value& value) {
   if (parameter && !value.empty())
     prims::report_fault(param->sink(), "render settings", key.str(), prims::set_parameter(*parameter, value, &unused),
                         value);
-  if (key == Token("textureMemory")) param->set_texture_memory(render_settings().texture_memory, true);
-  if (key == Token("memoryLimit")) param->set_memory_limit(render_settings().memory_limit, true);
-  if (key == Token("refineEdgeLength")) dicing_changed_ = true;
-  if (key == Token("threads")) param->set_threads(render_settings().threads);
+  if (key == Token("refineEdgeLength") || key == Token("renderSettingsPrimPath")) dicing_changed_ = true;
+  apply_services();
+}
+
+// Threads and memory take effect at once.
+void RenderCore::apply_services() {
+  const RenderSettings settings = render_settings();
+  param->set_threads(settings.threads);
+  param->set_texture_memory(settings.texture_memory);
+  param->set_memory_limit(settings.memory_limit);
+}
+
+void RenderCore::take_up_settings() {
+  apply_edits();
+  views_changed_ = true;
+  apply_services();
 }
 
 Value RenderCore::setting(const Token& key) const {
@@ -215,8 +227,8 @@ SnapshotBuilder::View RenderCore::wanted_view() {
 
 void RenderCore::hand_over() {
   apply_edits();
+  apply_services();
   const RenderSettings settings = render_settings();
-  param->set_threads(settings.threads);
   dicing_changed_ = false;
   views_changed_ = false;
   const SnapshotBuilder::View view = wanted_view();
@@ -240,7 +252,8 @@ void RenderCore::commit() {
   const auto start = std::chrono::steady_clock::now();
   if (!needs_commit() && edits_.empty() && drawn_.empty() && !builder_.has_failed() && !commit_failed_) return;
   committed_ = true;
-  const bool handed_over = prims::guarded(param->sink(), "CommitResources", [&] { hand_over(); });
+  const bool handed_over = prims::guarded(
+      param->sink(), "CommitResources", [&] { hand_over(); }, prims::kEarlierStateIsKept);
   param->set_failed(&commit_failed_, !handed_over);
   failed_ = !handed_over;
   const std::chrono::duration<double> spent = std::chrono::steady_clock::now() - start;

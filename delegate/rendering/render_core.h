@@ -25,6 +25,9 @@ class RenderCore {
   uint32_t settings_version() const;
   RenderSettings render_settings() const;
   Path settings_camera() const;
+  /// A settings prim is new, edited or gone: its limits of memory apply to the Sync of meshes, which precedes the
+  /// commit. Host thread.
+  void take_up_settings();
 
   // The scene (host thread).
   /// Takes cameras and settings from the edit transaction, and hands the rest to the builder. A scene that cannot be
@@ -99,6 +102,7 @@ class RenderCore {
   const prims::SettingsRecord* settings_prim() const;  // under mutex_
   prims::Dicing dicing(const Shutter& shutter) const;
   void apply_edits();
+  void apply_services();
   void hand_over();
   SnapshotBuilder::View wanted_view();
 

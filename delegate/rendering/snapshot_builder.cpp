@@ -13,6 +13,7 @@ namespace {
 
 constexpr std::chrono::seconds kEditsEnd(2);         // a host that has not edited for so long has stopped to
 constexpr std::chrono::microseconds kHostTurn(300);  // longer than most calls of Execute
+constexpr const char* kNotDrawn = "; the scene is not drawn, and the next commit builds it again";
 
 }  // namespace
 
@@ -130,20 +131,21 @@ bool SnapshotBuilder::take_work() {
 void SnapshotBuilder::build() {
   wakes_->begin_work();
   bool cancelled = false;
-  const bool done = prims::guarded(param_->sink(), "CommitResources", [&] {
+  const auto build_it = [&] {
     try {
       update(CancelToken(&cancel_));
     } catch (const BuildCancelled&) {
       cancelled = true;
     }
-  });
+  };
+  const bool done = prims::guarded(param_->sink(), "CommitResources", build_it, kNotDrawn);
   if (!done)  // for want of memory, mostly
     for (Variant& variant : variants_) variant.compiler.forget();
   {
     const std::lock_guard lock(mutex_);
     // The scene of before would pass for the new one.
     lost_ = !done || (cancelled && lost_);
-    failed_ = lost_ || (!cancelled && (meshes_.incomplete() || lacks_snapshots()));
+    failed_ = lost_ || (!cancelled && (meshes_.incomplete() || deformations_.incomplete() || lacks_snapshots()));
     cancelled_before_ = cancelled && requested_;
     if (cancelled) requested_ = true;
     pending_ = requested_;
@@ -193,6 +195,7 @@ void SnapshotBuilder::read_files(const CancelToken& cancel) {
 
 prims::SceneFaults SnapshotBuilder::faults(const support::Selection& selection) const {
   prims::SceneFaults all = meshes_.faults(records_, selection);
+  deformations_.add_faults(records_, selection, &all);
   for (const auto& [path, record] : records_) {
     const auto* material = std::get_if<prims::MaterialRecord>(&record);
     const auto* light = std::get_if<prims::LightRecord>(&record);
@@ -227,7 +230,7 @@ void SnapshotBuilder::update(const CancelToken& cancel) {
     const auto last = built(selection);
     return last && last->snapshot && last->translation.shutter == view.shutter;
   };
-  stale_ |= meshes_.incomplete() || !meshes_.is_built_for(view.meshes);
+  stale_ |= meshes_.incomplete() || deformations_.incomplete() || !meshes_.is_built_for(view.meshes);
   choose_variants(view.selections);
   if (stale_ || !std::all_of(view.selections.begin(), view.selections.end(), is_current)) {
     stale_ = true;  // until all of it is done
@@ -300,13 +303,14 @@ void SnapshotBuilder::compile(Variant* variant, BuiltScene scene, const CancelTo
   };
   // A scene that could not be compiled leaves no snapshot: the old one would pass for it.
   bool cancelled = false;
-  prims::guarded(param_->sink(), "CommitResources", [&] {
+  const auto compile_it = [&] {
     try {
       param_->run(run);
     } catch (const BuildCancelled&) {
       cancelled = true;
     }
-  });
+  };
+  prims::guarded(param_->sink(), "CommitResources", compile_it, kNotDrawn);
   if (cancelled) throw BuildCancelled();
   ++scene_number_;
   if (!scene.snapshot) variant->compiler.forget();

@@ -216,6 +216,13 @@ TEST(AdaptiveRefinement, FollowsTheCameraTheSettingAndTheInstances) {
   seen.delegate->SetRenderSetting("refineEdgeLength", 0.0f);
   EXPECT_EQ(triangles(), 8);  // refineLevel 1
   seen.delegate->SetRenderSetting("refineEdgeLength", Value());
+  settings.settings["refineEdgeLength"] = 8.0f;
+  seen.scene.SetRenderSettings("/settings_2", settings);
+  EXPECT_NEAR(triangles(), 2 * 14 * 14, 100) << "the first settings prim";
+  seen.delegate->SetRenderSetting("renderSettingsPrimPath", "/settings_2");
+  EXPECT_NEAR(triangles(), 2 * 7 * 7, 40);
+  seen.scene.Remove("/settings_2");
+  seen.delegate->SetRenderSetting("renderSettingsPrimPath", Value());
   mesh.instancer = "/i";
   seen.scene.SetMesh("/square", mesh);
   host::InstancerDescription instancer;

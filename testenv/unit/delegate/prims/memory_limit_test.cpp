@@ -77,6 +77,87 @@ TEST(MemoryLimit, ALimitThatIsRaisedHasTheNextCommitBuildWhatWasRefused) {
   EXPECT_GT(drawing.stage.stat("memoryInUse"), 10 * kMiB);
 }
 
+/// A settings prim with this limit, in MiB.
+void set_limit(Stage& stage, const char* path, int mib) {
+  RenderSettingsDescription settings;
+  settings.settings["memoryLimit"] = mib;
+  stage.scene.SetRenderSettings(path, settings);
+}
+
+TEST(MemoryLimit, IsThatOfTheHostElseThatOfTheActiveSettingsPrim) {
+  Stage stage;
+  const auto limit = [&] { return stage.index->SyncAll(), stage.stat("memoryLimit") / kMiB; };
+  const double otherwise = limit();
+  set_limit(stage, "/b", 300);
+  EXPECT_EQ(limit(), 300);
+  set_limit(stage, "/a", 200);
+  EXPECT_EQ(limit(), 200) << "the first by path";
+  set_limit(stage, "/c", 400);
+  EXPECT_EQ(limit(), 200) << "which an edit of another does not change";
+  stage.delegate->SetRenderSetting("renderSettingsPrimPath", "/b");
+  EXPECT_EQ(limit(), 300);
+  stage.delegate->SetRenderSetting("memoryLimit", 500);
+  EXPECT_EQ(limit(), 500);
+  set_limit(stage, "/b", 301);
+  EXPECT_EQ(limit(), 500);
+  stage.delegate->SetRenderSetting("memoryLimit", Value());
+  EXPECT_EQ(limit(), 301) << "the host has taken its limit back";
+  set_limit(stage, "/b", 302);
+  EXPECT_EQ(limit(), 302);
+  stage.scene.SetRenderSettings("/b", {});
+  EXPECT_EQ(limit(), otherwise) << "the prim names none any more";
+  stage.delegate->SetRenderSetting("renderSettingsPrimPath", Value());
+  EXPECT_EQ(limit(), 200);
+  stage.scene.Remove("/a");
+  EXPECT_EQ(limit(), otherwise) << "/b, which names none";
+  stage.scene.Remove("/b");
+  EXPECT_EQ(limit(), 400);
+  stage.scene.Remove("/c");
+  EXPECT_EQ(limit(), otherwise);
+}
+
+// Arrays of meshes are counted in their Sync.
+TEST(MemoryLimit, OfASettingsPrimCountsForTheMeshesThatComeWithIt) {
+  Stage stage;
+  stage.add_basic_scene();
+  set_limit(stage, "/settings", 16);
+  host::MeshDescription mesh = Stage::quad();
+  mesh.primvars["temperature"] = {
+      Interpolation::constant, {}, Array<float>(std::vector<float>(size_t(8) << 20, 1)), {}};
+  stage.scene.SetMesh("/quad_of_numbers", mesh);
+  stage.index->SyncAll();
+  EXPECT_LT(stage.stat("memoryInUse"), 16 * kMiB);
+  EXPECT_EQ(stage.count("delegate.exception"), 1u);
+  stage.scene.Remove("/settings");
+  EXPECT_TRUE(stage.index->SyncAll());
+  EXPECT_GT(stage.stat("memoryInUse"), 32 * kMiB);
+  EXPECT_EQ(stage.count("delegate.exception"), 1u);
+}
+
+// A deforming mesh takes memory for each pose of the shutter.
+TEST(MemoryLimit, AMeshThatItDoesNotHoldInAllPosesIsDrawnWithoutDeformation) {
+  Drawing drawing(14);
+  host::CameraDescription camera = drawing.stage.scene.GetCameras().at("/camera");
+  camera.parameters["shutterClose"] = 1.0;
+  drawing.stage.scene.SetCamera("/camera", camera);
+  host::MeshDescription mesh = refined_quad(7);
+  const Value points = mesh.primvars["points"].value;
+  mesh.primvarSamples["points"] = {{0, 1.0 / 32, 1}, {points, points, Array<Vec3f>(std::vector<Vec3f>(4, Vec3f(2)))}};
+  drawing.stage.scene.SetMesh("/waving", mesh);
+  EXPECT_TRUE(drawing.draw()) << "the rest of the scene, and the mesh at time 0";
+  EXPECT_NE(drawing.stage.dump().find("/waving"), std::string::npos);
+  const std::string errors = drawing.errors();
+  EXPECT_TRUE(errors.starts_with("/waving: a mesh in 33 poses needs ")) << errors;
+  EXPECT_NE(errors.find("drawn without deformation"), std::string::npos) << errors;
+  EXPECT_EQ(std::count(errors.begin(), errors.end(), '\n'), 1) << errors;
+  EXPECT_EQ(drawing.stage.stat("scene.faultCount"), 1);
+  EXPECT_EQ(drawing.stage.stat("scene.outOfMemory"), 1);
+  drawing.stage.delegate->SetRenderSetting("memoryLimit", 1024);
+  EXPECT_TRUE(drawing.draw());
+  EXPECT_EQ(drawing.errors(), "");
+  EXPECT_EQ(drawing.stage.stat("scene.faultCount"), -1);
+}
+
 TEST(MemoryLimit, DelegatesHaveOneEach) {
   Drawing small(16), large(1024);
   for (Drawing* drawing : {&small, &large}) {

@@ -79,6 +79,7 @@ TEST(RenderCore, APassFailsWhileTheSceneCouldNotBeCompiled) {
   const RenderPassState state = Stage::state_for(4, 4, "color", buffer);
   ASSERT_TRUE(Stage::finish(*pass, state));
   bool seen = false;
+  std::string last;
   for (size_t allowed = 0; !seen && allowed < 1000; ++allowed) {
     ASSERT_NO_FATAL_FAILURE(moving.move_to(static_cast<double>(allowed) + 0.25));
     {
@@ -90,6 +91,8 @@ TEST(RenderCore, APassFailsWhileTheSceneCouldNotBeCompiled) {
     if (!seen) stage.delegate->CommitResources();
   }
   ASSERT_TRUE(seen);
+  for (const Diagnostic& d : stage.take_diagnostics()) last = d.text;
+  EXPECT_TRUE(last.ends_with("the scene is not drawn, and the next commit builds it again")) << last;
   pass->Execute(state);
   EXPECT_TRUE(pass->IsConverged());
   EXPECT_EQ(pass->GetState(), PassState::failed);
