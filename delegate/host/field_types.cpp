@@ -40,9 +40,10 @@ Found find_field(const Kind& kind, const std::string& name) {
     for (const Field& row : table)
       if (name == row.name) return row.type;
   Found found;
+  const std::string parameter = std::string_view(kind.parameters) == "lights" ? light_parameter(name) : name;
   if (!kind.fields.empty())  // parameters of materials are those of nodes
     visit_table(kind.parameters,
-                [&](const auto& rows, const auto&, auto others) { found = find_parameter(rows, others, name); });
+                [&](const auto& rows, const auto&, auto others) { found = find_parameter(rows, others, parameter); });
   if (found) return found;
   for (const Field& row : kind.open)
     if (row.type.type != ALABASTER_NONE && is_of(row, name)) return row.type;

@@ -372,7 +372,12 @@ Put put_open(InstancerDescription* instancer, const std::string& name, const Val
   return check_primvar(name, value);
 }
 
-Put put_open(LightDescription* light, const std::string& name, const Value& value) {
+std::string light_parameter(const std::string& name) {
+  return after(name, "inputs:").value_or(name);
+}
+
+Put put_open(LightDescription* light, const std::string& given, const Value& value) {
+  const std::string name = light_parameter(given);
   Put checked = check(light_parameters(), name, value);
   if (!checked) checked = check_other(kOfLights, name, value);
   if (checked && checked->empty()) store(&light->parameters, Token(name), value);
@@ -502,6 +507,12 @@ void get_open(const MaterialNetwork& network, const Path& id, Fields* fields) {
 }
 
 std::string finish(const MeshDescription& mesh) {
+  if (const auto points = mesh.primvars.find("points"); points != mesh.primvars.end()) {
+    if (!points->second.indices.empty())
+      return "'primvars:points:indices' is given: faceVertexIndices alone name the points of a face";
+    if (points->second.interpolation != Interpolation::vertex && points->second.interpolation != Interpolation::varying)
+      return "'primvars:points:interpolation' must be vertex: there is one point for each vertex";
+  }
   for (const auto& [name, primvar] : mesh.primvars)
     if (primvar.value.empty())
       return "'primvars:" + name.str() + "' has no value, but its indices, role or interpolation are given";

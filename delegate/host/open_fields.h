@@ -41,6 +41,8 @@ struct OtherParameter {
   const char* must;              // what a value must be, for messages
   const char* schema = nullptr;  // its entry in schemas/*.json; null: it is in none
 };
+/// Without the namespace "inputs:", which UsdLux gives it.
+std::string light_parameter(const std::string& name);
 extern const std::span<const OtherParameter> kOtherOfMeshes, kOtherOfLights, kOtherOfCameras;
 
 /// Calls visit(rows, defaults, others) with core's table of the parameters of a schema.

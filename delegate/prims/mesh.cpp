@@ -109,8 +109,8 @@ void MeshPrim::pull_shape(SceneDelegate& scene, DirtyBits bits) {
   if (bits & dirty::kPoints) {
     PulledPrimvar points;  // pulled even when no descriptor names them
     points.present = true;
-    Array<int32_t> unused;
-    points.value = support::FloatValues(scene.GetPrimvar(GetId(), "points", &unused));
+    points.value = support::FloatValues(scene.GetPrimvar(GetId(), "points", &points.indices));
+    points.indices = points.indices.frozen();
     update(&pulled_.points, std::move(points), &shape_changed_);
     update(&pulled_.point_samples, pull_samples(scene, GetId(), "points"), &shape_changed_);
   }

@@ -169,6 +169,8 @@ Cage make_cage(const PulledMesh& mesh, const NamedPrimvars& named, const std::st
     cage.points = copy(*points);
   else if (!mesh.points.value.empty())
     reporter.warn("mesh.points.type", "points must be an array of three numbers each; nothing is drawn");
+  if (!mesh.points.indices.empty())
+    reporter.warn("mesh.points.indices", "the indices of points are not used: faceVertexIndices alone name the points");
   cage.normals = primvar<Vec3f>(mesh.normals, "normals", reporter);
   cage.tangents = primvar<Vec4f>(mesh.tangents, "tangents", reporter);
   for (const auto& [name, pulled] : mesh.uvs)

@@ -30,6 +30,9 @@ std::string NearestName(const std::string& name, const std::vector<std::string>&
   constexpr size_t kLongestName = 200;  // beyond it nobody mistyped a name, and the search would take its square
   std::string nearest;
   if (name.size() > kLongestName) return nearest;
+  // A name with its namespace in USD.
+  const std::string within = name.substr(name.find(':') + 1);
+  if (std::find(known.begin(), known.end(), within) != known.end()) return within;
   size_t fewest = 2 * std::max(size_t(2), name.size() / 3) + 1;
   for (const std::string& candidate : known) {
     const size_t steps = distance(name, candidate);

@@ -71,6 +71,38 @@ TEST(SceneFields, InstancersKnowTheirPrimvars) {
   EXPECT_NE(near.fault.find("did you mean 'primvars:hydra:instanceTranslations'?"), std::string::npos) << near.fault;
 }
 
+TEST(SceneFields, PointsHaveNoIndices) {
+  RetainedSceneDelegate scene;
+  const Array<Vec3f> points{Vec3f(0), Vec3f(1), Vec3f(2)};
+  const auto fault = [&](const char* field, const Value& value) {
+    return SetPrim(&scene, "/mesh", Token("mesh"), {{"primvars:points", points}, {field, value}}).fault;
+  };
+  EXPECT_NE(fault("primvars:points:indices", Array<int32_t>{2, 1, 0}).find("faceVertexIndices"), std::string::npos);
+  EXPECT_NE(fault("primvars:points:interpolation", Token("uniform")).find("must be vertex"), std::string::npos);
+  EXPECT_EQ(fault("primvars:points:indices", Array<int32_t>{}), "");
+  EXPECT_EQ(fault("primvars:points:interpolation", Token("vertex")), "");
+}
+
+// As UsdLux names them.
+TEST(SceneFields, ParametersOfLightsMayHaveTheNamespaceOfInputs) {
+  RetainedSceneDelegate scene;
+  const Fields fields{
+      {"inputs:intensity", 2.0f}, {"inputs:shaping:cone:angle", 30.0f}, {"inputs:texture:file", "a.exr"}};
+  ASSERT_EQ(SetPrim(&scene, "/light", Token("rectLight"), fields).fault, "");
+  const auto held = scene.GetLights().at("/light").parameters;
+  EXPECT_EQ(held.at("intensity"), Value(2.0f));
+  EXPECT_EQ(held.at("shaping:cone:angle"), Value(30.0f));
+  EXPECT_EQ(held.at("texture:file").text_or(""), "a.exr");
+  ASSERT_EQ(EditPrim(&scene, "/light", {{"inputs:intensity", Value()}}).fault, "");
+  EXPECT_FALSE(scene.GetLights().at("/light").parameters.contains("intensity"));
+  EXPECT_EQ(TypeOfField("rectLight", "inputs:color"), (FieldType{ALABASTER_FLOAT3, false}));
+  EXPECT_NE(EditPrim(&scene, "/light", {{"inputs:intensty", 1.0f}}).fault.find("'inputs:intensty'"), std::string::npos);
+  EXPECT_NE(EditPrim(&scene, "/light", {{"inputs:intensity", "much"}}).fault, "");
+  const Fields material{{"surface.type", Token("AlabasterDisney")}, {"surface.inputs:baseColor", Vec3f(1)}};
+  EXPECT_EQ(SetPrim(&scene, "/m", Token("material"), material).fault,
+            "node 'surface' has no input 'inputs:baseColor'; did you mean 'baseColor'?");
+}
+
 TEST(SceneFields, SamplesMayComeBeforeTheirValues) {
   DrawnScene s;
   const Value points = Array<Vec3f>{Vec3f(1)};
