@@ -9,8 +9,7 @@ std::span<const SettingParameter> setting_parameters() {
   // clang-format off
   static constexpr SettingParameter kTable[] = {
       {"samples", &S::samples, 1, 1048576, {},
-       "per pixel", "Camera samples per pixel, at most. The program's flags --target-error and --time-limit set it "
-       "to 65536 unless --spp is given.", kContinues},
+       "per pixel", "Camera samples per pixel, at most.", kContinues},
       {"firstSample", &S::first_sample, 0, 1048575, {},
        "per pixel", "The first of the samples to take, below 'samples': those before it are left to other renders, "
        "whose checkpoints can be merged with this one's. Not with 'targetError', 'adaptive' or 'timeLimit'.",
@@ -24,11 +23,11 @@ std::span<const SettingParameter> setting_parameters() {
        "none", "Allocates samples by noise, after 16 for every pixel. 'samples' is then the mean over pixels, and "
        "the number of samples of a pixel never depends on its own samples. Takes effect from 32 samples on."},
       {"timeLimit", &S::time_limit, 0, 31536000, {},
-       "seconds", "The render ends after this time. A pixel that has no sample by then may take its first one up to "
-       "half a second later. If pixels are left without a sample, a warning, the statistics and the EXR "
-       "(pixelsWithoutSample) tell how many; AOV sampleCount is 0 there, and blocks of pixels without any sample "
-       "have alpha 0. Denoising comes after the limit. 0: no limit. With this setting alone the picture depends on "
-       "the machine.", kContinues | kNoPixels},
+       "seconds", "The render ends after this time, pauses not counted. A pixel that has no sample by then may take "
+       "its first one up to half a second later. If pixels are left without a sample, a warning, the statistics and "
+       "the EXR (pixelsWithoutSample) tell how many; AOV sampleCount is 0 there, and blocks of pixels without any "
+       "sample have alpha 0. Denoising comes after the limit. 0: no limit. With this setting alone the picture "
+       "depends on the machine.", kContinues | kNoPixels},
       {"seed", &S::seed, 0, 4294967295.0, {},
        "none", "Selects the noise pattern; all seeds are equally good."},
       {"frame", &S::frame, 0, 4294967295.0, {},
@@ -83,7 +82,7 @@ std::span<const SettingParameter> setting_parameters() {
       {"denoise", &S::denoise, -kUnbounded, kUnbounded, {},
        "none", "Denoises the picture after its last sample with Open Image Denoise 2, which must be installed. AOV "
        "'denoised' holds the result and 'color' stays as rendered; where a host draws 'color' alone, it shows the "
-       "denoised picture. Files: .png, .tif and .jpg show the denoised picture, .exr has both.", kNoPixels},
+       "denoised picture.", kContinues | kNoPixels},
   };
   // clang-format on
   return kTable;

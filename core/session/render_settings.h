@@ -15,10 +15,10 @@ namespace alabaster {
 struct RenderSettings {
   uint32_t samples = 64;  // per pixel, at most; with `adaptive` the mean over pixels
   uint32_t first_sample =
-      0;                   // samples before it are left to other renders (Film::append); none with a target or adaptive
+      0;                   // samples before it are left to other renders; 0 with target_error, adaptive or time_limit
   float target_error = 0;  // the render ends at this relative RMSE (core/convergence/frame_error.h); 0: no target
   bool adaptive = false;   // more samples go where there is more noise (core/convergence/sample_allocation.h)
-  float time_limit = 0;    // seconds from start() to the last sample (schemas/render_settings.json); 0: no limit
+  float time_limit = 0;    // seconds from start() to the last sample, without pauses; 0: no limit
   uint32_t seed = 0;
   uint32_t frame = 0;
   uint32_t max_depth = 8;  // bounces between surfaces; a subsurface walk counts as one
@@ -41,7 +41,7 @@ struct RenderSettings {
 
 /// The effect of a change of a setting on a render that runs; none of these: it starts again.
 namespace setting_use {
-inline constexpr uint32_t kContinues = 1;  // goes on, with the samples that it has
+inline constexpr uint32_t kContinues = 1;  // continues with its samples, where RenderSession::goes_on() is true
 inline constexpr uint32_t kLive = 2;       // takes effect without a render
 inline constexpr uint32_t kResyncs = 4;    // meshes are refined again
 inline constexpr uint32_t kNoPixels = 8;   // samples do not depend on it, so that checkpoints may differ in it

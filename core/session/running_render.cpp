@@ -64,10 +64,10 @@ bool decides(const RenderSettings& settings) {
 // depend on the settings, and on how many samples there will be.
 bool RenderSession::goes_on(const RenderRequest& last, const RenderRequest& next) {
   RenderSettings settings = last.settings;
-  if (settings.first_sample == 0 && !decides(settings)) settings.samples = next.settings.samples;
-  settings.time_limit = next.settings.time_limit;
-  settings.threads = next.settings.threads;
-  settings.denoise = next.settings.denoise;
+  for (const SettingParameter& setting : setting_parameters())
+    if (setting.of & setting_use::kContinues)
+      std::visit([&](auto member) { settings.*member = next.settings.*member; }, setting.member);
+  if (settings.first_sample > 0 || decides(settings)) settings.samples = last.settings.samples;
   return last.scene == next.scene && last.camera == next.camera && last.width == next.width &&
          last.height == next.height && last.data_window == next.data_window && (next.aovs & ~last.aovs) == 0 &&
          last.primvars == next.primvars && settings == next.settings;
@@ -194,10 +194,20 @@ bool RenderSession::Render::wait_while_paused() {
   return !stop_requested;
 }
 
+// Under the mutex. Without pauses.
+double RenderSession::Render::seconds_rendered() const {
+  const auto end = progress.state == SessionState::paused ? paused : SessionClock::now();
+  return std::chrono::duration<double>(end - started.load()).count();
+}
+
 void RenderSession::Render::set_paused(bool pause) {
   const std::lock_guard lock(mutex);
   if (progress.state != (pause ? SessionState::rendering : SessionState::paused)) return;
   pause_requested = pause;
+  if (pause)
+    paused = SessionClock::now();
+  else
+    started = started.load() + (SessionClock::now() - paused);
   progress.state = pause ? SessionState::paused : SessionState::rendering;
   changed.notify_all();
 }
@@ -264,12 +274,12 @@ void RenderSession::Render::render() {
   const uint64_t pixels_without_sample = film->pixels_without_sample();
   const std::lock_guard lock(mutex);
   progress.pixels_without_sample = pixels_without_sample;
+  progress.wall_seconds = seconds_rendered();
   progress.state = !error.empty()   ? SessionState::failed
                    : stop_requested ? SessionState::stopped
                                     : SessionState::finished;
   progress.error = std::move(error);
   progress.failed_sample = failed_sample;
-  progress.wall_seconds = seconds_since(started);
   changed.notify_all();
 }
 
@@ -302,7 +312,7 @@ bool RenderSession::Render::save(const BlockSink& sink) {
     state.film = film;
     state.counters = progress.counters;
     state.cpu_seconds = progress.cpu_seconds;
-    state.wall_seconds = ended ? progress.wall_seconds : seconds_since(started);
+    state.wall_seconds = ended ? progress.wall_seconds : seconds_rendered();
   }
   state.round = round;
   state.allocation = allocation;
@@ -316,7 +326,7 @@ RenderProgress RenderSession::Render::report() {
   measure_stopped();
   const std::lock_guard lock(mutex);
   RenderProgress p = progress;
-  if (p.state == SessionState::rendering || p.state == SessionState::paused) p.wall_seconds = seconds_since(started);
+  if (p.state == SessionState::rendering || p.state == SessionState::paused) p.wall_seconds = seconds_rendered();
   p.covered = film && film->is_covered();
   p.samples_total = std::max(p.samples_total, p.samples_done);
   if (p.samples_total > 0) p.fraction = static_cast<double>(p.samples_done) / static_cast<double>(p.samples_total);

@@ -47,10 +47,11 @@ struct RenderSession::Render {
   mutable std::mutex mutex;  // guards the members down to next_noise; never held while rendering
   std::condition_variable changed;
   RenderProgress progress;
-  std::shared_ptr<Film> film;   // null: the render after this one has taken its memory
-  bool noise_is_known = false;  // progress.noise is the film's
-  SessionClock::time_point started;
-  PassSchedule schedule;  // of the current round
+  std::shared_ptr<Film> film;                     // null: the render after this one has taken its memory
+  bool noise_is_known = false;                    // progress.noise is the film's
+  std::atomic<SessionClock::time_point> started;  // later by the pauses that are over
+  SessionClock::time_point paused;                // the pause that goes on
+  PassSchedule schedule;                          // of the current round
   FinishedPasses finished{0, 0};
   uint32_t passes_before = 0;                // in earlier rounds
   std::shared_ptr<const Denoiser> denoiser;  // null: none is asked for, or the film is denoised
@@ -101,6 +102,7 @@ struct RenderSession::Render {
   void set_paused(bool pause);
   bool wait_while_paused();
   bool time_is_over(double grace);
+  double seconds_rendered() const;
   bool tile_done(uint32_t pass, bool done, const RenderCounters& counters, double cpu_seconds);
   bool takes_noise();
   void measure_so_far();

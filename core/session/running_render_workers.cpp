@@ -1,5 +1,6 @@
 #include <tbb/task_arena.h>
 
+#include <algorithm>
 #include <bit>
 #include <new>
 #include <optional>
@@ -25,7 +26,7 @@ struct TileRelease {
 
 // `grace`: seconds after the limit in which samples may still be taken.
 bool RenderSession::Render::time_is_over(double grace) {
-  if (!(time_limit > 0) || seconds_since(started) < time_limit + grace) return false;
+  if (!(time_limit > 0) || seconds_since(started.load()) < time_limit + grace) return false;
   out_of_time = true;
   return true;
 }
@@ -157,14 +158,19 @@ bool RenderSession::Render::prepare(std::optional<TileRenderer>* renderer) {
 // started for it, they run to their end.
 std::jthread RenderSession::Render::watch_time() {
   if (!(time_limit > 0)) return {};
-  const std::chrono::duration<double> left(time_limit + kFirstSampleGrace - seconds_since(started));
-  const auto end = SessionClock::now() + std::chrono::duration_cast<SessionClock::duration>(left);
+  const auto left = [this] {
+    const std::lock_guard lock(mutex);
+    return time_limit + kFirstSampleGrace - seconds_rendered();
+  };
   try {
-    return std::jthread([this, end](const std::stop_token& render_ended) {
+    return std::jthread([this, left](const std::stop_token& render_ended) {
+      constexpr double kLook = 0.02;  // seconds between looks while a pause stops the clock
       std::mutex own;
       std::unique_lock lock(own);
       std::condition_variable_any never;
-      never.wait_until(lock, render_ended, end, [] { return false; });
+      for (double seconds; (seconds = left()) > 0 && !render_ended.stop_requested();)
+        never.wait_for(lock, render_ended, std::chrono::duration<double>(std::max(seconds, kLook)),
+                       [] { return false; });
       if (!render_ended.stop_requested()) out_of_time = cancelled = true;
     });
   } catch (const std::exception&) {

@@ -138,8 +138,8 @@ struct RenderPassState {
 /// A render that Stop ended stays `stopped` after Restart, until the next Execute begins it again.
 enum class PassState { idle, preparing, rendering, paused, stopped, converged, failed };
 
-/// Execute never renders in the calling thread: it compares scene number, settings, camera, framing and bindings with
-/// what is running, restarts only if one differs, and returns. Other render tags, or another collection, are another
+/// Execute never renders in the calling thread: it restarts the render that is running only if something differs that
+/// its picture depends on, and returns. Other render tags, or another collection, are another
 /// scene of the same meshes: nothing is synced or refined for it, and passes may differ in them. Meshes that no pass
 /// has drawn yet are refined when one does. If the scene is being built, the render begins once it is there.
 class ALABASTER_API RenderPass {

@@ -16,7 +16,7 @@ namespace alabaster::hd {
 /// unchanged has none.
 enum class SettingEffect {
   live,       // none: it counts for what is loaded from then on
-  continues,  // samples that the frame has, and that are asked for still, are kept
+  continues,  // samples of the frame are kept where they are the first of the new one, too
   restarts,   // the frame is rendered again from its first sample
   resyncs,    // meshes are built again, and then the frame is rendered again
 };

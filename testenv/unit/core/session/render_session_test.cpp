@@ -13,6 +13,8 @@
 #include <limits>
 #include <numeric>
 #include <thread>
+#include <type_traits>
+#include <variant>
 
 #include "testenv/support/same_bytes.h"
 #include "testenv/support/scene_builder.h"
@@ -109,6 +111,54 @@ TEST(RenderSession, ATimeLimitEndsItOnceEveryPixelHasASample) {
     EXPECT_GE(*least, 1);
     EXPECT_LT(*most, 100000);
     EXPECT_EQ(progress.noise.known, *least >= 2);
+  }
+}
+
+TEST(RenderSession, APauseDoesNotCountAgainstTheTimeLimit) {
+  RenderRequest request = mixed_request(1000000);
+  request.settings.time_limit = 0.3f;
+  RenderSession session;
+  session.start(request);
+  session.pause();
+  const double before = session.progress().wall_seconds;
+  std::this_thread::sleep_for(std::chrono::milliseconds(1000));
+  EXPECT_EQ(session.progress().wall_seconds, before);
+  EXPECT_EQ(session.progress().state, SessionState::paused);
+  EXPECT_FALSE(session.wait(0));
+  session.resume();
+  EXPECT_LT(session.progress().wall_seconds, 0.3 + 0.5);
+  ASSERT_TRUE(session.wait(60));
+  const RenderProgress progress = session.progress();
+  EXPECT_EQ(progress.state, SessionState::finished);
+  EXPECT_EQ(progress.ended_by, RenderEnd::time_limit);
+  EXPECT_GE(progress.wall_seconds, 0.3);
+  EXPECT_EQ(progress.pixels_without_sample, 0u) << "a small frame";
+}
+
+// Another value of the setting, within its range.
+struct Change {
+  RenderSettings* settings;
+  void operator()(bool RenderSettings::*member) const { settings->*member = !(settings->*member); }
+  template <class T>
+  void operator()(T RenderSettings::*member) const {
+    if constexpr (std::is_enum_v<T>)
+      settings->*member = settings->*member == T(0) ? T(1) : T(0);
+    else
+      settings->*member = settings->*member + T(1);
+  }
+};
+
+TEST(RenderSession, SettingsThatContinueKeepTheSamples) {
+  for (const SettingParameter& setting : setting_parameters()) {
+    RenderRequest request = mixed_request(2);
+    RenderSession session;
+    session.start(request);
+    ASSERT_TRUE(session.wait(60));
+    const auto film = session.film();
+    std::visit(Change{&request.settings}, setting.member);
+    session.start(request);
+    EXPECT_EQ(session.film() == film, (setting.of & setting_use::kContinues) != 0) << setting.name;
+    session.stop();
   }
 }
 
