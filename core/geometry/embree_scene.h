@@ -1,4 +1,4 @@
-// Ray tracing: the only room that sees Embree. Two levels: one bottom-level structure per mesh (in its object space),
+// Ray tracing by Embree, which this folder alone includes. Two levels: one bottom-level BVH per mesh (in object space),
 // one top level of instances. Rays that Embree would abort the host on (not finite, beyond 1e17) never reach it: they
 // miss.
 #pragma once

@@ -1,10 +1,10 @@
 // Lights: a closed set, in UsdLux's terms. emission() (light_description.h) gives the radiance.
 //
-// README.md, "Extending", lists the steps to add a light.
+// delegate/manual/contributing.md, "Extending", lists the steps to add a light.
 //
 // The functions (see plane_light.h): a constructor from (LightDescription, render origin), sample(p, u),
-// intersect(ray), importance(p) and extent(). The first two may take the normal of a lobe at p too. A light whose
-// surface is in the ray-traced scene (MeshLight) has pdf() in place of intersect().
+// intersect(ray), importance(p) and extent(). sample() and intersect() may also take the normal of a lobe at p. A
+// light whose surface is in the ray-traced scene (MeshLight) has pdf() in place of intersect().
 //
 // importance(p) guides the choice of light (light_choice.h): an estimate of the irradiance, as luminance, that the
 // light gives at p on a plane facing it, unoccluded. It decides only the noise, as long as it is finite, positive

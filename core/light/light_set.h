@@ -77,7 +77,7 @@ class LightSet {
 
   /// Sum of the light that lights without geometry emit along the ray: finite ones nearer than ray.tmax
   /// and, if the ray `escaped` from the scene, infinite ones (distant, dome). Lights do not block rays: all are added,
-  /// each weighed by `weigh(pdf)` or `weigh(pdf, distance)`, the pdf that sample_lights(ray.org, u, search, ...) has
+  /// each weighed by `weigh(pdf)` or `weigh(pdf, distance)`, the pdf that sample_lights(ray.org, ., u, search, .) has
   /// for this direction of this light, with the choice in it. Lights with a shadow link are left out, but of camera
   /// rays.
   template <class Weigh>

@@ -54,7 +54,7 @@ std::string MemoryBudget::refusal(MemoryUse use, size_t bytes, const std::string
     if (const size_t held = used_[i]; held > 0)
       holders += (holders.empty() ? " by " : ", ") + std::string(kUses[i].name) + " " + mebibytes(held);
   return what + " needs " + mebibytes(bytes) + " more, but of the memory limit of " + mebibytes(limit_) + " " +
-         mebibytes(total_) + " are in use" + holders + ": raise memoryLimit (--memory-limit), or " +
+         mebibytes(total_) + " are in use" + holders + ": raise memoryLimit, or " +
          kUses[static_cast<size_t>(use)].remedy;
 }
 

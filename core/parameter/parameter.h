@@ -29,7 +29,7 @@ struct Parameter {
   constexpr bool is_color() const { return std::holds_alternative<Rgb T::*>(member); }
 };
 
-/// A length in scene units, which a render description gives in millimetres.
+/// A length in scene units. Files that give it in millimetres are converted when they are read.
 inline constexpr uint32_t kMillimetres = 1;
 
 inline constexpr double kUnbounded = std::numeric_limits<double>::infinity();

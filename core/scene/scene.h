@@ -157,7 +157,7 @@ struct SceneSnapshot {
   std::vector<std::shared_ptr<const LightSet>> linked_lights;  // by category set; empty: all light everything
   std::vector<std::vector<bool>> shadow_casters;               // by shadow link, less 1, and category set
   std::vector<std::string> left_out;  // names of instances and lights that are too far away, too large or not finite
-  std::vector<std::string> faults;    // of textures: sets of images without one where it is needed
+  std::vector<std::string> faults;    // of the scale, and of sets of images that lack one that is needed
   size_t memory_bytes = 0;            // of meshes, their interiors, trees, lights and textures, each counted once
   std::shared_ptr<MemoryReservation> memory;  // of instances and lights; other parts hold their own
 

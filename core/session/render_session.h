@@ -56,11 +56,11 @@ struct RenderProgress {
   std::optional<SampleAddress> failed_sample;  // the sample that failed a check, if one did
 };
 
-/// The owner of a session, as far as it is told or asked.
+/// Functions of the owner that a session calls.
 struct SessionOwner {
   /// Called on a thread of the session's whenever it may have let go of a scene; must not throw.
   std::function<void()> released = {};
-  /// Threads that render carry it. Null: nobody asks.
+  /// Wake-ups that the threads which render pass on. Null: none.
   std::shared_ptr<WakeRelay> wakes = {};
 };
 

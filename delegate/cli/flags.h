@@ -1,4 +1,4 @@
-// Options of the command line: each value gets its type as it is read.
+// Options of the command line whose values get their types as they are read. Values of settings stay texts (main.cpp).
 #pragma once
 
 #include <cstdint>

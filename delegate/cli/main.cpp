@@ -1,4 +1,4 @@
-// The program alabaster: the first host. It uses the public contract and the kit, nothing else.
+// The program alabaster: its commands and their flags.
 #include <fcntl.h>
 #include <unistd.h>
 
@@ -22,7 +22,8 @@ constexpr const char* kExitCodes =
     "output failed, 6 rendered with --keep-going without all that the scene names, 130 interrupted (the picture so far "
     "is written and marked incomplete). After 2 and 3 nothing was rendered.";
 
-/// A flag that only names a setting. A preset of quality comes first: all others come over it.
+/// A flag that only names a setting. CLI11 runs callbacks in the order of this table, so --quality stays its first row:
+/// the others override settings of the preset.
 struct SettingFlag {
   const char *flag, *setting, *type, *help;
 };

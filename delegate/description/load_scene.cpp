@@ -84,8 +84,8 @@ class Loader {
     }
     const bool is_usd = extension == ".usd" || extension == ".usda" || extension == ".usdc" || extension == ".usdz";
     fail("scene.kind", file,
-         is_usd ? "Files of OpenUSD are rendered by its own hosts, such as usdrecord, with the plug-in of "
-                  "delegate/hydra/README.md. Here use .gltf, .glb, .json (a render description) or .alab."
+         is_usd ? "Files of OpenUSD are rendered by its own hosts, such as usdrecord, with the Hydra plug-in. "
+                  "Here use .gltf, .glb, .json (a render description) or .alab."
                 : "This is not a scene file: use .gltf, .glb, .json (a render description) or .alab.");
   }
 

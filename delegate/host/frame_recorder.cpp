@@ -251,7 +251,7 @@ class Recording {
     return true;
   }
 
-  // A picture without its texture or light looks finished: nobody gets one without having asked for it.
+  // A picture without its texture or light looks finished, so keep_going alone renders it.
   bool scene_is_whole() {
     const Dictionary stats = delegate_->GetRenderStats();
     if (stats.empty()) return refuse(RecordStatus::render_failed, "record.memory", "memory ran out");
@@ -261,7 +261,7 @@ class Recording {
     return refuse(memory ? RecordStatus::render_failed : RecordStatus::input_failed, "record.scene",
                   std::to_string(faults) + (faults == 1 ? " fault" : " faults") +
                       " of the scene (see above): nothing is rendered. Correct the scene, or render without what is "
-                      "missing (--keep-going)");
+                      "missing (keep_going)");
   }
 
   RenderPassState pass_state() const {

@@ -144,10 +144,14 @@ RecordEnd CheckFrame(const RetainedSceneDelegate& scene, const Path& settings, c
 
 std::string NoSuchAov(const std::string& name) {
   std::vector<std::string> known;
-  for (const AovInfo& aov : kAovs) known.emplace_back(aov.name);
+  std::string all;
+  for (const AovInfo& aov : kAovs) {
+    known.emplace_back(aov.name);
+    all += (all.empty() ? "" : ", ") + known.back();
+  }
   const std::string nearest = support::NearestName(name, known);
   return "there is no AOV '" + name + "'" +
-         (nearest.empty() ? "; delegate/manual/pipeline.md lists them" : "; did you mean '" + nearest + "'?");
+         (nearest.empty() ? "; there are " + all : "; did you mean '" + nearest + "'?");
 }
 
 }  // namespace alabaster::hd::host

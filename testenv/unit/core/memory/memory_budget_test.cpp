@@ -21,7 +21,7 @@ TEST(MemoryBudget, RefusesBeforeTheLimitIsExceededAndSaysWhoHoldsWhat) {
     EXPECT_STREQ(
         e.what(),
         "image b.png, 2048 x 2048 pixels, needs 4 MiB more, but of the memory limit of 10 MiB 7 MiB are in use "
-        "by meshes 6 MiB, textures 1 MiB: raise memoryLimit (--memory-limit), or make the image smaller");
+        "by meshes 6 MiB, textures 1 MiB: raise memoryLimit, or make the image smaller");
   }
   EXPECT_EQ(budget->in_use(), 7 * kMiB) << "a refusal changes nothing";
   EXPECT_EQ(textures.bytes(), kMiB);
