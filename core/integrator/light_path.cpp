@@ -140,8 +140,7 @@ std::optional<LightLanding> show_landing(const PathContext& context, const Pixel
   ++context.counters.bounce_rays;
   if (!ends_at(context, sampler, landed, dot(at.p - path.ray.org, path.ray.dir), &path, &hit)) return std::nullopt;
   const PathVertex x = find_vertex<kMode>(context, hit, &path);
-  if (x.material.transmits() || x.instance->options.holdout || goes_on_within_medium<kMode>(context, x, path))
-    return {};
+  if (x.material.transmits() || goes_on_within_medium<kMode>(context, x, path)) return std::nullopt;
 
   // Go on from there to where the light path began.
   const DisneyBsdf bsdf_x(x.material, x.frame.to_local(-path.ray.dir), context.settings.energy);
@@ -149,7 +148,7 @@ std::optional<LightLanding> show_landing(const PathContext& context, const Pixel
   if (!x.departure.is_above(dir) || !x.is_above_surface(dir)) return std::nullopt;
   Rgb specular;
   const BsdfValue value = bsdf_x.evaluate(wi, &specular);
-  if (is_black(value.f) || !(value.pdf > 0)) return std::nullopt;
+  if (is_black(value.f) || !(value.pdf > 0) || x.instance->options.holdout) return std::nullopt;
   PathState second;
   second.depth = 1;
   second.footprint = path.footprint;
