@@ -60,18 +60,28 @@ bool is_in_union(const SceneSnapshot& scene, const Interiors& interiors, const I
   return false;
 }
 
+namespace {
+
+// coverage_at() of a partly opaque material. Not inlined: other hits need no stack frame.
+[[gnu::noinline]] float partial_coverage(const SceneSnapshot& scene, const Vec3f& dir, const TriangleHit& hit,
+                                         const Interiors* within) {
+  const Instance& instance = scene.instance(hit.instance);
+  const DisneyMaterial& material = instance.material(hit.triangle);
+  if (within && (within->contains(hit.instance) || is_in_union(scene, *within, instance))) return 1;
+  if (is_hidden(instance, material, dir, hit)) return 0;
+  const Mesh& mesh = instance.prototype->mesh;
+  const Vec2f uv = mesh.uv_sets.empty() ? Vec2f(0, 0) : interpolated<Vec2f>(mesh.uv_sets.front(), mesh, hit);
+  return material.coverage({mesh, hit, uv});
+}
+
+}  // namespace
+
 float coverage_at(const SceneSnapshot& scene, const Vec3f& dir, const TriangleHit& hit, const Interiors* within) {
   const Instance& instance = scene.instance(hit.instance);
   if (!instance.see_through) return 1;
-  const Mesh& mesh = instance.prototype->mesh;
   const size_t slot = instance.slot(hit.triangle);
-  const DisneyMaterial& material = *instance.materials[slot];
   if (instance.is_single_sided(slot) && is_found_behind(instance, hit, dir)) return 0;
-  if (!material.is_partly_opaque()) return 1;
-  if (within && (within->contains(hit.instance) || is_in_union(scene, *within, instance))) return 1;
-  if (is_hidden(instance, material, dir, hit)) return 0;
-  const Vec2f uv = mesh.uv_sets.empty() ? Vec2f(0, 0) : interpolated<Vec2f>(mesh.uv_sets.front(), mesh, hit);
-  return material.coverage({mesh, hit, uv});
+  return instance.materials[slot]->is_partly_opaque() ? partial_coverage(scene, dir, hit, within) : 1;
 }
 
 uint32_t hollow_of(const SceneSnapshot& scene, uint32_t instance) {

@@ -50,12 +50,6 @@ std::optional<SubsurfaceExit> carry(const PathContext& context, const PixelSampl
       body, entry, numbers, context.counters);
 }
 
-/// Null: the normal is the mesh's own.
-const NormalMap* exit_normal_map(const Instance& instance, const SubsurfaceExit& exit) {
-  const auto& map = instance.material(exit.hit.triangle).normal_map;
-  return map ? &*map : nullptr;
-}
-
 Vec2f onward_numbers(const PixelSampler& sampler, const std::optional<FlatExit>& flat, uint32_t depth) {
   if (flat && flat->onward) return *flat->onward;
   const auto u = sampler.draw(Dimension::exit_bsdf, depth);
@@ -65,10 +59,20 @@ Vec2f onward_numbers(const PixelSampler& sampler, const std::optional<FlatExit>&
 /// An exit, and the entry that the walk began with.
 struct Leaving {
   const SubsurfaceExit& exit;
+  const Instance& instance;        // of the exit
+  const DisneyMaterial& material;  // of the exit
   const VertexBelow& below;
-  Vec3f came_along;  // the path entered along this direction
-  Rgb index;         // of the interior from which it entered
+  Rgb index;  // of the interior from which the path entered
 };
+
+/// The normal of the exit lobe.
+Vec3f exit_normal(const Leaving& leaving, const Placement& placement, const SurfacePoint& at) {
+  const std::optional<NormalMap>& map = leaving.material.normal_map;
+  if (!map) return at.ns;
+  const TriangleHit& hit = leaving.exit.hit;
+  return mapped_normal(leaving.instance, placement, hit,
+                       surface_on_side(leaving.instance, placement, hit, leaving.exit.direction), *map);
+}
 
 /// The layers over an exit.
 struct ExitLayers {
@@ -77,21 +81,22 @@ struct ExitLayers {
   float leaving(const Vec3f& wi) const { return layers.leaving(wi, entered); }
 };
 
-/// The layers that the path passed where it entered. A path that began within passed none: those of the `exit` are as
-/// if its light came from everywhere.
-DisneyLayers::Entered layers_entered(const Leaving& leaving, const DisneyLayers& exit) {
+/// The layers that the path passed where it entered, along `dir`. A path that began within passed none: those of the
+/// `exit` are as if its light came from everywhere.
+DisneyLayers::Entered layers_entered(const Leaving& leaving, const Vec3f& dir, const DisneyLayers& exit) {
   const PathVertex& v = leaving.below.vertex;
   if (leaving.below.within) return exit.from_within();
   const bool inside = v.boundary.inside && !v.boundary.open;
   const auto layers = inside ? std::nullopt : DisneyLayers::of(v.material);
-  return layers ? layers->entered(v.frame.to_local(-leaving.came_along)) : DisneyLayers::Entered();
+  return layers ? layers->entered(v.frame.to_local(-dir)) : DisneyLayers::Entered();
 }
 
-/// Empty: the material of the exit has none. `frame`: of the exit lobe; `entered(layers)` gives ExitLayers'.
-template <class F>
-std::optional<ExitLayers> layers_at(const SubsurfaceExit& exit, const Instance& instance, const Placement& placement,
-                                    const Frame& frame, const F& entered) {
-  const DisneyMaterial& material = instance.material(exit.hit.triangle);
+/// Empty: the material of the exit has none. `dir`: along which the path entered; `frame`: of the exit lobe.
+std::optional<ExitLayers> layers_at(const Leaving& leaving, const Vec3f& dir, const Placement& placement,
+                                    const Frame& frame) {
+  const SubsurfaceExit& exit = leaving.exit;
+  const Instance& instance = leaving.instance;
+  const DisneyMaterial& material = leaving.material;
   if (!material.constants.has_dimming_layers()) [[likely]]
     return std::nullopt;
   const SurfaceHit hit = surface_on_side(instance, placement, exit.hit, exit.direction);
@@ -100,7 +105,7 @@ std::optional<ExitLayers> layers_at(const SubsurfaceExit& exit, const Instance& 
   if (map || material.normal_map)
     p.coat_normal = frame.to_local(map ? mapped_normal(instance, placement, exit.hit, hit, *map) : hit.ns);
   const auto layers = DisneyLayers::of(p);
-  return layers ? std::optional(ExitLayers{*layers, entered(*layers)}) : std::nullopt;
+  return layers ? std::optional(ExitLayers{*layers, layers_entered(leaving, dir, *layers)}) : std::nullopt;
 }
 
 bool is_wall_of(const Interior& medium, const Instance& around, const TriangleHit& hit, const Instance& met) {
@@ -175,21 +180,14 @@ void cross_to_interiors(const PathContext& context, const PixelSampler& sampler,
   }
 }
 
-/// Before the exit lobe, whose albedo is kMeanDiffuseTransmittance. The lobes at the entry compensate for that; for a
-/// walk without an entry the exit lobe is normalised instead.
-Rgb throughput_at_exit(const Leaving& leaving, const Interiors& beyond) {
-  Rgb throughput = leaving.exit.throughput;
-  if (const Rgb index = beyond.indices(); !(leaving.index == index)) [[unlikely]]
-    throughput *= index_factor(leaving.index, index);
-  return leaving.below.within ? throughput * (1 / kMeanDiffuseTransmittance) : throughput;
-}
-
-/// The exit lobe: light sampling, and the direction in which the path goes on.
+/// The exit lobe: light sampling, and the direction in which the path goes on. The albedo of the lobe is
+/// kMeanDiffuseTransmittance. The lobes at the entry compensate for that; for a walk without an entry the exit lobe is
+/// normalised instead. path->throughput: of the exit, with the factor of the indices.
 bool leave_surface(const PathContext& context, const PixelSampler& sampler, const Leaving& leaving, PathState* path) {
   const SubsurfaceExit& exit = leaving.exit;
-  const Instance& instance = context.scene.instance(exit.hit.instance);
+  const Instance& instance = leaving.instance;
   const std::optional<FlatExit>& flat = leaving.below.flat;
-  path->throughput = throughput_at_exit(leaving, path->interiors);
+  if (leaving.below.within) path->throughput *= 1 / kMeanDiffuseTransmittance;
   // Draw the random numbers while the triangle comes from memory.
   const Mesh& mesh = instance.prototype->mesh;
   const auto u_light = flat ? flat->numbers : sampler.draw(Dimension::exit_light, path->depth);
@@ -199,20 +197,18 @@ bool leave_surface(const PathContext& context, const PixelSampler& sampler, cons
   const Placement& placement = instance.at(exit.hit, &moved);
   const SurfacePoint hit =
       on_side(surface_point(mesh, exit.hit, placement.object_to_world, placement.world_to_object), exit.direction);
-  const NormalMap* const normal_map = exit_normal_map(instance, exit);
-  const Vec3f n = normal_map
-                      ? mapped_normal(instance, placement, exit.hit,
-                                      surface_on_side(instance, placement, exit.hit, exit.direction), *normal_map)
-                      : hit.ns;
+  const bool mapped = leaving.material.normal_map.has_value();
+  const Vec3f n = exit_normal(leaving, placement, hit);
   const Frame frame = frame_from_normal(n);
   const Departure departure = depart(mesh, placement.object_to_world, exit.hit, hit, hit.ns);
-  const auto layers =
-      layers_at(exit, instance, placement, frame, [&](const DisneyLayers& l) { return layers_entered(leaving, l); });
+  const auto layers = layers_at(leaving, path->ray.dir, placement, frame);
   const auto exit_lobe = [&](const Vec3f& wi) -> ScatterValue {
     const float cosine = dot(wi, frame.n);
-    if (!(cosine > 0) || (normal_map && !(dot(wi, hit.ns) > 0))) return {};
-    const float left = layers ? layers->leaving(frame.to_local(wi)) : 1;
-    return {Rgb(eval_subsurface_exit({0, 0, cosine}) * cosine * left), cosine * kInvPi};
+    if (!(cosine > 0) || (mapped && !(dot(wi, hit.ns) > 0))) return {};
+    ScatterValue value{Rgb(eval_subsurface_exit({0, 0, cosine}) * cosine), cosine * kInvPi};
+    if (layers) [[unlikely]]
+      value.f_cos *= layers->leaving(frame.to_local(wi));
+    return value;
   };
   PathRecord* const record = context.record;
   if (record)
@@ -250,13 +246,15 @@ bool leave_surface(const PathContext& context, const PixelSampler& sampler, cons
 std::optional<bool> leave_clear_surface(const PathContext& context, const PixelSampler& sampler, const Leaving& leaving,
                                         PathState* path) {
   const SubsurfaceExit& exit = leaving.exit;
-  const DisneyMaterial& material = context.scene.instance(exit.hit.instance).material(exit.hit.triangle);
-  if (!(material.constants.spec_trans > 0)) return std::nullopt;
-  path->ray.dir = exit.direction;
-  PathVertex v = make_vertex(context, path->ray, exit.hit);
+  if (!(leaving.material.constants.spec_trans > 0)) [[likely]]
+    return std::nullopt;
+  Ray ray = path->ray;
+  ray.dir = exit.direction;
+  PathVertex v = make_vertex(context, ray, exit.hit);
   VertexNumbers numbers{sampler.draw(Dimension::exit_light, path->depth),
                         sampler.draw(Dimension::exit_bsdf, path->depth)};
   if (!(numbers.bsdf[3] < v.material.spec_trans)) return std::nullopt;
+  path->ray = ray;
   v.material.metallic = v.material.diff_trans = 0;
   v.material.spec_trans = 1;
   path->throughput = exit.throughput;
@@ -282,7 +280,6 @@ template <SubsurfaceMode kMode>
 bool scatter_below_surface(const PathContext& context, const PixelSampler& sampler, const VertexBelow& below,
                            PathState* path) {
   const SubsurfaceEntry entry = entry_at(below, *path);
-  const Vec3f came_along = path->ray.dir;
   Rgb twin(0.0f);
   const bool has_twin = below.flat && !is_black(below.flat->light);
   // Where no walk is followed, the twin has its expectation.
@@ -296,12 +293,18 @@ bool scatter_below_surface(const PathContext& context, const PixelSampler& sampl
   if (!exit && context.record) context.record->end("the light did not leave the body");
   if (!exit) return false;
   path->walk_events = exit->events;
-  const Leaving leaving{*exit, below, came_along, path->interiors.indices()};
-  if (!path->interiors.empty() || !body.touched.empty()) [[unlikely]]
+  path->throughput = exit->throughput;
+  Rgb index(1.0f);  // of the interior from which the path entered
+  if (!path->interiors.empty() || !body.touched.empty()) [[unlikely]] {
+    index = path->interiors.indices();
     cross_to_interiors(context, sampler, below, path, &*exit);
+    path->throughput *= index_factor(index, path->interiors.indices());
+  }
   // The walk has left the union's medium, so the path is not in its hollow any more.
   if (body.is_union() && !path->hollows.empty()) [[unlikely]]
     path->hollows.leave(body.members.front().instance);
+  const Instance& instance = context.scene.instance(exit->hit.instance);
+  const Leaving leaving{*exit, instance, instance.material(exit->hit.triangle), below, index};
   // A profile does not know from where the light comes to the boundary.
   if (kMode != SubsurfaceMode::diffusion)
     if (const auto left = leave_clear_surface(context, sampler, leaving, path)) return *left;
@@ -337,9 +340,11 @@ void drop_unresolved_distances(PathVertex* v) {
 bool is_within_medium(const PathContext& context, const PathVertex& v, const PathState& path) {
   const SubsurfaceBody* body = v.instance->body;
   if (!body || !v.material.scatters() || v.material.metallic == 1) return false;
-  // In a union the first surface that is met may be one that the ray enters.
-  if (body->is_union() && path.depth == 0) return body->contains(path.ray);
-  if (body->is_union() && is_in_union(context.scene, path.interiors, *v.instance)) return true;
+  if (body->is_union()) [[unlikely]] {
+    // The first surface that is met may be one that the ray enters.
+    if (path.depth == 0) return body->contains(path.ray);
+    if (is_in_union(context.scene, path.interiors, *v.instance)) return true;
+  }
   const uint8_t flags = body->members[v.instance->member].shells->flags(v.triangle.triangle);
   return !(flags & (MeshShells::kOpen | MeshShells::kInner)) &&
          body->leaves(v.instance->member, v.triangle, path.ray.dir);

@@ -33,8 +33,8 @@ class DomeLight {
  private:
   Vec3d x_{1, 0, 0}, y_{0, 1, 0}, z_{0, 0, 1};  // the light's axes in render space: orthonormal, perhaps left-handed
   Rgb radiance_{0.0f};                          // of an image: its mean
-  std::shared_ptr<const LightImage> image_;     // null: constant
   Rgb image_scale_{0.0f};
+  std::shared_ptr<const LightImage> image_;  // null: constant
 };
 
 }  // namespace alabaster

@@ -78,8 +78,8 @@ class PlaneLight {
   double skew_ = 0;                             // dot(x_, y_); exactly 0 for a rectangle
   double area_ = 0;
   Rgb radiance_{0.0f};  // of an image: its mean
-  std::shared_ptr<const LightImage> image_;
   Rgb image_scale_{0.0f};
+  std::shared_ptr<const LightImage> image_;
   std::shared_ptr<const LightShaping> shaping_;
 };
 

@@ -64,8 +64,9 @@ void DisneyBsdf::set_probabilities(const Rgb& walked) {
 }
 
 BsdfValue DisneyBsdf::evaluate(const Vec3f& wi, Rgb* specular) const {
-  if (is_bounded()) return layers_ ? evaluate_as<true, true>(wi, specular) : evaluate_as<false, true>(wi, specular);
-  return layers_ ? evaluate_as<true, false>(wi, specular) : evaluate_as<false, false>(wi, specular);
+  if (!is_bounded()) [[unlikely]]
+    return layers_ ? evaluate_as<true, false>(wi, specular) : evaluate_as<false, false>(wi, specular);
+  return layers_ ? evaluate_as<true, true>(wi, specular) : evaluate_as<false, true>(wi, specular);
 }
 
 template <bool kLayered, bool kBounded>
@@ -173,10 +174,6 @@ float DisneyBsdf::subsurface_exit(const Vec3f& wi) const {
 Rgb DisneyBsdf::albedo() const {
   if (!(wo_.z > 0)) return Rgb(0.0f);
   return clamp01(base_color_ * nonmetal_ + schlick(specular_.f0, specular_.f90, wo_.z));
-}
-
-float eval_subsurface_exit(const Vec3f& wi) {
-  return wi.z > 0 ? kInvPi * diffuse_transmittance(wi.z) : 0;
 }
 
 }  // namespace alabaster

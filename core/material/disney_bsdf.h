@@ -149,6 +149,8 @@ class DisneyBsdf {
 /// The exit lobe of a walk: (1/pi)(1-.5F_L), a Lambertian lobe about the exit normal (Chiang, Kutz, Burley 2016,
 /// section 4). Layers there have a factor, DisneyLayers::leaving(). eval is f (without cosine); sampling is
 /// cosine_hemisphere.
-float eval_subsurface_exit(const Vec3f& wi);
+inline float eval_subsurface_exit(const Vec3f& wi) {
+  return wi.z > 0 ? kInvPi * diffuse_transmittance(wi.z) : 0;
+}
 
 }  // namespace alabaster
