@@ -60,11 +60,12 @@ struct AovInfo {
   AovSource source;
   AovValue value;
   float background;  // of each component, where nothing was hit
-  // The names of channels in an EXR, as compositors know them: "layer.R", or the layer's name if `channels` is empty.
+  // The names of channels in an EXR, as compositors know them: "layer.R". Blender leaves out a layer of one channel
+  // without such a letter.
   const char* layer;     // empty: none
   const char* channels;  // one letter per component
 
-  constexpr int components() const { return channels[0] ? static_cast<int>(std::string_view(channels).size()) : 1; }
+  constexpr int components() const { return static_cast<int>(std::string_view(channels).size()); }
   constexpr bool is_integer() const { return value == AovValue::integer; }
   constexpr bool is_color() const { return value == AovValue::color; }
 };
@@ -77,10 +78,10 @@ inline constexpr AovInfo kAovs[] = {
     {Aov::camera_depth, "cameraDepth", AovSource::closest, AovValue::distance, 0, "", "Z"},
     {Aov::normal, "normal", AovSource::samples, AovValue::number, 0, "N", "XYZ"},
     {Aov::albedo, "albedo", AovSource::samples, AovValue::color, 0, "albedo", "RGB"},
-    {Aov::prim_id, "primId", AovSource::closest, AovValue::integer, -1, "primId", ""},
-    {Aov::instance_id, "instanceId", AovSource::closest, AovValue::integer, -1, "instanceId", ""},
-    {Aov::element_id, "elementId", AovSource::closest, AovValue::integer, -1, "elementId", ""},
-    {Aov::sample_count, "sampleCount", AovSource::samples, AovValue::integer, 0, "sampleCount", ""},
+    {Aov::prim_id, "primId", AovSource::closest, AovValue::integer, -1, "primId", "X"},
+    {Aov::instance_id, "instanceId", AovSource::closest, AovValue::integer, -1, "instanceId", "X"},
+    {Aov::element_id, "elementId", AovSource::closest, AovValue::integer, -1, "elementId", "X"},
+    {Aov::sample_count, "sampleCount", AovSource::samples, AovValue::integer, 0, "sampleCount", "X"},
     {Aov::diffuse, "diffuse", AovSource::layer, AovValue::color, 0, "diffuse", "RGB"},
     {Aov::subsurface, "subsurface", AovSource::layer, AovValue::color, 0, "subsurface", "RGB"},
     {Aov::subsurface_single, "subsurfaceSingle", AovSource::layer, AovValue::color, 0, "subsurfaceSingle", "RGB"},
@@ -89,8 +90,8 @@ inline constexpr AovInfo kAovs[] = {
      "subsurfaceUnscattered", "RGB"},
     {Aov::specular, "specular", AovSource::layer, AovValue::color, 0, "specular", "RGB"},
     {Aov::emission, "emission", AovSource::layer, AovValue::color, 0, "emission", "RGB"},
-    {Aov::error, "error", AovSource::samples, AovValue::exact, 0, "error", ""},
-    {Aov::nonfinite, "nonfiniteSamples", AovSource::samples, AovValue::integer, 0, "nonfiniteSamples", ""},
+    {Aov::error, "error", AovSource::samples, AovValue::exact, 0, "error", "X"},
+    {Aov::nonfinite, "nonfiniteSamples", AovSource::samples, AovValue::integer, 0, "nonfiniteSamples", "X"},
     {Aov::denoised, "denoised", AovSource::frame, AovValue::color, 0, "denoised", "RGBA"},
     {Aov::eye_point, "Peye", AovSource::closest, AovValue::exact, 0, "Peye", "XYZ"},
     {Aov::eye_normal, "Neye", AovSource::closest, AovValue::number, 0, "Neye", "XYZ"},

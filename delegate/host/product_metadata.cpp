@@ -5,12 +5,13 @@
 namespace alabaster::hd::host {
 namespace {
 
+// As EXIF, TIFF and OpenEXR write times.
 std::string utc_now() {
   const std::time_t now = std::time(nullptr);
   std::tm parts{};
   gmtime_r(&now, &parts);
   char text[32];
-  std::strftime(text, sizeof text, "%Y-%m-%dT%H:%M:%SZ", &parts);
+  std::strftime(text, sizeof text, "%Y:%m:%d %H:%M:%S", &parts);
   return text;
 }
 
@@ -19,6 +20,7 @@ std::string utc_now() {
 Dictionary product_metadata(const RenderDelegate& delegate, const Dictionary& stats, const Path& camera) {
   Dictionary m;
   m["capDate"] = utc_now();
+  m["utcOffset"] = 0.0f;  // of capDate
   m["alabaster/camera"] = camera.str();
   // Threads change no picture: that of one machine and that of a farm's parts are the same file.
   for (const RenderSettingDescriptor& setting : delegate.GetRenderSettingDescriptors())

@@ -64,7 +64,6 @@ std::vector<PlannedChannel> channels_of(const RenderVar& var, const AovInfo& aov
   std::vector<PlannedChannel> channels;
   const std::string suffixes = aov.channels;
   const bool distance = aov.value == AovValue::distance;
-  if (suffixes.empty()) channels.push_back({layer, var.aov, 0, false, distance, store});
   for (size_t i = 0; i < suffixes.size(); ++i) {
     const bool color = aov.is_color() && suffixes[i] != 'A';
     channels.push_back({(layer.empty() ? "" : layer + ".") + suffixes[i], var.aov, int(i), color, distance, store});

@@ -7,7 +7,7 @@
 namespace alabaster::hd::host {
 
 /// One channel of the file. The usual names are those of kAovs (core/film/aov.h) and delegate/manual/pipeline.md.
-/// A RenderVar whose name is not its AOV's gives a layer: name.R, name.Z, ...; for ids and counts the name alone.
+/// A RenderVar whose name is not its AOV's gives a layer: name.R, name.Z, ...; name.X for ids and counts.
 /// Z is the distance along the view in world units, 1e10 where nothing was hit (as Cycles writes it). depth.Z is
 /// Hydra's clip depth, 0 near to 1 far. Depths and counts of samples are float32 (uint32 with data type "int"). Ids are
 /// uint32, and -1 (nothing hit) becomes 4294967295. With data type "float" ids are float32: -1 stays -1, and ids are

@@ -34,8 +34,8 @@ ADDITIONS = {
     "trialAov": [
         ("core/film/aov.h", "  motion,        // of the first hit over the picture, in pixels, while the shutter is open", "  trial,"),
         ("core/film/aov.h", '    {Aov::motion, "motion", AovSource::closest, AovValue::exact, 0, "motion", "XY"},',
-         '    {Aov::trial, "trialAov", AovSource::samples, AovValue::number, 0, "trialAov", ""},'),
-        ("delegate/manual/pipeline.md", "| `sampleCount` | sampleCount | number of samples |", "| `trialAov` | trialAov | an AOV that a trial adds |"),
+         '    {Aov::trial, "trialAov", AovSource::samples, AovValue::number, 0, "trialAov", "X"},'),
+        ("delegate/manual/pipeline.md", "| `sampleCount` | sampleCount.X | number of samples |", "| `trialAov` | trialAov.X | an AOV that a trial adds |"),
     ],
 }
 

@@ -56,7 +56,7 @@ TEST(AovNames, AreTheManuals) {
   std::map<std::string, std::string> expected;
   for (const AovInfo& aov : kAovs) {
     const std::string layer = aov.layer, channels = aov.channels;
-    expected[aov.name] = layer + (layer.empty() || channels.empty() ? "" : ".") + channels;
+    expected[aov.name] = layer + (layer.empty() ? "" : ".") + channels;
   }
   expected["primvars:NAME"] = "primvars:NAME.XYZ";
   EXPECT_EQ(listed_channels(), expected);
