@@ -229,22 +229,22 @@ class Sanitizer {
 
   // Values by corner or by face follow the faces that stay.
   void drop_faces() {
-    std::vector<int> counts, indices, corners, materials;
+    std::vector<int> counts, indices, corners, materials, kept;
     new_face_.assign(faces(), -1);
     size_t first = 0;
     for (size_t face = 0; face < faces(); ++face) {
       const size_t count = at(std::max(cage_.face_vertex_counts[face], 0));
-      if (keep_[face]) {
+      if (keep_[face] && corners_to_keep(static_cast<int>(face), first, count, &kept)) {
         new_face_[face] = static_cast<int>(counts.size());
-        counts.push_back(static_cast<int>(count));
-        for (size_t k = first; k < first + count; ++k) {
-          indices.push_back(cage_.face_vertex_indices[k]);
-          corners.push_back(static_cast<int>(k));
-        }
+        counts.push_back(static_cast<int>(kept.size()));
+        for (const int k : kept) indices.push_back(cage_.face_vertex_indices[at(k)]);
+        corners.insert(corners.end(), kept.begin(), kept.end());
         if (!cage_.face_material.empty()) materials.push_back(cage_.face_material[face]);
       }
       first = std::min(first + count, cage_.face_vertex_indices.size() + 1);
     }
+    faults_.flush("mesh.faces.degenerate",
+                  "faces have a point twice in a row; it counts once, and faces of two points are dropped", "face");
     if (corners.size() != cage_.face_vertex_indices.size()) {
       keep_corners(&cage_.normals, corners);
       keep_corners(&cage_.tangents, corners);
@@ -253,6 +253,18 @@ class Sanitizer {
     cage_.face_vertex_counts = std::move(counts);
     cage_.face_vertex_indices = std::move(indices);
     cage_.face_material = std::move(materials);
+  }
+
+  // A point that comes twice in a row would make an edge of three faces, or one to itself: a crease of the surface.
+  // False: less than three corners are left.
+  bool corners_to_keep(int face, size_t first, size_t count, std::vector<int>* kept) {
+    kept->clear();
+    const auto point = [&](size_t k) { return cage_.face_vertex_indices[first + k % count]; };
+    for (size_t k = 0; k < count; ++k)
+      if (cage_.scheme == SubdivisionScheme::none || point(k) != point(k + 1))
+        kept->push_back(static_cast<int>(first + k));
+    if (kept->size() < count) faults_.add("mesh.faces.degenerate", face);
+    return kept->size() >= 3;
   }
 
   template <class T>

@@ -7,6 +7,7 @@
 #include <cstring>
 
 #include "core/geometry/grouped_items.h"
+#include "core/geometry/mend_vectors.h"
 #include "core/geometry/subdivision.h"
 #include "core/geometry/triangle_pairs.h"
 #include "core/geometry/triangulation.h"
@@ -327,6 +328,27 @@ void hold_build(const RefinementOptions& options, double triangles, double bytes
   hold_mesh(options, triangles, bytes + triangles * (kTracingBytes + (options.displace ? kDisplacementBytes : 0)));
 }
 
+static void mend_vectors(const Cage& cage, const RefinementOptions& options, const DiagnosticSink& sink, Mesh* mesh) {
+  const auto warn = [&](const char* code, const MendedVectors& mended, const std::string& text) {
+    if (mended.count > 0)
+      report(sink, Severity::warning, code, options.where,
+             std::to_string(mended.count) + " " + text + " (first: face " + std::to_string(mended.element) + ")");
+  };
+  if (!cage.normals.empty())
+    warn("mesh.normals.unusable", mend_normals(mesh),
+         "normals are zero or not finite, and are replaced by those of the faces around");
+  const MendedVectors tangents = find_unusable_tangents(*mesh);
+  constexpr double kTangentBytes = 276;  // of a triangle, while they are computed
+  if (tangents.count > 0)
+    hold_mesh(options, static_cast<double>(mesh->triangles.size()),
+              static_cast<double>(mesh->memory_bytes()) + kTangentBytes * static_cast<double>(mesh->triangles.size()));
+  mend_tangents(mesh, tangents.count);
+  warn("mesh.tangents.unusable", tangents,
+       "tangents of corners are zero, not finite, without sign or along the normal, and are replaced by those of the "
+       "texture "
+       "coordinates");
+}
+
 Mesh build_mesh(const Cage& cage, const RefinementOptions& options, const DiagnosticSink& sink) {
   RefinementOptions fitting = options;
   fitting.level = checked_level(cage, options, sink);
@@ -336,6 +358,7 @@ Mesh build_mesh(const Cage& cage, const RefinementOptions& options, const Diagno
   std::optional<Mesh> refined;
   if (fitting.level > 0) refined = tessellate_limit_surface(cage, fitting, sink);
   Mesh mesh = refined ? std::move(*refined) : FlatBuilder(cage).build();
+  if (!refined) mend_vectors(cage, options, sink, &mesh);
   options.cancel.check();
   if (options.displace) options.displace(&mesh);
   for (const auto& t : mesh.triangles)
@@ -364,6 +387,11 @@ MeshPose pose_mesh(const Cage& cage, const RefinementOptions& options, MeshPose 
       return {std::move(refined->points), std::move(refined->normals)};
   }
   if (cage.has_smooth_normals()) posed.normals = FlatBuilder(moved).smooth_normals();
+  if (cage.normals.empty() || are_usable(posed.normals)) return posed;
+  Mesh mesh = FlatBuilder(moved).build();
+  mesh.normals = std::move(posed.normals);
+  mend_normals(&mesh);
+  posed.normals = std::move(mesh.normals);
   return posed;
 }
 

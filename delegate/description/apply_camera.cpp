@@ -38,13 +38,22 @@ void place_camera(LoadState& load, const json& entry) {
   }
 }
 
+/// The only camera of that name.
+Path the_camera(LoadState& load, const std::string& name) {
+  const std::vector<Path> found = find_prims(load, PrimKind::camera, name, "/camera/use");
+  if (found.size() == 1) return found[0];
+  std::string paths;
+  for (const Path& path : found) paths += (paths.empty() ? "'" : ", '") + path.str() + "'";
+  load.fail("/camera/use",
+            "'" + name + "' names " + std::to_string(found.size()) + " cameras: " + paths + "; give the path of one.");
+}
+
 }  // namespace
 
 void apply_camera(LoadState& load) {
   const json* entry = load.part("camera");
   if (!entry) return;
-  if (entry->contains("use"))
-    load.camera.use = find_prims(load, PrimKind::camera, (*entry)["use"], "/camera/use")[0].str();
+  if (entry->contains("use")) load.camera.use = the_camera(load, (*entry)["use"]).str();
   place_camera(load, *entry);
   static const json parameters = expanded_schema("camera")["properties"];
   for (const auto& [name, schema] : parameters.items()) {

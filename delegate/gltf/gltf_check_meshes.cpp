@@ -215,9 +215,11 @@ class MeshCheck : DocumentCheck {
       const float length2 = v[0] * v[0] + v[1] * v[1] + v[2] * v[2];
       const bool unit = std::abs(length2 - 1) < 0.02f, sign = view.components < 4 || std::abs(v[3]) == 1;
       if (unit && sign) continue;
-      return report_.warning(
-          "mesh.unit", place,
-          "element " + std::to_string(i) + " is not a unit vector (with sign 1 or -1) and is normalized");
+      const bool is_direction = length2 > 0 && std::isfinite(length2);
+      return report_.warning("mesh.unit", place,
+                             "element " + std::to_string(i) +
+                                 (is_direction ? " is not a unit vector (with sign 1 or -1) and is normalized"
+                                               : " is zero or not finite, and is replaced by a computed one"));
     }
   }
 
