@@ -60,6 +60,26 @@ XyzColumns xyz_d65_columns(const Chromaticities& c) {
   return columns;
 }
 
+std::optional<std::array<std::array<float, 3>, 3>> rgb_to_rgb(const Chromaticities& from, const Chromaticities& to) {
+  // Row i: XYZ of the unit vector i.
+  const auto matrix_of = [](const Chromaticities& c) {
+    const XyzColumns columns = xyz_d65_columns(c);
+    Matrix33d matrix;
+    for (int i = 0; i < 3; ++i)
+      for (int j = 0; j < 3; ++j) matrix[i][j] = columns[size_t(i)][size_t(j)];
+    return matrix;
+  };
+  const Matrix33d rgb_to_xyz = matrix_of(from), result = rgb_to_xyz * matrix_of(to).inverse();
+  std::array<std::array<float, 3>, 3> rows{};
+  for (int i = 0; i < 3; ++i)
+    for (int j = 0; j < 3; ++j) {
+      rows[size_t(j)][size_t(i)] = float(result[i][j]);
+      if (!std::isfinite(result[i][j])) return std::nullopt;
+    }
+  if (!(std::abs(rgb_to_xyz.determinant()) > 1e-6)) return std::nullopt;
+  return rows;
+}
+
 Chromaticities chromaticities_of(const XyzColumns& columns) {
   std::array<double, 3> white{};
   for (const auto& column : columns)

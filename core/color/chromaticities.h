@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <optional>
 
 namespace alabaster {
 
@@ -16,6 +17,10 @@ using XyzColumns = std::array<std::array<double, 3>, 3>;
 
 /// Columns of a space with these chromaticities, white scaled to Y = 1.
 XyzColumns xyz_d65_columns(const Chromaticities& chromaticities);
+
+/// The rows of the matrix from linear values of one space to those of another, white to white. Empty where one of them
+/// is no space of colours.
+std::optional<std::array<std::array<float, 3>, 3>> rgb_to_rgb(const Chromaticities& from, const Chromaticities& to);
 
 /// The native chromaticities when the columns are those of a well-known space (Rec.709, ACES AP0 and AP1, P3-D65,
 /// Rec.2020): an adapted matrix no longer holds the space's own white, so the space is recognised instead. Else the

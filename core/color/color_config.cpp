@@ -192,15 +192,15 @@ std::shared_ptr<const ColorTransform> OcioColorConfig::convert(const std::string
         return nullptr;
       case Kind::rendering:
       case Kind::data:
-        return make_transform(nullptr, 1);
+        return make_transform(nullptr, 1, kLargestFloat);
       case Kind::in_config: {
         const char* space = meaning.name.c_str();
         return make_transform(to_rendering ? config_->getProcessor(space, rendering_.c_str())
                                            : config_->getProcessor(rendering_.c_str(), space),
-                              1);
+                              1, kLargestFloat);
       }
       case Kind::in_builtin:
-        return make_transform(through_builtin(meaning.name, to_rendering, sink), 1);
+        return make_transform(through_builtin(meaning.name, to_rendering, sink), 1, kLargestFloat);
     }
   } catch (const std::exception& e) {
     fail(sink, "ocio.transform",
@@ -263,7 +263,7 @@ std::shared_ptr<const ColorTransform> OcioColorConfig::display_transform(const D
       pipeline->setLooksOverride(request.look.c_str());
     }
     // The exposure is a plain scale in the scene-linear space, done with the scrub: OCIO sees values in half range.
-    return make_transform(pipeline->getProcessor(config_), scale);
+    return make_transform(pipeline->getProcessor(config_), scale, kLargestHalf);
   } catch (const std::exception& e) {
     fail(sink, "ocio.transform",
          "cannot make view '" + view + "' of display '" + display + "': " + e.what() +

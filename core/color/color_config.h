@@ -16,8 +16,8 @@ namespace alabaster {
 class ColorTransform {
  public:
   virtual ~ColorTransform() = default;
-  /// Converts `count` RGBA pixels in place. Non-finite components become 0 and values are clamped to +-65504 first
-  /// (OCIO's ACES outputs turn one NaN into four); alpha is never touched.
+  /// Converts `count` RGBA pixels in place. Non-finite components become 0 first (OCIO's ACES outputs turn one NaN into
+  /// four), and values for a display are clamped to +-65504; alpha is never touched.
   virtual void apply(float* rgba, size_t count) const = 0;
   virtual bool is_noop() const = 0;
 };

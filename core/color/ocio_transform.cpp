@@ -9,16 +9,12 @@ namespace OCIO = OCIO_NAMESPACE;
 namespace alabaster {
 namespace {
 
-constexpr float kLargest = 65504.0f;  // the largest half
-constexpr size_t kBlock = 2048;       // pixels: 32 KB of stack
-
-float scrub(float v) {
-  return std::isfinite(v) ? std::clamp(v, -kLargest, kLargest) : 0.0f;
-}
+constexpr size_t kBlock = 2048;  // pixels: 32 KB of stack
 
 class OcioTransform final : public ColorTransform {
  public:
-  OcioTransform(OCIO::ConstCPUProcessorRcPtr cpu, float scale) : cpu_(std::move(cpu)), scale_(scale) {}
+  OcioTransform(OCIO::ConstCPUProcessorRcPtr cpu, float scale, float largest)
+      : cpu_(std::move(cpu)), scale_(scale), largest_(largest) {}
 
   void apply(float* rgba, size_t count) const override {
     for (size_t done = 0; done < count; done += kBlock) apply_block(rgba + 4 * done, std::min(kBlock, count - done));
@@ -30,7 +26,7 @@ class OcioTransform final : public ColorTransform {
   void apply_block(float* rgba, size_t count) const {
     std::array<float, 4 * kBlock> block;
     for (size_t i = 0; i < count; ++i) {
-      for (size_t c = 0; c < 3; ++c) block[4 * i + c] = scrub(rgba[4 * i + c] * scale_);
+      for (size_t c = 0; c < 3; ++c) block[4 * i + c] = scrubbed(rgba[4 * i + c] * scale_);
       block[4 * i + 3] = 1;
     }
     if (cpu_) {
@@ -38,11 +34,13 @@ class OcioTransform final : public ColorTransform {
       cpu_->apply(image);
     }
     for (size_t i = 0; i < count; ++i)
-      for (size_t c = 0; c < 3; ++c) rgba[4 * i + c] = std::isfinite(block[4 * i + c]) ? block[4 * i + c] : 0.0f;
+      for (size_t c = 0; c < 3; ++c) rgba[4 * i + c] = finite(block[4 * i + c]);
   }
+  float scrubbed(float v) const { return std::isfinite(v) ? std::clamp(v, -largest_, largest_) : 0.0f; }
+  static float finite(float v) { return std::isnan(v) ? 0.0f : std::clamp(v, -kLargestFloat, kLargestFloat); }
 
   OCIO::ConstCPUProcessorRcPtr cpu_;  // null: identity
-  float scale_;
+  float scale_, largest_;
 };
 
 std::mutex quiet_mutex;
@@ -51,10 +49,11 @@ OCIO::LoggingLevel quiet_saved = OCIO::LOGGING_LEVEL_DEFAULT;
 
 }  // namespace
 
-std::shared_ptr<const ColorTransform> make_transform(const OCIO::ConstProcessorRcPtr& processor, float scale) {
+std::shared_ptr<const ColorTransform> make_transform(const OCIO::ConstProcessorRcPtr& processor, float scale,
+                                                     float largest) {
   OCIO::ConstCPUProcessorRcPtr cpu;
   if (processor && !processor->isNoOp()) cpu = processor->getDefaultCPUProcessor();
-  return std::make_shared<OcioTransform>(std::move(cpu), scale);
+  return std::make_shared<OcioTransform>(std::move(cpu), scale, largest);
 }
 
 QuietOcio::QuietOcio() {

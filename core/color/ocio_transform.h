@@ -3,12 +3,18 @@
 
 #include <OpenColorIO/OpenColorIO.h>
 
+#include <limits>
+
 #include "core/color/color_config.h"
 
 namespace alabaster {
 
-/// Scales rgb by `scale`, scrubs it and runs it through `processor` (null: identity). May throw OCIO's exceptions.
-std::shared_ptr<const ColorTransform> make_transform(const OCIO_NAMESPACE::ConstProcessorRcPtr& processor, float scale);
+inline constexpr float kLargestHalf = 65504.0f, kLargestFloat = std::numeric_limits<float>::max();
+
+/// Scales rgb by `scale`, sets what is not finite to 0, clamps to +-`largest`, and runs it through `processor` (null:
+/// identity). May throw OCIO's exceptions.
+std::shared_ptr<const ColorTransform> make_transform(const OCIO_NAMESPACE::ConstProcessorRcPtr& processor, float scale,
+                                                     float largest);
 
 /// Keeps OCIO from logging to stderr while it lives, and gives the host's logging level back afterwards. May be nested
 /// and used from several threads.

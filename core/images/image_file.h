@@ -19,24 +19,32 @@ namespace alabaster {
 // Reading ------------------------------------------------------------------------------------------
 struct ImageSource {
   std::string path;
-  std::string format;              // OpenImageIO's name: "png", "openexr", ...
-  std::span<const uint8_t> bytes;  // the encoded image, if it is in memory
-  int descriptor = -1;             // else of its open file; `path` is only its name
+  std::string format;               // OpenImageIO's name: "png", "openexr", ...
+  std::span<const uint8_t> bytes;   // the encoded image, if it is in memory
+  int descriptor = -1;              // else of its open file; `path` is only its name
+  int orientation = 1;              // Exif's number, of a format that has none of its own
+  size_t part = 0;                  // of an EXR
+  std::array<int32_t, 4> window{};  // of an EXR's picture: least x, least y, greatest x, greatest y
+  /// Names of an EXR's channels of red, green, blue and alpha; empty: there is none.
+  std::array<std::string, 4> channels = {};
 };
 
 struct ImageLayout {
   int width = 0, height = 0;
-  size_t channels = 0;          // values per pixel that read_rows gives
+  size_t channels = 0;                            // values per pixel that read_rows gives
+  static constexpr size_t kNoChannel = SIZE_MAX;  // it is 0
   std::array<size_t, 3> rgb{};  // which of them are colour; all the same for a grey image. Not multiplied by alpha
                                 // wherever the format lets us choose
   std::optional<size_t> alpha;  // which of them, if any, is alpha
   bool bytes = false;           // values are bytes, which stand for multiples of 1/255; else floats
   bool low_precision = false;   // integers of at most 16 bits: display-encoded unless told otherwise
+  bool halves = false;          // colours are 16-bit floats in the file
   bool flat = true;             // neither a volume nor deep samples
   size_t working_bytes = 0;     // that the decoder and the rows of one read_rows() take, roughly
 };
 
-/// Pixels from the top left, in one of the two.
+/// Pixels from the top left of the picture, in one of the two. Outside of its data window an EXR is black and
+/// transparent.
 struct ImageRows {
   std::vector<float> floats;
   std::vector<uint8_t> bytes;  // where ImageLayout::bytes says so

@@ -8,7 +8,7 @@
 namespace alabaster {
 
 /// Bumped whenever image_file.h changes a layout or a meaning.
-inline constexpr uint32_t kImageInterface = 5;
+inline constexpr uint32_t kImageInterface = 6;
 
 /// Null if the interfaces differ.
 using ImageLibraryEntry = const ImageFunctions*(uint32_t interface);

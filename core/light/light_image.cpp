@@ -6,10 +6,11 @@ namespace alabaster {
 namespace {
 
 constexpr float kLargestHalf = 65504;
+constexpr float kLargest = 1e30f;  // sums over an image, and products with a light's scale, stay floats
 
 float clean(float channel) {
   if (std::isnan(channel) || channel < 0) return 0;
-  return std::isinf(channel) ? kLargestHalf : channel;
+  return std::isinf(channel) ? kLargestHalf : std::min(channel, kLargest);
 }
 
 // The measure of rows: v, or 1 - cos(colatitude), which is even in solid angle and precise at the upper pole.

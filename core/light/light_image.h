@@ -14,8 +14,8 @@ namespace alabaster {
 
 /// An image filtered bilinearly, and a density over it that is bilinear too, proportional to the luminance under a
 /// tint: light of one colour over its density is the same at all places, so an image of a sun gives no noise of its
-/// own. Negative and NaN texels count as black, infinite ones as the largest half float. The texture's own wrap modes
-/// do not count. Lights of any brightness share it; each multiplies it by its own scale.
+/// own. Negative and NaN texels count as black, infinite ones as the largest half float, those beyond 1e30 as that. The
+/// texture's own wrap modes do not count. Lights of any brightness share it; each multiplies it by its own scale.
 ///
 /// Places are (u to the right, v DOWN) in the unit square.
 class LightImage {

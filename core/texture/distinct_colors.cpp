@@ -40,8 +40,9 @@ void DistinctColors::find_bytes(const uint8_t* texel, const ImageLayout& layout)
 
 void DistinctColors::find_floats(const float* texel, const ImageLayout& layout) {
   std::array<float, 3> last{};
+  const auto value = [&](size_t i) { return layout.rgb[i] == ImageLayout::kNoChannel ? 0.0f : texel[layout.rgb[i]]; };
   for (uint32_t& to : places_) {
-    const std::array<float, 3> color{texel[layout.rgb[0]], texel[layout.rgb[1]], texel[layout.rgb[2]]};
+    const std::array<float, 3> color{value(0), value(1), value(2)};
     if (rgba_.empty() || std::memcmp(&color, &last, sizeof color) != 0)
       rgba_.insert(rgba_.end(), {color[0], color[1], color[2], 1});
     to = uint32_t(rgba_.size() / 4 - 1);

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cstring>
 #include <string>
 #include <utility>
@@ -37,8 +38,8 @@ struct Part {
 
 class HeaderChecker {
  public:
-  HeaderChecker(const FileBytes& file, size_t max_pixels, ImageFault* fault, ExrPart* first)
-      : file_(file), max_pixels_(max_pixels), fault_(*fault), first_(first) {}
+  HeaderChecker(const FileBytes& file, size_t max_pixels, ImageFault* fault, std::vector<ExrPart>* parts)
+      : file_(file), max_pixels_(max_pixels), fault_(*fault), parts_(parts) {}
 
   bool run() {
     uint32_t version = 0;
@@ -47,14 +48,21 @@ class HeaderChecker {
     ExrPart first;
     first.is_multipart = (version & kMultipart) != 0;
     first.is_tiled = !first.is_multipart && (version & kTiled) != 0;
-    first.is_deep = (version & kDeep) != 0;
+    first.is_deep = !first.is_multipart && (version & kDeep) != 0;
+    std::vector<ExrPart> parts;
     bool empty = false;
-    ExrPart* filled = &first;
     do {
-      if (!check_part(&empty, std::exchange(filled, nullptr))) return false;
+      ExrPart part = first;
+      part.number = parts.size();
+      if (!check_part(&empty, &part)) return false;
+      if (!empty || !first.is_multipart) parts.push_back(std::move(part));
     } while (first.is_multipart && !empty && at_ < file_.size);
-    first.offsets = at_;
-    if (first_) *first_ = std::move(first);
+    uint64_t offsets = at_;
+    for (ExrPart& part : parts) {
+      part.offsets = offsets;
+      offsets += 8 * (part.is_known ? part.pieces() : part.chunk_count);
+    }
+    if (parts_) *parts_ = std::move(parts);
     return true;
   }
 
@@ -117,10 +125,10 @@ class HeaderChecker {
         return cut_short("its attribute '" + attribute.name + "' claims " + std::to_string(size) + " bytes");
       if (attribute.type == "stringvector" && !check_strings(attribute)) return false;
       read(attribute, &part);
-      if (filled) fill(attribute, filled);
+      fill(attribute, filled);
       at_ = attribute.begin + size;
     }
-    if (filled) filled->lines = uint32_t(part.lines);
+    filled->lines = uint32_t(part.lines);
     return check_sizes(part);
   }
 
@@ -159,22 +167,43 @@ class HeaderChecker {
 
   void fill(const Attribute& attribute, ExrPart* part) {
     uint32_t number = 0;
-    if (attribute.name == "dataWindow" && attribute.size >= 16) {
+    if ((attribute.name == "dataWindow" || attribute.name == "displayWindow") && attribute.size >= 16) {
       for (size_t i = 0; i < 4; ++i)
-        part->window[i] = this->number(attribute.begin + 4 * i, &number) ? int32_t(number) : 0;
+        (attribute.name == "dataWindow" ? part->window : part->display)[i] =
+            this->number(attribute.begin + 4 * i, &number) ? int32_t(number) : 0;
     } else if (attribute.name == "tiles" && attribute.size >= 8) {
       this->number(attribute.begin, &part->tile_width);
       this->number(attribute.begin + 4, &part->tile_height);
+      if (attribute.size >= 9) bytes(attribute.begin + 8, &part->tile_mode, 1);
     } else if (attribute.name == "compression" && attribute.size >= 1) {
       bytes(attribute.begin, &part->compression, 1);
     } else if (attribute.name == "type" && part->is_multipart) {
-      std::string type(size_t(std::min<uint64_t>(attribute.size, 16)), '\0');
-      bytes(attribute.begin, type.data(), type.size());
-      part->is_tiled = type == "tiledimage";
+      const std::string type = text(attribute);
+      part->is_tiled = type == "tiledimage" || type == "deeptile";
       part->is_deep = type.starts_with("deep");
+      part->is_known = part->is_tiled || type == "scanlineimage" || type == "deepscanline";
+    } else if (attribute.name == "name") {
+      part->name = text(attribute);
+    } else if (attribute.name == "chunkCount" && attribute.size >= 4) {
+      this->number(attribute.begin, &part->chunk_count);
+    } else if (attribute.name == "envmap" && attribute.size >= 1) {
+      uint8_t kind = 0;
+      if (bytes(attribute.begin, &kind, 1) && kind < 2)
+        part->environment = kind == 1 ? ExrPart::Environment::cube : ExrPart::Environment::lat_long;
+    } else if (attribute.name == "chromaticities" && attribute.size >= 32) {
+      part->chromaticities.emplace();
+      for (size_t i = 0; i < 8; ++i)
+        (*part->chromaticities)[i] =
+            this->number(attribute.begin + 4 * i, &number) ? std::bit_cast<float>(number) : 0.0f;
     } else if (attribute.name == "channels") {
       fill_channels(attribute, part);
     }
+  }
+
+  std::string text(const Attribute& attribute) {
+    std::string text(size_t(std::min<uint64_t>(attribute.size, 255)), '\0');
+    if (!bytes(attribute.begin, text.data(), text.size())) text.clear();
+    return text;
   }
 
   void fill_channels(const Attribute& attribute, ExrPart* part) {
@@ -210,7 +239,7 @@ class HeaderChecker {
   const FileBytes& file_;
   const size_t max_pixels_;
   ImageFault& fault_;
-  ExrPart* const first_;
+  std::vector<ExrPart>* const parts_;
   uint64_t at_ = 0;
   size_t attributes_ = 0;  // of the parts so far
   uint64_t chunks_ = 0;    // of these
@@ -220,8 +249,40 @@ class HeaderChecker {
 
 }  // namespace
 
-bool check_exr_header(const FileBytes& file, size_t max_pixels, ImageFault* fault, ExrPart* first) {
-  return HeaderChecker(file, max_pixels, fault, first).run();
+// A side is halved until it has one pixel.
+uint64_t ExrPart::pieces() const {
+  const auto side = [this](size_t axis) {
+    const int64_t pixels = int64_t(window[axis + 2]) - window[axis] + 1;
+    return pixels > 0 ? uint64_t(pixels) : 0;
+  };
+  const auto parts_of = [](uint64_t all, uint64_t one) { return (all + one - 1) / one; };
+  const uint64_t width = side(0), height = side(1);
+  if (!is_tiled) return parts_of(height, std::max(lines, 1u));
+  if (tile_width == 0 || tile_height == 0) return 0;
+  const bool is_up = (tile_mode & 0x10) != 0;
+  const auto levels_of = [is_up](uint64_t size) -> uint64_t {
+    size = std::max<uint64_t>(size, 1);
+    return uint64_t(is_up ? std::bit_width(size - 1) + 1 : std::bit_width(size));
+  };
+  const auto tiles_of = [&](uint64_t size, uint64_t tile, uint64_t level) {
+    const uint64_t rounding = is_up ? (uint64_t(1) << level) - 1 : 0;
+    return parts_of(std::max<uint64_t>((size + rounding) >> level, 1), tile);
+  };
+  const int mode = tile_mode & 0xf;
+  const uint64_t levels = mode == 0 ? 1 : levels_of(std::max(width, height));
+  uint64_t count = 0;
+  if (mode < 2) {
+    for (uint64_t i = 0; i < levels; ++i) count += tiles_of(width, tile_width, i) * tiles_of(height, tile_height, i);
+    return count;
+  }
+  for (uint64_t i = 0; i < levels_of(width); ++i)
+    for (uint64_t j = 0; j < levels_of(height); ++j)
+      count += tiles_of(width, tile_width, i) * tiles_of(height, tile_height, j);
+  return count;
+}
+
+bool check_exr_header(const FileBytes& file, size_t max_pixels, ImageFault* fault, std::vector<ExrPart>* parts) {
+  return HeaderChecker(file, max_pixels, fault, parts).run();
 }
 
 }  // namespace alabaster

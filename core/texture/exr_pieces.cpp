@@ -151,7 +151,7 @@ class PieceChecker {
     const uint64_t at = little_endian(head, 0, 8);
     if (!read(at, head.data(), size_at + 4)) return false;
     const auto value = [&](size_t i) { return int64_t(int32_t(little_endian(head, i, 4))); };
-    if (part_.is_multipart && value(0) != 0) return false;
+    if (part_.is_multipart && value(0) != int64_t(part_.number)) return false;
     if (part_.is_tiled) {
       if (value(place_at) != (range.x0 - part_.window[0]) / part_.tile_width ||
           value(place_at + 4) != (range.y0 - part_.window[1]) / part_.tile_height || value(place_at + 8) != 0 ||

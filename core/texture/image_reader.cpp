@@ -6,8 +6,10 @@
 #include <span>
 #include <string_view>
 
-#include "core/texture/exr_header.h"
+#include "core/texture/environment_image.h"
+#include "core/texture/exr_layers.h"
 #include "core/texture/exr_pieces.h"
+#include "core/texture/hdr_header.h"
 #include "core/texture/image_streams.h"
 
 namespace alabaster {
@@ -72,25 +74,49 @@ bool ImageReader::fail(const DiagnosticSink& sink, const char* code, const std::
   return false;
 }
 
-bool ImageReader::check_exr(size_t max_pixels, const DiagnosticSink& sink) const {
+FileBytes ImageReader::file_bytes() const {
   FileBytes bytes;
   if (bytes_) {
     bytes.size = bytes_->size();
-    bytes.read = [&](uint64_t offset, void* out, size_t count) {
+    bytes.read = [this](uint64_t offset, void* out, size_t count) {
       std::memcpy(out, bytes_->data() + offset, count);
       return true;
     };
   } else {
     bytes.size = file_->size();
-    bytes.read = [&](uint64_t offset, void* out, size_t count) { return file_->read(offset, out, count); };
+    bytes.read = [this](uint64_t offset, void* out, size_t count) { return file_->read(offset, out, count); };
   }
+  return bytes;
+}
+
+bool ImageReader::check_exr(const TextureSource& source, size_t max_pixels, const DiagnosticSink& sink) {
+  const FileBytes bytes = file_bytes();
   ImageFault fault;
-  ExrPart first;
-  if (!check_exr_header(bytes, max_pixels, &fault, &first)) return fail(sink, fault.code.c_str(), fault.text);
+  const auto refuse = [&] { return fail(sink, fault.code.c_str(), fault.text); };
+  std::vector<ExrPart> parts;
+  ExrLayer layer;
+  if (!check_exr_header(bytes, max_pixels, &fault, &parts)) return refuse();
+  if (!find_exr_layer(parts, source.layer, &layer, &fault)) return refuse();
+  chosen_.part = layer.part, chosen_.channels = layer.channels;
   std::string missing;
   const ImageFunctions* images = image_functions(&missing);
   if (!images) return fail(sink, "images.library", missing);
-  return check_exr_pieces(bytes, first, *images, &fault) || fail(sink, fault.code.c_str(), fault.text);
+  if (parts.empty()) return true;  // OpenEXR says what is wrong with it
+  const ExrPart& part = parts[layer.part];
+  is_cube_ = part.environment == ExrPart::Environment::cube && source.is_environment;
+  // An environment is in the data window.
+  chosen_.window = part.environment == ExrPart::Environment::none ? part.display : part.window;
+  chromaticities_ = part.chromaticities;
+  return check_exr_pieces(bytes, part, *images, &fault) || refuse();
+}
+
+bool ImageReader::check_hdr(const DiagnosticSink& sink) {
+  HdrHeader header;
+  ImageFault fault;
+  if (!read_hdr_header(file_bytes(), &header, &fault)) return fail(sink, fault.code.c_str(), fault.text);
+  scale_ = header.scale, chromaticities_ = header.chromaticities;
+  chosen_.orientation = header.orientation;
+  return true;
 }
 
 // Finds the format, and checks the file as far as OpenImageIO does not. `limits.memory` counts what is kept of it.
@@ -112,8 +138,10 @@ bool ImageReader::load_bytes(const TextureSource& source, const ImageLimits& lim
   if (format_.empty())
     return fail(sink, "texture.format",
                 "not an image of a kind that is read (PNG, JPEG, TIFF, EXR, HDR, WebP, TGA); convert it");
-  if (format_ == "hdr") return true;
-  if (format_ == "openexr") return check_exr(limits.max_pixels, sink);
+  if (format_ == "openexr") return check_exr(source, limits.max_pixels, sink);
+  if (!source.layer.empty())
+    return fail(sink, "texture.layer", "only an EXR has layers; leave out the texture's 'layer'");
+  if (format_ == "hdr") return check_hdr(sink);
   return clean_bytes(limits, sink);
 }
 
@@ -134,9 +162,9 @@ bool ImageReader::clean_bytes(const ImageLimits& limits, const DiagnosticSink& s
   hold(read.size() + whole.size());
   std::string damage;
   JpegFrame frame;
-  auto clean = format_ == "png"    ? essential_png(whole, damage)
+  auto clean = format_ == "png"    ? essential_png(whole, damage, &chosen_.orientation)
                : format_ == "jpeg" ? essential_jpeg(whole, frame, damage)
-               : format_ == "webp" ? essential_webp(whole, damage)
+               : format_ == "webp" ? essential_webp(whole, damage, &chosen_.orientation)
                : format_ == "tiff" ? essential_tiff(whole, damage)
                                    : essential_tga(whole, damage);
   if (clean.empty()) return fail(sink, "texture.damaged", damage + "; export or copy the image again");
@@ -147,6 +175,7 @@ bool ImageReader::clean_bytes(const ImageLimits& limits, const DiagnosticSink& s
     if (const std::string reason = refusal(claim, limits.max_pixels); !reason.empty())
       return fail(sink, "texture.size", reason);
   }
+  if (format_ == "jpeg") chosen_.orientation = frame.orientation;
   hold(clean.size() + frame.decoder_bytes);
   bytes_ = std::make_shared<const std::vector<uint8_t>>(std::move(clean));
   return true;
@@ -157,13 +186,14 @@ bool ImageReader::open_input(const DiagnosticSink& sink) {
   const ImageFunctions* images = image_functions(&missing);
   if (!images) return fail(sink, "images.library", missing);
   ImageFault fault;
-  ImageSource source;
+  ImageSource source = chosen_;
   source.path = path_, source.format = format_;
   if (bytes_)
     source.bytes = *bytes_;
   else
     source.descriptor = file_->descriptor();
   input_ = images->open(source, fault);
+  if (input_ && is_cube_) input_ = as_lat_long(std::move(input_), &fault);
   return input_ || fail(sink, fault.code.c_str(), fault.text);
 }
 

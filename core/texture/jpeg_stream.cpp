@@ -6,7 +6,7 @@
 namespace alabaster {
 namespace {
 
-constexpr uint8_t kStart = 0xd8, kEnd = 0xd9, kScan = 0xda, kJfif = 0xe0, kAdobe = 0xee, kComment = 0xfe;
+constexpr uint8_t kStart = 0xd8, kEnd = 0xd9, kScan = 0xda, kJfif = 0xe0, kExif = 0xe1, kAdobe = 0xee, kComment = 0xfe;
 
 bool stands_alone(uint8_t marker) {
   return marker == 0x01 || (marker >= 0xd0 && marker <= 0xd7);
@@ -31,6 +31,14 @@ void read_frame(std::span<const uint8_t> segment, JpegFrame& frame) {
   if (segment.size() < 10) return;
   frame.height = number(5), frame.width = number(7), frame.components = segment[9];
 }
+
+// The first block of Exif counts.
+void read_exif(std::span<const uint8_t> segment, JpegFrame& frame) {
+  constexpr size_t kHeader = 4;  // marker and length
+  if (frame.orientation == 1) frame.orientation = exif_orientation(segment.subspan(kHeader));
+}
+
+constexpr size_t kCoefficient = 2;  // bytes
 
 }  // namespace
 
@@ -71,6 +79,7 @@ std::vector<uint8_t> essential_jpeg(std::span<const uint8_t> file, JpegFrame& fr
       is_progressive = (marker & 0x03) == 2;
       read_frame(file.subspan(at, end - at), frame);
     }
+    if (marker == kExif) read_exif(file.subspan(at, end - at), frame);
     if (marker == kScan) {
       if (++scans > kMostScans) return fail("it has more than 100 scans");
       end = next_marker(file, end);
@@ -80,7 +89,6 @@ std::vector<uint8_t> essential_jpeg(std::span<const uint8_t> file, JpegFrame& fr
     if (marker == kScan && at == file.size()) break;  // libjpeg says whether all pixels are there
   }
   if (!has_frame || scans == 0) return fail("it holds no picture");
-  constexpr size_t kCoefficient = 2;
   if (is_progressive || scans > 1)
     frame.decoder_bytes = size_t(frame.width) * frame.height * frame.components * kCoefficient;
   return result;

@@ -30,8 +30,8 @@ uint32_t big_endian(std::span<const uint8_t> bytes) {
 
 }  // namespace
 
-std::vector<uint8_t> essential_png(std::span<const uint8_t> file, std::string& error) {
-  constexpr size_t kSignature = 8, kFrame = 12;  // a chunk's length, type and CRC
+std::vector<uint8_t> essential_png(std::span<const uint8_t> file, std::string& error, int* orientation) {
+  constexpr size_t kSignature = 8, kFrame = 12, kData = 8;  // a chunk's length, type and CRC
   std::vector<uint8_t> result;
   result.reserve(file.size());
   if (file.size() < kSignature) {
@@ -57,6 +57,7 @@ std::vector<uint8_t> essential_png(std::span<const uint8_t> file, std::string& e
     }
     const bool critical = (chunk[4] & 0x20) == 0;  // PNG specification 5.4: upper-case first letter
     if (critical || type == "tRNS") result.insert(result.end(), chunk.begin(), chunk.end());
+    if (type == "eXIf" && orientation) *orientation = exif_orientation(chunk.subspan(kData, length));
     if (type == "IEND") return result;
     at += chunk.size();
   }

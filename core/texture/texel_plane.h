@@ -4,6 +4,7 @@
 #include <half.h>
 
 #include <algorithm>
+#include <bit>
 #include <cstring>
 #include <memory>
 #include <utility>
@@ -16,12 +17,12 @@
 
 namespace alabaster {
 
-/// Bytes, which stand for entries of a palette, or the bits of halves.
+/// Bytes, which stand for entries of a palette, or the bits of halves, or those of floats.
 template <class Element>
 struct PackedTexels {
   Vec2i size{0, 0};
   std::vector<Element> elements;  // 1 or 3 per texel, rows from the top
-  /// The values of bytes: 256 values for each element, three times 256 where one element is a colour. Empty for halves.
+  /// The values of bytes: 256 values for each element, three times 256 where one element is a colour. Empty for others.
   std::vector<float> palette;
 };
 
@@ -76,6 +77,8 @@ class TexelPlane {
   float value(Element e, [[maybe_unused]] size_t row) const {
     if constexpr (kBytes) {
       return texels_.palette[256 * row + e];
+    } else if constexpr (sizeof(Element) == sizeof(float)) {
+      return std::bit_cast<float>(e);
     } else {
       Imath::half h;
       h.setBits(e);

@@ -10,14 +10,6 @@ Vec4f TexelMeans::sum_of(const Rgb& color, float alpha) {
   return {color.r * weight, color.g * weight, color.b * weight, weight};
 }
 
-PackedTexels<uint16_t> packed(const TexelMeans& means, int count) {
-  PackedTexels<uint16_t> texels{means.size, {}, {}};
-  texels.elements.reserve(means.sums.size() * size_t(count));
-  for (const Vec4f& sum : means.sums)
-    for (int c = 0; c < count; ++c) texels.elements.push_back(Imath::half(sum[c] / sum.w).bits());
-  return texels;
-}
-
 // An odd number of texels, 2 n + 1, makes n boxes that are 2 + 1/n wide, and none of them reaches a fourth texel.
 std::vector<BoxShares> box_shares(int boxes, int texels) {
   const double width = static_cast<double>(texels) / boxes;

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <bit>
 #include <vector>
 
 #include "core/diagnostics/cancel.h"
@@ -19,8 +20,19 @@ struct TexelMeans {
   const Vec4f& at(int x, int y) const { return sums[size_t(y) * size_t(size.x) + size_t(x)]; }
 };
 
-/// The means as texels of `count` halves, 1 or 3.
-PackedTexels<uint16_t> packed(const TexelMeans& means, int count);
+/// The means as texels of `count` halves or floats, 1 or 3.
+template <class Element>
+PackedTexels<Element> packed(const TexelMeans& means, int count) {
+  PackedTexels<Element> texels{means.size, {}, {}};
+  texels.elements.reserve(means.sums.size() * size_t(count));
+  for (const Vec4f& sum : means.sums)
+    for (int c = 0; c < count; ++c)
+      if constexpr (sizeof(Element) == sizeof(float))
+        texels.elements.push_back(std::bit_cast<Element>(sum[c] / sum.w));
+      else
+        texels.elements.push_back(Imath::half(sum[c] / sum.w).bits());
+  return texels;
+}
 
 /// The half as large level, of at least one texel: each holds the mean over its part of the image. An odd row is cut in
 /// boxes a little wider than two texels, which share the texels between them. `at(x, y)`: the finer level's sums.

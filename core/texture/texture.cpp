@@ -6,6 +6,7 @@
 #include <cstring>
 #include <limits>
 #include <mutex>
+#include <optional>
 #include <span>
 
 #include "core/texture/distinct_colors.h"
@@ -62,7 +63,8 @@ Taps taps_of(float u, int size, Wrap wrap, TextureFilter filter) {
 /// The texels of an image. `Element` and `kCount`: see TexelPlane.
 template <class Element, int kCount>
 struct StoredImage {
-  using Level = TexelPlane<uint16_t, kCount>;  // of halves: means are not in a palette
+  using LevelElement = std::conditional_t<sizeof(Element) == sizeof(float), uint32_t, uint16_t>;
+  using Level = TexelPlane<LevelElement, kCount>;  // of halves or floats: means are not in a palette
 
   /// `alpha`: without elements where all texels are opaque. False, with errno as the reason, if there is no place.
   bool keep(PackedTexels<Element> packed_colors, PackedTexels<Element> packed_alpha,
@@ -96,7 +98,7 @@ struct StoredImage {
     const auto texels = static_cast<size_t>(colors.width()) * static_cast<size_t>(colors.height());
     const MemoryReservation memory(  // the first level's means, those of the next, and one level packed
         store ? store->memory() : nullptr, MemoryUse::textures,
-        texels / 4 * (sizeof(Vec4f) + sizeof(Vec4f) / 4 + kCount * sizeof(uint16_t)),
+        texels / 4 * (sizeof(Vec4f) + sizeof(Vec4f) / 4 + kCount * sizeof(LevelElement)),
         "filtering an image of " + std::to_string(colors.width()) + " x " + std::to_string(colors.height()) +
             " pixels");
     std::vector<std::unique_ptr<const Level>> made;
@@ -106,7 +108,7 @@ struct StoredImage {
                            : halved(
                                  size, [held = std::move(means)](int x, int y) { return held.at(x, y); }, cancel);
       auto level = std::make_unique<Level>();
-      if (!level->keep(packed(means, kCount), store)) return false;
+      if (!level->keep(packed<LevelElement>(means, kCount), store)) return false;
       made.push_back(std::move(level));
     }
     levels = std::move(made);
@@ -201,17 +203,137 @@ std::shared_ptr<const Texture> make_texture(PackedImage image, const TextureSour
   if (!image.bytes.elements.empty())
     return (image.is_grey ? store<uint8_t, 1> : store<uint8_t, 3>)(std::move(image.bytes), std::move(image.alpha_bytes),
                                                                    source, held);
+  if (!image.floats.elements.empty())
+    return (image.is_grey ? store<uint32_t, 1> : store<uint32_t, 3>)(std::move(image.floats),
+                                                                     std::move(image.alpha_floats), source, held);
   return (image.is_grey ? store<uint16_t, 1> : store<uint16_t, 3>)(std::move(image.halves),
                                                                    std::move(image.alpha_halves), source, held);
 }
 
-/// Converts rows and packs them.
-void pack_rows(const ImageRows& rows, size_t texels, const ImageLayout& layout, const ColorTransform& transform,
-               DistinctColors* colors, TexelPacker* packer) {
-  for (size_t first = 0; first < texels; first += DistinctColors::kMostTexels) {
-    colors->find(rows, layout, first, std::min(DistinctColors::kMostTexels, texels - first));
-    transform.apply(colors->rgba().data(), colors->rgba().size() / 4);
-    packer->add(*colors, rows, first);
+/// Replaces the infinities of an image by its largest value, or that of a half if it is larger.
+struct Infinity {
+  float value = 65504;
+  bool is_used = false;
+  float largest = 0;  // of the finite values so far
+
+  void replace_in(std::vector<float>* values) {
+    for (float& v : *values) {
+      const float size = std::abs(v);
+      if (size <= std::numeric_limits<float>::max())
+        largest = std::max(largest, size);
+      else if (std::isinf(v))
+        v = std::copysign(value, v), is_used = true;
+    }
+  }
+};
+
+/// Reads, converts and packs the rows of images.
+class RowPacker {
+ public:
+  RowPacker(const TextureSource& source, const TextureLoading& loading, const DiagnosticSink& sink)
+      : source_(source), loading_(loading), sink_(sink) {}
+
+  /// Nothing, after a report, if the image cannot be read. `floats`: as of TexelPacker.
+  std::optional<PackedImage> pack(const ColorConfig& colors, bool floats) {
+    Infinity infinity;
+    auto packed = pack(colors, floats, &infinity);
+    if (!packed || !infinity.is_used || infinity.largest <= infinity.value) return packed;
+    infinity.value = infinity.largest;  // which is known at the end
+    return pack(colors, floats, &infinity);
+  }
+
+ private:
+  std::optional<PackedImage> pack(const ColorConfig& colors, bool floats, Infinity* infinity) {
+    MemoryReservation memory(loading_.store ? loading_.store->memory() : nullptr, MemoryUse::textures);
+    ImageReader reader;
+    if (!reader.open(source_, {loading_.max_pixels, &memory}, sink_)) return std::nullopt;
+    const ImageLayout& layout = reader.layout();
+    const std::string space = source_.color_space == "auto" && layout.low_precision ? "sRGB" : source_.color_space;
+    const auto transform = colors.to_rendering_space(space, [&](const Diagnostic& d) {
+      report(sink_, d.severity, d.code, source_.path, "colour space of the image: " + d.text);
+    });
+    if (!transform) return std::nullopt;
+    memory.resize(memory.bytes() + layout.working_bytes * 2,
+                  "decoding an image of " + std::to_string(layout.width) + " pixels a row");
+    const auto own_colors = own_colors_of(reader, colors);
+    TexelPacker packer(layout, &memory, floats);
+    ImageRows rows;
+    for (int y = 0; y < layout.height;) {
+      loading_.cancel.check();
+      const int count = reader.read_rows(y, rows, sink_);
+      if (count == 0) return std::nullopt;
+      add(rows, size_t(count) * size_t(layout.width), layout, {*transform, own_colors, infinity}, &packer);
+      y += count;
+    }
+    return packer.take();
+  }
+
+  using Matrix = std::array<std::array<float, 3>, 3>;
+  struct Conversion {
+    const ColorTransform& transform;
+    const std::optional<Matrix>& own_colors;
+    Infinity* infinity;
+  };
+
+  /// From the values that the file holds to those that its header says they are; in "auto", of its primaries.
+  std::optional<Matrix> own_colors_of(const ImageReader& reader, const ColorConfig& colors) const {
+    Matrix matrix{{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}};
+    const Matrix none = matrix;
+    if (const auto& own = reader.chromaticities(); own && source_.color_space == "auto") {
+      const Chromaticities rendering = colors.chromaticities(colors.rendering_space());
+      const auto is_near = [](float a, float b) { return std::abs(a - b) < 1e-4f; };
+      if (!std::equal(own->begin(), own->end(), rendering.begin(), is_near)) {
+        const auto converted = rgb_to_rgb(*own, rendering);
+        if (!converted)
+          report(
+              sink_, Severity::warning, "texture.chromaticities", source_.path,
+              "the chromaticities of its header are those of no colour space, and are ignored; name its colour space");
+        matrix = converted.value_or(none);
+      }
+    }
+    for (auto& row : matrix)
+      for (size_t i = 0; i < 3; ++i) row[i] *= reader.scale()[i];
+    return matrix == none ? std::nullopt : std::optional(matrix);
+  }
+
+  static void apply(const Matrix& matrix, std::vector<float>* rgba) {
+    for (size_t i = 0; i < rgba->size(); i += 4) {
+      float* const c = &(*rgba)[i];
+      const std::array<float, 3> in{c[0], c[1], c[2]};
+      for (size_t row = 0; row < 3; ++row)
+        c[row] = matrix[row][0] * in[0] + matrix[row][1] * in[1] + matrix[row][2] * in[2];
+    }
+  }
+
+  void add(const ImageRows& rows, size_t texels, const ImageLayout& layout, const Conversion& to, TexelPacker* packer) {
+    for (size_t first = 0; first < texels; first += DistinctColors::kMostTexels) {
+      colors_->find(rows, layout, first, std::min(DistinctColors::kMostTexels, texels - first));
+      if (!layout.bytes) to.infinity->replace_in(&colors_->rgba());
+      if (to.own_colors) apply(*to.own_colors, &colors_->rgba());
+      to.transform.apply(colors_->rgba().data(), colors_->rgba().size() / 4);
+      packer->add(*colors_, rows, first);
+    }
+  }
+
+  const TextureSource& source_;
+  const TextureLoading& loading_;
+  const DiagnosticSink& sink_;
+  const std::unique_ptr<DistinctColors> colors_ = std::make_unique<DistinctColors>();
+};
+
+/// As halves, after a warning, where the memory limit leaves no place for floats.
+std::optional<PackedImage> pack_image(const TextureSource& source, const ColorConfig& colors,
+                                      const DiagnosticSink& sink, const TextureLoading& loading) {
+  RowPacker packer(source, loading, sink);
+  try {
+    return packer.pack(colors, true);
+  } catch (const MemoryRefused&) {
+    auto packed = packer.pack(colors, false);
+    if (packed)
+      report(sink, Severity::warning, "texture.precision", source.path,
+             "the memory limit leaves no place for its texels as floats, so they are halves (11 bits, at most 65504); "
+             "raise memoryLimit");
+    return packed;
   }
 }
 
@@ -229,7 +351,7 @@ bool is_image(const TextureSource& source, const DiagnosticSink& sink) {
     if (const auto tiles = udim_tiles(source.path); !tiles.empty())
       return std::all_of(tiles.begin(), tiles.end(), [&](const UdimTile& tile) {
         TextureSource one;
-        one.path = tile.path, one.within = source.within;
+        one.path = tile.path, one.within = source.within, one.layer = source.layer;
         return is_image(one, sink);
       });
   return ImageReader().open(source, {std::numeric_limits<size_t>::max()}, sink);
@@ -258,32 +380,9 @@ std::shared_ptr<const Texture> load_texture(const TextureSource& source, const C
       if (const std::vector<UdimTile> tiles = udim_tiles(source.path); !tiles.empty())
         return load_set(source, tiles,
                         [&](const TextureSource& one) { return load_texture(one, colors, sink, loading); });
-    MemoryReservation memory(store ? store->memory() : nullptr, MemoryUse::textures);
-    ImageReader reader;
-    if (!reader.open(source, {loading.max_pixels, &memory}, sink)) return nullptr;
-    const std::string space =
-        source.color_space == "auto" && reader.layout().low_precision ? "sRGB" : source.color_space;
-    const auto transform = colors.to_rendering_space(space, [&](const Diagnostic& d) {
-      report(sink, d.severity, d.code, source.path, "colour space of the image: " + d.text);
-    });
-    if (!transform) return nullptr;
-
-    const ImageLayout& layout = reader.layout();
-    memory.resize(memory.bytes() + layout.working_bytes * 2,
-                  "decoding an image of " + std::to_string(layout.width) + " pixels a row");
-    TexelPacker packer(layout, &memory);
-    const auto colors_of_rows = std::make_unique<DistinctColors>();
-    ImageRows rows;
-    for (int y = 0; y < layout.height;) {
-      loading.cancel.check();
-      const int count = reader.read_rows(y, rows, sink);
-      if (count == 0) return nullptr;
-      pack_rows(rows, size_t(count) * size_t(layout.width), layout, *transform, colors_of_rows.get(), &packer);
-      y += count;
-    }
-    PackedImage packed = packer.take();
-    memory.shrink(0);  // the store holds what it keeps in memory
-    if (auto texture = make_texture(std::move(packed), source, store)) return texture;
+    std::optional<PackedImage> packed = pack_image(source, colors, sink, loading);
+    if (!packed) return nullptr;
+    if (auto texture = make_texture(*std::move(packed), source, store)) return texture;
     report(sink, Severity::error, "texture.memory", source.path,
            std::string("textureMemory is spent, and the image cannot be written to a temporary file: ") +
                std::strerror(errno) + "; free disk space, set TMPDIR to another folder, or raise textureMemory");

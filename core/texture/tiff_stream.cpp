@@ -3,6 +3,7 @@
 #include <array>
 #include <map>
 #include <optional>
+#include <string_view>
 
 #include "core/texture/image_streams.h"
 
@@ -207,6 +208,18 @@ struct Pixels {
 };
 
 }  // namespace
+
+int exif_orientation(std::span<const uint8_t> exif) {
+  constexpr std::string_view kSignature("Exif\0\0", 6);
+  constexpr size_t kHeader = 8;
+  const std::string_view text(reinterpret_cast<const char*>(exif.data()), exif.size());
+  if (text.starts_with(kSignature)) exif = exif.subspan(kSignature.size());
+  if (exif.size() < kHeader || exif[0] != exif[1] || (exif[0] != 'I' && exif[0] != 'M')) return 1;
+  Directory directory(exif);
+  if (!directory.read()) return 1;
+  const uint32_t orientation = directory.value_or(kOrientation, 1);
+  return orientation >= 1 && orientation <= 8 ? int(orientation) : 1;
+}
 
 std::vector<uint8_t> essential_tiff(std::span<const uint8_t> file, std::string& error) {
   constexpr size_t kHeader = 8;

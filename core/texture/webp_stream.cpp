@@ -91,11 +91,20 @@ Bytes first_frame(Bytes chunks, const Extended& extended, std::string& error) {
   return {};
 }
 
+/// Exif's, which follows the picture.
+int orientation_of(Bytes chunks) {
+  Chunks all(chunks);
+  for (Chunk chunk; all.next(chunk);)
+    if (chunk.type == "EXIF") return exif_orientation(chunk.payload);
+  return 1;
+}
+
 }  // namespace
 
-std::vector<uint8_t> essential_webp(std::span<const uint8_t> file, std::string& error) {
+std::vector<uint8_t> essential_webp(std::span<const uint8_t> file, std::string& error, int* orientation) {
   constexpr size_t kHeader = 12;
   Bytes body = file.subspan(std::min(file.size(), kHeader));
+  if (orientation) *orientation = orientation_of(body);
   Writer writer;
   Chunk chunk;
   Chunks chunks(body);

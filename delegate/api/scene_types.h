@@ -117,11 +117,11 @@ struct MaterialNode {
 ///   normal|tangent|object. Points move by (value - midlevel) * scale in the mesh's object space: along the normal by
 ///   one channel; or by the vector rgb, of which tangent space takes r along growing u, g along growing v, b along the
 ///   normal.
-/// - AlabasterTexture: file AssetPath, sourceColorSpace Token, wrapS / wrapT Token repeat|mirror|clamp|black, filter
-///   Token linear|nearest; st Token, the primvar that it is looked up by; stOffset Vec2f, stRotation float (radians),
-///   stScale Vec2f place it as KHR_texture_transform does; scale, bias Vec4f: value = texel * scale + bias. Outputs
-///   rgb, r, g, b, a. sourceColorSpace "auto" is sRGB or linear by the image's type for colours, raw for numbers
-///   (scatterDistance among them).
+/// - AlabasterTexture: file AssetPath, layer Token (of an EXR), sourceColorSpace Token, wrapS / wrapT Token
+///   repeat|mirror|clamp|black, filter Token linear|nearest; st Token, the primvar that it is looked up by; stOffset
+///   Vec2f, stRotation float (radians), stScale Vec2f place it as KHR_texture_transform does; scale, bias Vec4f: value
+///   = texel * scale + bias. Outputs rgb, r, g, b, a. sourceColorSpace "auto" is sRGB or linear by the image's type for
+///   colours, raw for numbers (scatterDistance among them).
 /// - AlabasterPrimvar: the mesh's displayColor (outputs rgb, r, g, b) and displayOpacity (output a); 1 if it has none.
 /// - UsdPreviewSurface with UsdUVTexture, UsdTransform2d and UsdPrimvarReader_*, as specified; delegate/manual/usd.md
 ///   has what differs.

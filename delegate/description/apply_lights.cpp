@@ -25,9 +25,12 @@ void set_parameter(LoadState& load, const std::string& pointer, const std::strin
                              (*types)[0].get<std::string>() + ".");
   if (name == "texture:file" || name == "shaping:ies:file") {
     const std::string file = value;
-    light->parameters[name] = file.empty()             ? AssetPath()
-                              : name == "texture:file" ? load.image(pointer, file)
-                                                       : load.asset(pointer, file);
+    const auto layer = light->parameters.find("texture:layer");
+    light->parameters[name] =
+        file.empty() ? AssetPath()
+        : name == "texture:file"
+            ? load.image(pointer, file, layer == light->parameters.end() ? "" : layer->second.text_or(""))
+            : load.asset(pointer, file);
   } else {
     light->parameters[name] = value.is_number() ? Value(value.get<float>()) : support::value_of(value);
   }
@@ -69,6 +72,8 @@ void link(LoadState& load, const std::string& pointer, const json& names, const 
 
 void change_light(LoadState& load, const std::string& pointer, const json& entry, const Path& path,
                   host::LightDescription light) {
+  if (const auto layer = entry.find("texture:layer"); layer != entry.end())
+    light.parameters["texture:layer"] = layer->get<std::string>();  // of the file, which is opened
   for (const auto& [name, value] : entry.items())
     if (light_parameters().contains(name)) set_parameter(load, pointer_append(pointer, name), name, value, &light);
   for (const char* const name : {"lightLink", "shadowLink"})

@@ -30,7 +30,9 @@ Path surface_of(const MaterialNetwork& network) {
 MaterialNode& add_texture(LoadState& load, const std::string& pointer, const json& texture, const Path& path,
                           MaterialNetwork* network) {
   MaterialNode& node = network->nodes[path];
-  node = {"AlabasterTexture", {{"file", load.image(pointer + "/file", texture["file"])}}, {}};
+  const std::string layer = texture.value("layer", "");
+  node = {"AlabasterTexture", {{"file", load.image(pointer + "/file", texture["file"], layer)}}, {}};
+  if (!layer.empty()) node.parameters["layer"] = Token(layer);
   node.parameters["sourceColorSpace"] = Token(texture.value("colorSpace", "auto"));
   node.parameters["wrapS"] = node.parameters["wrapT"] = Token(texture.value("wrap", "repeat"));
   node.parameters["st"] = Token(texture.value("st", "st"));

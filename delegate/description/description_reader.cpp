@@ -91,14 +91,14 @@ AssetPath LoadState::asset(const std::string& pointer, const std::string& file) 
   fail(LoadCause::input, "asset.unreadable", document.place(pointer), "'" + resolved + "': " + opened.reason() + ".");
 }
 
-AssetPath LoadState::image(const std::string& pointer, const std::string& file) {
+AssetPath LoadState::image(const std::string& pointer, const std::string& file, const std::string& layer) {
   AssetPath found{file, resolve(pointer, file), nullptr, within_of(pointer)};
   if (options.keep_going) return found;
   TextureSource source;
-  source.path = found.resolved, source.within = found.within;
+  source.path = found.resolved, source.within = found.within, source.layer = layer;
   source.may_be_set = !udim_tiles(found.resolved).empty();
   if (!source.may_be_set) found = asset(pointer, file);
-  const auto [known, is_new] = image_faults.try_emplace({found.resolved, found.within});
+  const auto [known, is_new] = image_faults.try_emplace({found.resolved, found.within, layer});
   std::string& problem = known->second;  // an image may be named often, and is opened once
   const auto note = [&](const alabaster::Diagnostic& d) {
     problem = d.text;

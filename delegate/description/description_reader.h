@@ -67,7 +67,7 @@ struct LoadState {
   bool archive_settings = false;                               // settings_path is that of an archive's settings
   StudioChoice studio = StudioChoice::when_dark;
   std::vector<ProductPlan> products;
-  std::map<std::pair<std::string, std::string>, std::string> image_faults;  // by path and folder; empty: it is an image
+  std::map<std::array<std::string, 3>, std::string> image_faults;  // by path, folder and layer; empty: it is an image
   std::shared_ptr<MemoryBudget> memory;  // of loading: the description, and the models one after the other
   MemoryReservation held, read;          // by what is loaded already, and by the description
   std::vector<OpenModel> models;
@@ -104,8 +104,8 @@ struct LoadState {
   std::string resolve(const std::string& pointer, const std::string& file);
   /// An existing file.
   AssetPath asset(const std::string& pointer, const std::string& file);
-  /// An existing image of a kind that can be read. With keep_going any name will do.
-  AssetPath image(const std::string& pointer, const std::string& file);
+  /// An existing image of a kind that can be read, which has the layer. With keep_going any name will do.
+  AssetPath image(const std::string& pointer, const std::string& file, const std::string& layer);
 
   void warn(const std::string& pointer, const std::string& text) const;
   /// The folder that a file named at the pointer must lie in.

@@ -73,6 +73,8 @@ constexpr OtherParameter kOfMeshes[] = {
 constexpr OtherParameter kOfLights[] = {
     {"texture:file", kText, "a file",
      R"({"type": "string", "minLength": 0, "default": "", "unit": "none", "appliesTo": ["domeLight", "rectLight"], "description": "Image that multiplies the light. Dome: latitude-longitude around the scene (y up, USD's orientation). Rect: upright as seen from the front, with the y axis of the light up."})"},
+    {"texture:layer", kText, "a layer",
+     R"({"type": "string", "default": "", "unit": "none", "appliesTo": ["domeLight", "rectLight"], "description": "Layer of an EXR that the image is: a part, or what stands before R, G and B in the names of its channels. Without it, the picture (RGBA, beauty, Combined, ...)."})"},
     {"shaping:ies:file", kText, "a file",
      R"({"type": "string", "minLength": 0, "default": "", "unit": "none", "appliesTo": ["sphereLight", "rectLight", "diskLight", "cylinderLight"], "description": "Photometric profile of a luminaire (IES LM-63, type C): its candela multiply the light by direction. Straight down in the profile is the light's -z, horizontal angle 0 its x axis, 90 its y axis."})"},
     {"lightLink", kText, "a category"},
@@ -207,8 +209,8 @@ std::vector<MaterialConnection> connections_of(const Path& id, const Value& valu
 
 constexpr const char* kTerminals[] = {"surface", "displacement", "volume"};
 constexpr const char* kOtherDisneyInputs[] = {"normal", "coatNormal", "bump"};
-constexpr const char* kTextureInputs[] = {"file",     "sourceColorSpace", "wrapS",   "wrapT", "filter", "st",
-                                          "stOffset", "stRotation",       "stScale", "scale", "bias"};
+constexpr const char* kTextureInputs[] = {"file", "layer",    "sourceColorSpace", "wrapS",   "wrapT", "filter",
+                                          "st",   "stOffset", "stRotation",       "stScale", "scale", "bias"};
 constexpr const char* kDisplacementInputs[] = {"displacement", "scale", "midlevel", "space"};
 
 // Tables --------------------------------------------------------------------------------------------

@@ -37,6 +37,8 @@ std::shared_ptr<LightFiles> pull_files(SceneDelegate& scene, const Path& id, Lig
   }
   if (type == LightType::dome || type == LightType::rect) {
     files->image = source_of(scene.GetLightParamValue(id, "texture:file"));
+    files->image.layer = scene.GetLightParamValue(id, "texture:layer").text_or("");
+    files->image.is_environment = type == LightType::dome;
   }
   return LightFiles::is_named(files->image) || LightFiles::is_named(files->profile) ? files : nullptr;
 }

@@ -77,6 +77,7 @@ struct TextureNodeReader : NodeReader {
       warn("material.texture.file", "a texture has no file; it is ignored");
       return std::nullopt;
     }
+    source.layer = parameter("layer").text_or("");
     source.color_space = parameter("sourceColorSpace").text_or("auto");
     if (source.color_space.empty()) source.color_space = "auto";
     if (source.color_space == "auto" && texels == Texels::numbers) source.color_space = "raw";

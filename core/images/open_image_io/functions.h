@@ -21,6 +21,8 @@ inline std::string failure_text(const std::string& error) {
 std::unique_ptr<ImageInput> open_image(const ImageSource& source, ImageFault& fault);
 /// Decoded by libpng itself: OpenImageIO's reader lets it print its errors.
 std::unique_ptr<ImageInput> open_png(const ImageSource& source, ImageFault& fault);
+/// The image upright, where its rows begin elsewhere by Exif's `orientation`, 2 to 8.
+std::unique_ptr<ImageInput> upright_image(std::unique_ptr<ImageInput> image, int orientation);
 /// Empty, or why this process must not touch an EXR: OpenEXR would wait for threads that a forked process lacks.
 std::string openexr_fault();
 std::string encode_image(const ImageDescription& image, const RowSource& rows, std::vector<unsigned char>& file);

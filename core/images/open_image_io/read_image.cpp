@@ -29,23 +29,34 @@ size_t working_bytes(const OIIO::ImageSpec& spec, const std::string& format) {
   return row * size_t(std::max(rows_at_once(spec), 1)) + buffer + (by_rows ? 0 : spec.image_bytes(true));
 }
 
-ImageLayout layout_of(const OIIO::ImageSpec& spec) {
+/// The channels of an EXR by their names, of other formats by their number: one or two are grey and grey with alpha.
+void set_channels(const OIIO::ImageSpec& spec, const ImageSource& source, ImageLayout* layout) {
+  const bool is_named =
+      std::any_of(source.channels.begin(), source.channels.end(), [](const auto& name) { return !name.empty(); });
+  if (is_named) {
+    const auto place_of = [&](size_t i) {
+      const int place = source.channels[i].empty() ? -1 : spec.channelindex(source.channels[i]);
+      return place < 0 ? ImageLayout::kNoChannel : size_t(place);
+    };
+    layout->rgb = {place_of(0), place_of(1), place_of(2)};
+    if (place_of(3) != ImageLayout::kNoChannel) layout->alpha = place_of(3);
+    return;
+  }
+  if (spec.nchannels >= 3) layout->rgb = {0, 1, 2};
+  if (spec.alpha_channel >= 0) layout->alpha = size_t(spec.alpha_channel);
+}
+
+ImageLayout layout_of(const OIIO::ImageSpec& spec, const ImageSource& source) {
   ImageLayout layout;
   layout.width = spec.width;
   layout.height = spec.height;
   layout.channels = size_t(std::max(spec.nchannels, 0));
   layout.flat = spec.depth <= 1 && !spec.deep;
-  // Renderers' EXRs hold many layers: the plain R, G, B, A are the picture. Without names, one or two channels are grey
-  // and grey with alpha.
-  const int r = spec.channelindex("R"), g = spec.channelindex("G"), b = spec.channelindex("B");
-  if (r >= 0 && g >= 0 && b >= 0)
-    layout.rgb = {size_t(r), size_t(g), size_t(b)};
-  else if (spec.nchannels >= 3)
-    layout.rgb = {0, 1, 2};
-  if (const int a = spec.channelindex("A"); a >= 0)
-    layout.alpha = size_t(a);
-  else if (spec.alpha_channel >= 0)
-    layout.alpha = size_t(spec.alpha_channel);
+  set_channels(spec, source, &layout);
+  const auto is_half = [&spec](size_t channel) {
+    return channel == ImageLayout::kNoChannel || spec.channelformat(int(channel)) == OIIO::TypeHalf;
+  };
+  layout.halves = std::all_of(layout.rgb.begin(), layout.rgb.end(), is_half);
   const OIIO::TypeDesc format = spec.format;
   layout.bytes = format == OIIO::TypeUInt8 && spec.channelformats.empty();
   layout.low_precision = !format.is_floating_point() && format.basesize() <= 2;
@@ -90,19 +101,74 @@ class Input final : public ImageInput {
       input_->set_ioproxy(proxy_.get());
     }
     OIIO::ImageSpec spec;
-    if (!input_->open(name, spec, request)) {
+    part_ = int(source.part);
+    if (!input_->open(name, spec, request) || !input_->seek_subimage(part_, 0)) {
       fault = {"texture.damaged", failure_text(input_->geterror()) + "; export or copy the image again"};
       return false;
     }
     // After a damaged strip, the TIFF reader's tasks write to a variable that is gone; this attribute of the input's
     // own specification keeps them on this thread.
     const_cast<OIIO::ImageSpec&>(input_->spec()).attribute("tiff:multithread", 0);
-    layout_ = layout_of(input_->spec());
+    layout_ = layout_of(input_->spec(), source);
     layout_.working_bytes = working_bytes(input_->spec(), source.format);
-    return true;
+    return source.format != "openexr" || set_window(source.window, fault);
   }
 
   int read_rows(int y, ImageRows& to, std::string& fault) override {
+    if (is_window_whole_) return read_data(y, to, fault);
+    const int top = left_top_[1], bottom = top + input_->spec().height, left = layout_.height - y;
+    if (y < top || y >= bottom) {
+      const int rows = std::min(window_rows(), y < top ? top - y : left);
+      to.floats.assign(size_t(std::min(rows, left)) * row_values(), 0.0f);
+      return std::min(rows, left);
+    }
+    return read_window(y - top, std::min(bottom - y, left), to, fault);
+  }
+
+  /// Exif's number; 1 of formats that have none of their own here.
+  int orientation() const { return input_->spec().get_int_attribute("Orientation", 1); }
+
+ private:
+  bool set_window(const std::array<int32_t, 4>& window, ImageFault& fault) {
+    const OIIO::ImageSpec& spec = input_->spec();
+    const auto side = [&](size_t axis) { return int64_t(window[axis + 2]) - window[axis] + 1; };
+    constexpr int64_t kMost = INT32_MAX;
+    if (side(0) <= 0 || side(1) <= 0 || side(0) > kMost || side(1) > kMost) return layout_.width = 0, true;
+    layout_.width = int(side(0)), layout_.height = int(side(1));
+    const int64_t x = int64_t(spec.x) - window[0], y = int64_t(spec.y) - window[1];
+    is_window_whole_ = layout_.width == spec.width && layout_.height == spec.height && x == 0 && y == 0;
+    if (is_window_whole_) return true;
+    layout_.working_bytes += row_values() * sizeof(float) * size_t(window_rows());
+    left_top_ = {int(std::clamp(x, -kMost, kMost)), int(std::clamp(y, -kMost, kMost))};
+    if (x < layout_.width && y < layout_.height && x + spec.width > 0 && y + spec.height > 0) return true;
+    fault = {"texture.format",
+             "its data window lies outside of its display window, so the picture is empty; export it again"};
+    return false;
+  }
+  size_t row_values() const { return size_t(layout_.width) * layout_.channels; }
+  int window_rows() const {
+    return int(std::clamp(kMostRowBytes / (row_values() * sizeof(float)), size_t(1), size_t(kRowsAtOnce)));
+  }
+
+  // Rows of the data window from `y` on, at most `most`. Tiles are read from the first of their rows on.
+  int read_window(int y, int most, ImageRows& to, std::string& fault) {
+    const OIIO::ImageSpec& spec = input_->spec();
+    const int begin = spec.tile_width > 0 ? y - y % spec.tile_height : y;
+    const int rows = std::min(read_data(begin, data_, fault) - (y - begin), most);
+    if (rows <= 0) return 0;
+    to.floats.assign(size_t(rows) * row_values(), 0.0f);
+    const int64_t first = std::max(0, -left_top_[0]),
+                  end = std::min<int64_t>(spec.width, int64_t(layout_.width) - left_top_[0]);
+    const size_t data_values = size_t(spec.width) * layout_.channels;
+    for (int row = 0; row < rows; ++row) {
+      const float* const from = &data_.floats[size_t(y - begin + row) * data_values];
+      std::copy(from + size_t(first) * layout_.channels, from + size_t(end) * layout_.channels,
+                &to.floats[size_t(row) * row_values() + size_t(first + left_top_[0]) * layout_.channels]);
+    }
+    return rows;
+  }
+
+  int read_data(int y, ImageRows& to, std::string& fault) {
     const OIIO::ImageSpec& spec = input_->spec();
     const int rows = std::min(rows_at_once(spec), spec.height - y);
     const size_t values = size_t(rows) * size_t(spec.width) * layout_.channels;
@@ -122,7 +188,6 @@ class Input final : public ImageInput {
     return 0;
   }
 
- private:
   // OpenImageIO inverts TIFF's bytes alone where white is zero.
   bool is_inverted(const OIIO::ImageSpec& spec) const {
     return !layout_.bytes && spec.get_int_attribute("tiff:PhotometricInterpretation", -1) == 0;
@@ -136,7 +201,7 @@ class Input final : public ImageInput {
     const OIIO::ImageSpec& spec = input_->spec();
     const OIIO::TypeDesc type = layout_.bytes ? OIIO::TypeUInt8 : OIIO::TypeFloat;
     void* const data = layout_.bytes ? static_cast<void*>(to.bytes.data()) : to.floats.data();
-    return input_->read_tiles(0, 0, spec.x, spec.x + spec.width, begin, end, spec.z, spec.z + 1, 0, spec.nchannels,
+    return input_->read_tiles(part_, 0, spec.x, spec.x + spec.width, begin, end, spec.z, spec.z + 1, 0, spec.nchannels,
                               type, data);
   }
 
@@ -155,7 +220,7 @@ class Input final : public ImageInput {
   bool read_scanlines(int begin, int end, std::vector<float>& pixels) {
     const OIIO::ImageSpec& spec = input_->spec();
     if (!spec.channelformats.empty())
-      return input_->read_scanlines(0, 0, begin, end, spec.z, 0, spec.nchannels, OIIO::TypeFloat, pixels.data());
+      return input_->read_scanlines(part_, 0, begin, end, spec.z, 0, spec.nchannels, OIIO::TypeFloat, pixels.data());
     native_.resize(size_t(end - begin) * spec.scanline_bytes(true));
     if (!read_native(begin, end, native_.data())) return false;
     constexpr size_t kAtOnce = size_t(1) << 24;  // values; a row may hold more than an int counts
@@ -173,11 +238,15 @@ class Input final : public ImageInput {
     const int step = spec.get_int_attribute("tiff:RowsPerStrip") > end - begin ? 1 : end - begin;
     bool good = true;
     for (int y = begin; y < end && good; y += step)
-      good = input_->read_scanlines(0, 0, y, y + step, spec.z, 0, spec.nchannels, OIIO::TypeUnknown,
+      good = input_->read_scanlines(part_, 0, y, y + step, spec.z, 0, spec.nchannels, OIIO::TypeUnknown,
                                     to + size_t(y - begin) * spec.scanline_bytes(true));
     return good;
   }
 
+  int part_ = 0;
+  std::array<int, 2> left_top_{};  // of the data window in the picture
+  bool is_window_whole_ = true;
+  ImageRows data_;               // of the data window, where that is another one
   std::vector<uint8_t> native_;  // rows in the file's type
   struct CloseFile {
     void operator()(std::FILE* file) const { std::fclose(file); }
@@ -191,10 +260,17 @@ class Input final : public ImageInput {
 }  // namespace
 
 std::unique_ptr<ImageInput> open_image(const ImageSource& source, ImageFault& fault) {
-  if (source.format == "png") return open_png(source, fault);
-  auto input = std::make_unique<Input>();
-  if (!input->open(source, fault)) return nullptr;
-  return input;
+  std::unique_ptr<ImageInput> image;
+  int orientation = source.orientation;
+  if (source.format == "png") {
+    image = open_png(source, fault);
+  } else {
+    auto input = std::make_unique<Input>();
+    if (!input->open(source, fault)) return nullptr;
+    if (source.format == "tiff") orientation = input->orientation();
+    image = std::move(input);
+  }
+  return image && orientation > 1 && orientation <= 8 ? upright_image(std::move(image), orientation) : std::move(image);
 }
 
 }  // namespace alabaster

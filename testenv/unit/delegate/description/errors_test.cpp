@@ -1,4 +1,6 @@
 // Every fault of a description is reported with its place and a remedy.
+#include <OpenImageIO/imageio.h>
+
 #include <ctime>
 
 #include "testenv/unit/delegate/description/scene_fixture.h"
@@ -66,6 +68,49 @@ TEST_F(DescriptionErrors, MotionAndShutter) {
   EXPECT_FALSE(
       describe(R"({"gltf": [{"file": "patch.gltf"}], "camera": {"shutterOpen": 0.5, "shutterClose": 0.25}})").ok);
   EXPECT_SAYS("The shutter closes before it opens");
+}
+
+TEST_F(DescriptionErrors, CamerasOfOneNameAreListed) {
+  std::string two = patch_gltf(true, false);
+  const std::string camera = R"({"name": "front", "camera": 0, "translation": [0, 0, 5]})";
+  two.replace(two.find(camera), camera.size(), camera + ", " + camera);
+  two.replace(two.find("[0,1]"), 5, "[0,1,2]");
+  write("two.gltf", two);
+  EXPECT_FALSE(load("two.gltf", with_camera("front")).ok);
+  EXPECT_SAYS("'front' names 2 cameras: '/");
+  std::vector<Path> paths;
+  for (const auto& [path, made] : scene.GetCameras())
+    if (path.str().ends_with("front")) paths.push_back(path);
+  ASSERT_EQ(paths.size(), 2u);
+  for (const Path& path : paths) EXPECT_SAYS("'" + path.str() + "'");
+  EXPECT_TRUE(load("two.gltf", with_camera(paths[1].str())).ok) << errors();
+}
+
+TEST_F(DescriptionErrors, LayersOfImagesAreNamed) {
+  OIIO::ImageSpec spec(2, 2, 3, OIIO::TypeFloat);
+  spec.channelnames = {"diffuse.R", "diffuse.G", "diffuse.B"};
+  spec.channelnames.push_back("Z"), spec.nchannels = 4;
+  const std::vector<float> pixels(16, 0.5f);
+  const std::string file = folder_ / "layers.exr";
+  const auto out = OIIO::ImageOutput::create(file);
+  ASSERT_TRUE(out->open(file, spec) && out->write_image(OIIO::TypeFloat, pixels.data()) && out->close());
+  const auto material = [](const std::string& layer) {
+    return R"({"gltf": [{"file": "patch.gltf"}],
+               "materials": [{"match": "skin", "set": {"baseColor": {"file": "layers.exr")" +
+           layer + "}}}]}";
+  };
+  const auto light = [](const std::string& layer) {
+    return R"({"lights": [{"name": "sky", "type": "domeLight", "texture:file": "layers.exr")" + layer + "}]}";
+  };
+  EXPECT_FALSE(describe(material("")).ok);
+  EXPECT_SAYS("it has Z, diffuse; name one of them as the texture's 'layer'");
+  EXPECT_FALSE(describe(light("")).ok);
+  EXPECT_SAYS("it has Z, diffuse;");
+  EXPECT_FALSE(describe(material(R"(, "layer": "gone")")).ok);
+  EXPECT_SAYS("it has no layer 'gone'");
+  EXPECT_TRUE(describe(material(R"(, "layer": "diffuse")")).ok) << errors();
+  EXPECT_TRUE(describe(light(R"(, "texture:layer": "diffuse")")).ok) << errors();
+  EXPECT_EQ(scene.GetLights().at("/lights/sky").parameters.at("texture:layer").text_or(""), "diffuse");
 }
 
 TEST_F(DescriptionErrors, BrokenJsonNamesTheLine) {
