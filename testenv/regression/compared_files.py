@@ -26,14 +26,20 @@ def exr(base, present):
     (first, at), (second, place) = exr_attributes(base), exr_attributes(present)
     found = []
     kinds, others = ({name: kind for name, kind in exr_channels(of["channels"])} for of in (first, second))
+    layers = {f"{name}.X": name for name in kinds if "." not in name}  # of one channel, without a letter in BASE
+
+    def named(channels):
+        return {layers.get(name, name): value for name, value in channels.items()}
+
+    others = named(others)
     if kinds != others:
         found.append(f"channels: {sorted(kinds.items() - others.items())} in BASE, now {sorted(others.items() - kinds.items())}")
     if first["dataWindow"] != second["dataWindow"]:
         return found + ["the data windows differ"]
     x0, _, x1, _ = struct.unpack("<4i", first["dataWindow"])
-    layers, others = read_zip_channels(base, at, first), read_zip_channels(present, place, second)
-    for channel in sorted(layers.keys() & others.keys()):
-        found += numbers_differ(f"channel {channel}", layers[channel], others[channel], x1 - x0 + 1)
+    pixels, others = read_zip_channels(base, at, first), named(read_zip_channels(present, place, second))
+    for channel in sorted(pixels.keys() & others.keys()):
+        found += numbers_differ(f"channel {channel}", pixels[channel], others[channel], x1 - x0 + 1)
     return found + [f"attribute {key}: {shown(value)} in BASE, now {shown(second.get(key))}"
                     for key, value in sorted(first.items()) if key != "channels" and not VOLATILE.search(key) and second.get(key) != value]
 

@@ -14,7 +14,7 @@ SCRIPTS = pathlib.Path(__file__).resolve().parents[1] / "scenes"
 sys.path.insert(0, str(SCRIPTS))
 sys.path.insert(0, str(SCRIPTS / "motion"))
 from gltf_writer import Document, Mesh, png  # noqa: E402
-from images import heights_png, write_hdr  # noqa: E402
+from images import write_hdr  # noqa: E402
 from make_motion import about_z, add_morph, animate, floats, moving_node  # noqa: E402
 from shapes import box, cube_sphere, placed  # noqa: E402
 
@@ -192,7 +192,7 @@ def bare(draft):
 
 def layers(draft):
     """All lobes, and maps of colour, normals, heights."""
-    (draft.folder / "heights.png").write_bytes(heights_png(16, 16, lambda u, v: 0.5 + 0.5 * math.sin(12 * u) * math.sin(9 * v)))
+    write_hdr(draft.folder / "heights.hdr", 16, 16, lambda y, x: (0.5 + 0.5 * math.sin(0.75 * x) * math.sin(0.56 * y),) * 3)
     stripes = draft.doc.add_texture("stripes", png(8, 8, lambda x, y: (0.9, 0.2 + 0.08 * x, 0.1 * y)))
     tilts = draft.doc.add_texture("tilts", png(8, 8, lambda x, y: (0.5 + 0.2 * math.sin(x), 0.5 + 0.2 * math.cos(y), 1.0)))
     kinds = {"coated": {"coat": 1.0, "coatRoughness": 0.1, "roughness": 0.6}, "clear": {"clearcoat": 1.0, "clearcoatGloss": 0.7},
@@ -202,8 +202,8 @@ def layers(draft):
     for i, (name, lobes) in enumerate(kinds.items()):
         maps = {"texture": stripes} if i % 2 == 0 else {"normal": tilts}
         draft.add(name, ball(0.22), {"baseColor": [0.7, 0.4, 0.3], **lobes}, (0.55 * (i % 3) - 0.55, 0.25 + 0.5 * (i // 3), -0.4 * (i // 3)), **maps)
-    draft.json["materials"] = [{"match": "coated", "bump": {"file": "heights.png", "scale": 0.05}},
-                               {"match": "velvet", "displacement": {"file": "heights.png", "scale": 0.08}}]
+    draft.json["materials"] = [{"match": "coated", "bump": {"file": "heights.hdr", "scale": 0.05}},
+                               {"match": "velvet", "displacement": {"file": "heights.hdr", "scale": 0.08}}]
     draft.json["meshes"] = [{"match": "velvet", "scheme": "catmullClark", "refineLevel": 3}]
 
 

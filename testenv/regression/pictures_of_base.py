@@ -84,7 +84,7 @@ def means(data):
     attributes, at = compared_files.exr_attributes(data)
     found = {}
     for channel, values in compared_files.read_zip_channels(data, at, attributes).items():
-        if channel.endswith("Id") or not all(map(math.isfinite, values)):
+        if channel.removesuffix(".X").endswith("Id") or not all(map(math.isfinite, values)):
             continue
         quarter = max(1, len(values) // 4)
         found[channel, "frame"] = sum(values) / len(values)
