@@ -61,10 +61,11 @@ XyzColumns xyz_d65_columns(const Chromaticities& c) {
 }
 
 std::optional<std::array<std::array<float, 3>, 3>> rgb_to_rgb(const Chromaticities& from, const Chromaticities& to) {
-  // Row i: XYZ of the unit vector i.
+  // Row i: XYZ of the unit vector i. Primaries that are CIE X, Y and Z are no lights, and have no white to adapt.
   const auto matrix_of = [](const Chromaticities& c) {
-    const XyzColumns columns = xyz_d65_columns(c);
     Matrix33d matrix;
+    if (std::array{c[0], c[1], c[2], c[3], c[4], c[5]} == std::array{1.0f, 0.0f, 0.0f, 1.0f, 0.0f, 0.0f}) return matrix;
+    const XyzColumns columns = xyz_d65_columns(c);
     for (int i = 0; i < 3; ++i)
       for (int j = 0; j < 3; ++j) matrix[i][j] = columns[size_t(i)][size_t(j)];
     return matrix;

@@ -18,8 +18,8 @@ using XyzColumns = std::array<std::array<double, 3>, 3>;
 /// Columns of a space with these chromaticities, white scaled to Y = 1.
 XyzColumns xyz_d65_columns(const Chromaticities& chromaticities);
 
-/// The rows of the matrix from linear values of one space to those of another, white to white. Empty where one of them
-/// is no space of colours.
+/// The rows of the matrix from linear values of one space to those of another, white to white; from CIE XYZ, D65 to
+/// white. Empty where one of them is no space of colours.
 std::optional<std::array<std::array<float, 3>, 3>> rgb_to_rgb(const Chromaticities& from, const Chromaticities& to);
 
 /// The native chromaticities when the columns are those of a well-known space (Rec.709, ACES AP0 and AP1, P3-D65,

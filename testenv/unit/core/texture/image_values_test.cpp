@@ -97,12 +97,13 @@ TEST_F(ImageValues, ExposureIsDividedBy) {
 }
 
 TEST_F(ImageValues, PrimariesAreTheFiles) {
-  const Chromaticities rec2020 = {0.708f, 0.292f, 0.170f, 0.797f, 0.131f, 0.046f, 0.3127f, 0.3290f};
-  OIIO::ImageSpec spec(2, 1, 3, OIIO::TypeFloat);
-  spec.attribute("chromaticities", OIIO::TypeDesc(OIIO::TypeDesc::FLOAT, 8), rec2020.data());
-  const auto out = OIIO::ImageOutput::create("x.exr");
-  const float pixels[] = {1, 0, 0, 1, 1, 1};
-  ASSERT_TRUE(out->open(path("x.exr"), spec) && out->write_image(OIIO::TypeFloat, pixels) && out->close());
+  const auto write_exr = [&](const Chromaticities& chromaticities, const std::vector<float>& pixels) {
+    OIIO::ImageSpec spec(2, 1, 3, OIIO::TypeFloat);
+    spec.attribute("chromaticities", OIIO::TypeDesc(OIIO::TypeDesc::FLOAT, 8), chromaticities.data());
+    const auto out = OIIO::ImageOutput::create("x.exr");
+    EXPECT_TRUE(out->open(path("x.exr"), spec) && out->write_image(OIIO::TypeFloat, pixels.data()) && out->close());
+  };
+  write_exr({0.708f, 0.292f, 0.170f, 0.797f, 0.131f, 0.046f, 0.3127f, 0.3290f}, {1, 0, 0, 1, 1, 1});
   const auto near = [](const Rgb& a, const Rgb& b) {
     for (int i = 0; i < 3; ++i) EXPECT_NEAR(a[i], b[i], 2e-3f) << i;
   };
@@ -114,6 +115,9 @@ TEST_F(ImageValues, PrimariesAreTheFiles) {
       load(write_hdr("PRIMARIES= .708 .292 .170 .797 .131 .046 .3127 .3290\n\n-Y 1 +X 1", {{128, 0, 0, 129}}));
   ASSERT_TRUE(hdr) << reports_.text();
   near(hdr->texel(0, 0), {1.6605f, -0.1246f, -0.0182f});
+  write_exr({1, 0, 0, 1, 0, 0, 1 / 3.0f, 1 / 3.0f}, {0.9505f, 1, 1.0891f, 0.4124f, 0.2126f, 0.0193f});
+  near(load(path("x.exr"))->texel(0, 0), Rgb(1));
+  near(load(path("x.exr"))->texel(1, 0), {1, 0, 0});
 }
 
 // Orientation ---------------------------------------------------------------------------------------

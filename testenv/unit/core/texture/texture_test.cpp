@@ -1,5 +1,7 @@
 #include "core/texture/texture.h"
 
+#include <half.h>
+
 #include <cmath>
 #include <limits>
 
@@ -148,8 +150,9 @@ TEST_F(TextureFile, BytesInAPaletteAreTheValuesOfHalves) {
     for (int y = 0; y < 64; ++y)
       for (int x = 0; x < 64; ++x) {
         const Vec2f centre((float(x) + 0.5f) / 64, 1 - (float(y) + 0.5f) / 64);
-        ASSERT_EQ(bytes->texel(x, y), floats->texel(x, y)) << space << x << "," << y;
-        ASSERT_EQ(bytes->alpha(centre), floats->alpha(centre)) << space << x << "," << y;
+        const Rgb color = floats->texel(x, y);
+        ASSERT_EQ(bytes->texel(x, y), Rgb(half(color.r), half(color.g), half(color.b))) << space << x << "," << y;
+        ASSERT_EQ(bytes->alpha(centre), half(floats->alpha(centre))) << space << x << "," << y;
       }
   }
 }
