@@ -148,6 +148,8 @@ typedef struct AlabasterApi {
   /* scene_set_instances of several primvars, all or none. Each parameter has the name of one. */
   AlabasterStatus (*scene_edit_instances)(AlabasterScene*, const char* instancer, size_t first,
                                           const AlabasterParameter* primvars, size_t count);
+  /* set_setting of several settings, all or none. */
+  AlabasterStatus (*set_settings)(AlabasterDelegate*, const AlabasterParameter* settings, size_t count);
 } AlabasterApi;
 
 /* Null if the library has another version. The table lives as long as the library is loaded. */

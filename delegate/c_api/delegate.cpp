@@ -139,6 +139,19 @@ AlabasterStatus set_setting(AlabasterDelegate* handle, const char* key, const Al
   });
 }
 
+AlabasterStatus set_settings(AlabasterDelegate* handle, const AlabasterParameter* settings, size_t count) {
+  return guarded([&] {
+    const ParameterList given{settings, count};
+    ValueReader reader(&given);
+    const std::shared_ptr<DelegateData> data = required(handle, "delegate").data;
+    const Dictionary read = reader.dictionary(given, "settings");
+    check_settings(read);
+    reader.take();
+    const HostLock lock(*data);
+    for (const auto& [name, value] : read) data->delegate->SetRenderSetting(Token(name), value);
+  });
+}
+
 AlabasterStatus get_setting(AlabasterDelegate* handle, const char* key, AlabasterVisit visit, void* user) {
   return on_delegate(
       handle, [&](DelegateData& data) { return data.delegate->GetRenderSetting(Token(&required(key, "key"))); },
@@ -287,6 +300,7 @@ void add_delegate_functions(AlabasterApi* api) {
   api->delegate_destroy = delegate_destroy;
   api->show = show;
   api->set_setting = set_setting;
+  api->set_settings = set_settings;
   api->get_setting = get_setting;
   api->get_settings = get_settings;
   api->aov_format = aov_format;

@@ -62,12 +62,11 @@ class Renderer : public NeverImplicit {
   }
   void set(const py::dict& settings) {
     engine_->check_process();
-    for (const auto& [name, value] : parameters(settings, "settings")) {
-      const AlabasterValue raw = value.pass();
-      run([&, &key = name](const AlabasterApi& api, AlabasterDelegate* delegate) {
-        return api.set_setting(delegate, key.c_str(), &raw);
-      });
-    }
+    const c_api::Parameters held = parameters(settings, "settings");
+    const std::vector<AlabasterParameter> raw = c_api::pass(held);
+    run([&](const AlabasterApi& api, AlabasterDelegate* delegate) {
+      return api.set_settings(delegate, raw.data(), raw.size());
+    });
   }
   py::object get(const Text& name) {
     return last_of(engine_->ask([&](const AlabasterApi& api, AlabasterDelegate* delegate, AlabasterVisit visit,
@@ -382,7 +381,7 @@ py::class_<Renderer> renderer_class(py::module_& module) {
       .def("show", &Renderer::show, py::arg("scene"), "Draws another scene; None: none.")
       .def(
           "set", [](Renderer& r, const py::kwargs& settings) { r.set(settings); }, py::call_guard<FreeReturned>(),
-          "Changes settings: set(samples=64). None takes a setting back.")
+          "Changes settings, all or none: set(samples=64). None takes a setting back.")
       .def("get", &Renderer::get, py::arg("name"), "The value of a setting.")
       .def("describe_settings", &Renderer::describe,
            "Every setting: documentation, default, minimum, maximum, choices.")

@@ -144,6 +144,13 @@ class Renders(unittest.TestCase):
         render = draw(renderer, aovs=["instanceId"])
         self.assertNotEqual(pixel(render, 8, 8, "instanceId"), 1)
 
+    def test_settings_are_all_set_or_none(self):
+        renderer = alabaster.Renderer(square(), samples=4)
+        for wrong in [{"samples": 9, "subsurface": "x"}, {"samples": 9, "sampels": 3}, {"seed": 1, "maxDepth": -1}]:
+            with self.assertRaises(ValueError):
+                renderer.set(**wrong)
+            self.assertEqual((renderer.get("samples"), renderer.get("seed")), (4, 0), wrong)
+
     def test_refined_cage_with_primvars_and_creases(self):
         scene = square()
         scene.set_mesh("/square", CORNERS, [0, 1, 2, 3], counts=[4], scheme="catmullClark", refine_level=2, material="/wax",

@@ -50,6 +50,7 @@ std::vector<Pair> DoorCounts::pairs() {
       {"scene_set.count", [this] { return api().scene_set(scene_, "/a", "mesh", nullptr, kMany); }},
       {"scene_edit.count", [this] { return api().scene_edit(scene_, "/quad", nullptr, kMany); }},
       {"scene_edit_instances.count", [this] { return api().scene_edit_instances(scene_, "/many", 0, nullptr, kMany); }},
+      {"set_settings.count", [this] { return api().set_settings(delegate_, nullptr, kMany); }},
       {"AlabasterLoadOptions.override_count",
        [this] {
          auto options = sized<AlabasterLoadOptions>();
