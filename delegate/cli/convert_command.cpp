@@ -14,7 +14,7 @@ int run_convert(const ConvertArguments& arguments) {
   SceneSession session;
   hd::description::LoadOptions options = scene_load_options(arguments);
   options.size = arguments.size;
-  load_scene(arguments, options, console, console.sink(), &session);
+  open_scene(arguments, options, console, console.sink(), &session);
   console.require_usage("--output", input_overwritten({arguments.output}, session, arguments.scene));
   const hd::archive::SceneInfo info = {session.file.settings, {session.colors().ocio, session.colors().ocio, nullptr}};
   console.require(kOutput, arguments.output,

@@ -45,7 +45,7 @@ class FarmCommand {
 
   // The scene is loaded so that its faults are told before the jobs are.
   void count_samples() {
-    load_scene(a_.render, load_options(a_.render), console_, console_.sink(), &session_);
+    open_scene(a_.render, load_options(a_.render), console_, console_.sink(), &session_);
     RenderArguments part = a_.render;
     part.samples = {0, 1}, part.checkpoint = "part";
     check_parts(part, session_, 1, console_);

@@ -74,7 +74,7 @@ void add_checkpoint(CLI::App* c, RenderArguments* a) {
               "counts the time before, too");
   add_parsed(c, "--samples", &a->samples, parse_samples,
              "is not a range of samples: write begin:end, such as 256:512 for the samples from 256 to 511; end is at "
-             "most 1048576.",
+             "most 1048576. --spp N is the number of samples per pixel.",
              "A:B",
              "Take samples A to B - 1 of each pixel only: a part of a frame of B or more, which 'alabaster merge' "
              "adds to the others. Needs --checkpoint, which the part is written to; files of -o show the part alone");

@@ -93,7 +93,7 @@ class RenderCommand {
   }
 
   void load() {
-    timed_load([&] { load_scene(a_, load_options(a_), console_, console_.sink(), &session_); });
+    timed_load([&] { open_scene(a_, load_options(a_), console_, console_.sink(), &session_); });
   }
 
   std::vector<hd::Path> settings_paths() const {

@@ -67,7 +67,7 @@ hd::description::LoadOptions scene_load_options(const SceneArguments& a, std::ve
   return options;
 }
 
-void load_scene(const SceneArguments& a, const hd::description::LoadOptions& options, Console& console,
+void open_scene(const SceneArguments& a, const hd::description::LoadOptions& options, Console& console,
                 const hd::DiagnosticSink& sink, SceneSession* session) {
   session->load(a.scene, options, sink);
   session->choose_colors(a.ocio, sink, kInput);

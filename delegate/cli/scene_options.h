@@ -33,7 +33,7 @@ hd::description::LoadOptions scene_load_options(const SceneArguments& arguments,
                                                 std::vector<hd::description::Override> flags = {});
 /// Loads the scene, chooses its colours and prints its notes. `sink` shows reports in the console, too. Ends the
 /// command if it cannot be loaded.
-void load_scene(const SceneArguments& arguments, const hd::description::LoadOptions& options, Console& console,
+void open_scene(const SceneArguments& arguments, const hd::description::LoadOptions& options, Console& console,
                 const hd::DiagnosticSink& sink, SceneSession* session);
 
 }  // namespace alabaster::cli

@@ -97,7 +97,7 @@ class TradeoffCommand {
   }
 
   void load() {
-    load_scene(a_, scene_load_options(a_), console_, console_.sink(), &session_);
+    open_scene(a_, scene_load_options(a_), console_, console_.sink(), &session_);
     choose_display();
     if (!tradeoff::to_display({1, 1, {0, 0, 0}}, display_, session_.colors(), console_.sink())) throw Exit{kInput};
     session_.start(console_.sink());

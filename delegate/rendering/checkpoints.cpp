@@ -6,7 +6,7 @@
 #include "core/session/frame_memory.h"
 #include "delegate/prims/scene_digest.h"
 #include "delegate/rendering/commands.h"
-#include "delegate/rendering/render_core.h"
+#include "delegate/rendering/delegate_state.h"
 #include "delegate/rendering/render_pass.h"
 
 namespace alabaster::hd::rendering {
@@ -70,11 +70,12 @@ std::shared_ptr<const Checkpoints::Digests> Checkpoints::digests_of(const BuiltS
   return digests_;
 }
 
-CommandResult Checkpoints::write(const RenderCore& core, const std::string& file, const std::string& note) const {
-  const auto request = core.last_request();
-  const auto pass = core.last_pass();
+CommandResult Checkpoints::write(const DelegateState& delegate, const std::string& file,
+                                 const std::string& note) const {
+  const auto request = delegate.last_request();
+  const auto pass = delegate.last_pass();
   if (!request || !request->scene || !pass) return command_failed("nothing has been rendered");
-  const auto scene = core.scene(request->scene);
+  const auto scene = delegate.scene(request->scene);
   if (!scene) return command_failed("the scene has changed since it was rendered");
   if (note.size() > kMostNoteBytes)
     return {CommandStatus::invalid, "the note is longer than " + std::to_string(kMostNoteBytes) + " bytes", {}};

@@ -13,7 +13,7 @@
 
 namespace alabaster::hd::rendering {
 
-class RenderCore;
+class DelegateState;
 struct BuiltScene;
 
 class Checkpoints {
@@ -22,7 +22,7 @@ class Checkpoints {
 
   // Commands. A film that `memory` has no room for is not read.
   /// Writes the state of the frame that Execute drew last, with a note for who reads it.
-  CommandResult write(const RenderCore& core, const std::string& file, const std::string& note) const;
+  CommandResult write(const DelegateState& delegate, const std::string& file, const std::string& note) const;
   /// The next render that starts continues from this file; an empty name takes that back.
   CommandResult resume(const std::string& file, const Memory& memory);
   /// Passes show the sum of these files, which are parts of one frame, instead of the scene; no file takes that back.

@@ -68,8 +68,8 @@ class Arguments {
   const Dictionary& all_;
 };
 
-CommandResult trace_pixel(RenderCore& core, const Arguments& arguments) {
-  const auto request = core.last_request();
+CommandResult trace_pixel(DelegateState& delegate, const Arguments& arguments) {
+  const auto request = delegate.last_request();
   if (!request) return command_failed("no frame has been drawn yet");
   const PixelRect& window = request->data_window;
   const auto x = static_cast<int>(arguments.whole("x", window.x0, window.x1 - 1));
@@ -80,48 +80,54 @@ CommandResult trace_pixel(RenderCore& core, const Arguments& arguments) {
   return command_done(report_sample(*request, x, y, sample));
 }
 
-CommandResult measure_noise(RenderCore& core, const Arguments&) {
-  if (const auto passes = core.passes(); !passes.empty()) passes.back()->ask_for_noise();
+CommandResult measure_noise(DelegateState& delegate, const Arguments&) {
+  if (const auto passes = delegate.passes(); !passes.empty()) passes.back()->ask_for_noise();
   return command_done();
 }
 
-CommandResult wait_for_scene(RenderCore& core, const Arguments& arguments) {
-  return command_done(core.wait_for_build(arguments.number("seconds", std::numeric_limits<double>::infinity())));
+CommandResult wait_for_scene(DelegateState& delegate, const Arguments& arguments) {
+  return command_done(delegate.wait_for_build(arguments.number("seconds", std::numeric_limits<double>::infinity())));
 }
 
-CommandResult reload(RenderCore& core, const std::string& file) {
-  core.param->reload(file);
+CommandResult reload(DelegateState& delegate, const std::string& file) {
+  delegate.param->reload(file);
   return command_done();
 }
 
 struct Command {
   const char* name;
   const char* arguments[3];
-  CommandResult (*run)(RenderCore&, const Arguments&);
+  CommandResult (*run)(DelegateState&, const Arguments&);
 };
 constexpr Command kCommands[] = {
-    {"dumpScene", {}, [](RenderCore& core, const Arguments&) { return command_done(core.dump()); }},
-    {"requirements", {}, [](RenderCore& core, const Arguments&) { return command_done(core.requirements()); }},
+    {"dumpScene", {}, [](DelegateState& delegate, const Arguments&) { return command_done(delegate.dump()); }},
+    {"requirements",
+     {},
+     [](DelegateState& delegate, const Arguments&) { return command_done(delegate.requirements()); }},
     {"waitForScene", {"seconds"}, wait_for_scene},
     {"tracePixel", {"x", "y", "sample"}, trace_pixel},
     {"measureNoise", {}, measure_noise},
-    {"reloadResource", {"file"}, [](RenderCore& core, const Arguments& a) { return reload(core, a.file()); }},
-    {"flush", {}, [](RenderCore& core, const Arguments&) { return reload(core, {}); }},
+    {"reloadResource",
+     {"file"},
+     [](DelegateState& delegate, const Arguments& a) { return reload(delegate, a.file()); }},
+    {"flush", {}, [](DelegateState& delegate, const Arguments&) { return reload(delegate, {}); }},
     {"writeCheckpoint",
      {"file", "note"},
-     [](RenderCore& core, const Arguments& a) { return core.checkpoints.write(core, a.file(), a.text("note")); }},
+     [](DelegateState& delegate, const Arguments& a) {
+       return delegate.checkpoints.write(delegate, a.file(), a.text("note"));
+     }},
     {"resumeCheckpoint",
      {"file"},
-     [](RenderCore& core, const Arguments& a) {
-       return core.checkpoints.resume(a.text("file"), core.param->memory());
+     [](DelegateState& delegate, const Arguments& a) {
+       return delegate.checkpoints.resume(a.text("file"), delegate.param->memory());
      }},
     {"showCheckpoints",
      {"files"},
-     [](RenderCore& core, const Arguments& a) {
-       return core.checkpoints.show(a.texts("files"), core.param->memory());
+     [](DelegateState& delegate, const Arguments& a) {
+       return delegate.checkpoints.show(a.texts("files"), delegate.param->memory());
      }},
-    {"describeCheckpoint", {"file", "measure"}, [](RenderCore& core, const Arguments& a) {
-       return Checkpoints::describe(a.file(), a.flag("measure"), core.param->memory());
+    {"describeCheckpoint", {"file", "measure"}, [](DelegateState& delegate, const Arguments& a) {
+       return Checkpoints::describe(a.file(), a.flag("measure"), delegate.param->memory());
      }}};
 
 std::string nearest(const std::string& name, const std::vector<std::string>& known) {
@@ -147,12 +153,12 @@ CommandResult unknown_command(const std::string& name) {
 
 }  // namespace
 
-CommandResult run_command(RenderCore& core, const Token& command, const Dictionary& arguments) {
+CommandResult run_command(DelegateState& delegate, const Token& command, const Dictionary& arguments) {
   for (const Command& known : kCommands) {
     if (command.str() != known.name) continue;
     try {
       check_names(known, arguments);
-      return known.run(core, Arguments(arguments));
+      return known.run(delegate, Arguments(arguments));
     } catch (const BadArgument& e) {
       return {CommandStatus::invalid, std::string(known.name) + ": " + e.what(), {}};
     } catch (const MemoryRefused& e) {

@@ -71,7 +71,7 @@ hd::RenderDelegate* create(const hd::DelegateOptions& options, const DiagnosticS
   if (!device) return nullptr;  // both have reported why
   auto param = std::make_shared<hd::prims::SceneParam>(sink, std::move(device), std::move(colors), std::move(memory));
   auto delegate = std::make_unique<hd::rendering::RenderDelegateImpl>(
-      std::make_shared<hd::rendering::RenderCore>(std::move(param), settings));
+      std::make_shared<hd::rendering::DelegateState>(std::move(param), settings));
   // These make their lists at the first call: made here, a failure can still be answered with null.
   delegate->GetSupportedRprimTypes();
   delegate->GetSupportedSprimTypes();

@@ -50,7 +50,7 @@ Bprim* RenderDelegateImpl::CreateBprim(const Token& type, const Path& id) {
     if (type == Token("renderSettings"))
       prim = new prims::RenderSettingsPrim(id, [core = core_] { core->take_up_settings(); });
     else if (type == Token("renderBuffer"))
-      prim = new RenderBufferPrim(id, core_->param);
+      prim = new RenderBufferPrim(id, delegate_->param);
   });
 }
 
@@ -61,19 +61,19 @@ Instancer* RenderDelegateImpl::CreateInstancer(const Path& id) {
 
 std::unique_ptr<RenderPass> RenderDelegateImpl::CreateRenderPass() {
   return answer<std::unique_ptr<RenderPass>>("CreateRenderPass",
-                                             [&](auto& pass) { pass = std::make_unique<RenderPassImpl>(core_); });
+                                             [&](auto& pass) { pass = std::make_unique<RenderPassImpl>(delegate_); });
 }
 
 void RenderDelegateImpl::CommitResources() {
-  core_->commit();
+  delegate_->commit();
 }
 
 void RenderDelegateImpl::SetRenderSetting(const Token& key, const Value& value) {
-  prims::guarded(core_->param->sink(), "SetRenderSetting", [&] { core_->set_setting(key, value); });
+  prims::guarded(delegate_->param->sink(), "SetRenderSetting", [&] { delegate_->set_setting(key, value); });
 }
 
 Value RenderDelegateImpl::GetRenderSetting(const Token& key) const {
-  return answer<Value>("GetRenderSetting", [&](Value& value) { value = core_->setting(key); });
+  return answer<Value>("GetRenderSetting", [&](Value& value) { value = delegate_->setting(key); });
 }
 
 namespace {
@@ -115,37 +115,37 @@ std::vector<RenderSettingDescriptor> RenderDelegateImpl::GetRenderSettingDescrip
 }
 
 void RenderDelegateImpl::Pause() {
-  prims::guarded(core_->param->sink(), "Pause", [&] { core_->pause(); });
+  prims::guarded(delegate_->param->sink(), "Pause", [&] { delegate_->pause(); });
 }
 
 void RenderDelegateImpl::Resume() {
-  prims::guarded(core_->param->sink(), "Resume", [&] { core_->resume(); });
+  prims::guarded(delegate_->param->sink(), "Resume", [&] { delegate_->resume(); });
 }
 
 void RenderDelegateImpl::Stop() {
-  prims::guarded(core_->param->sink(), "Stop", [&] { core_->stop(); });
+  prims::guarded(delegate_->param->sink(), "Stop", [&] { delegate_->stop(); });
 }
 
 void RenderDelegateImpl::Restart() {
-  prims::guarded(core_->param->sink(), "Restart", [&] { core_->restart(); });
+  prims::guarded(delegate_->param->sink(), "Restart", [&] { delegate_->restart(); });
 }
 
 namespace {
 struct StopHold {
-  explicit StopHold(std::shared_ptr<RenderCore> held) : core(std::move(held)) { count(1); }
+  explicit StopHold(std::shared_ptr<DelegateState> held) : delegate(std::move(held)) { count(1); }
   ~StopHold() { count(-1); }
   StopHold(const StopHold&) = delete;
   StopHold& operator=(const StopHold&) = delete;
   void count(int change) const {
-    prims::guarded(core->param->sink(), "HoldStopped", [&] { core->hold_stopped(change); });
+    prims::guarded(delegate->param->sink(), "HoldStopped", [&] { delegate->hold_stopped(change); });
   }
-  std::shared_ptr<RenderCore> core;
+  std::shared_ptr<DelegateState> delegate;
 };
 }  // namespace
 
 std::shared_ptr<const void> RenderDelegateImpl::HoldStopped() {
   return answer<std::shared_ptr<const void>>("HoldStopped",
-                                             [&](auto& hold) { hold = std::make_shared<const StopHold>(core_); });
+                                             [&](auto& hold) { hold = std::make_shared<const StopHold>(delegate_); });
 }
 
 AovDescriptor RenderDelegateImpl::GetDefaultAovDescriptor(const Token& aov) const {
@@ -154,7 +154,7 @@ AovDescriptor RenderDelegateImpl::GetDefaultAovDescriptor(const Token& aov) cons
 
 CommandResult RenderDelegateImpl::InvokeCommand(const Token& command, const Dictionary& arguments) {
   return answer<CommandResult>("InvokeCommand",
-                               [&](CommandResult& result) { result = run_command(*core_, command, arguments); });
+                               [&](CommandResult& result) { result = run_command(*delegate_, command, arguments); });
 }
 
 }  // namespace alabaster::hd::rendering

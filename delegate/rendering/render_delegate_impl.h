@@ -4,13 +4,13 @@
 #include <unistd.h>
 
 #include "delegate/api/render_delegate.h"
-#include "delegate/rendering/render_core.h"
+#include "delegate/rendering/delegate_state.h"
 
 namespace alabaster::hd::rendering {
 
 class RenderDelegateImpl final : public RenderDelegate {
  public:
-  explicit RenderDelegateImpl(std::shared_ptr<RenderCore> core) : core_(std::move(core)) {}
+  explicit RenderDelegateImpl(std::shared_ptr<DelegateState> delegate) : delegate_(std::move(delegate)) {}
   ~RenderDelegateImpl() override;
   /// A process that was forked from the one that made it has none of its threads.
   bool is_of_another_process() const { return getpid() != process_; }
@@ -30,21 +30,21 @@ class RenderDelegateImpl final : public RenderDelegate {
   void DestroyInstancer(Instancer* instancer) override { delete instancer; }
 
   std::unique_ptr<RenderPass> CreateRenderPass() override;
-  RenderParam* GetRenderParam() override { return core_->param.get(); }
+  RenderParam* GetRenderParam() override { return delegate_->param.get(); }
   void CommitResources() override;
 
   void SetRenderSetting(const Token& key, const Value& value) override;
   Value GetRenderSetting(const Token& key) const override;
   std::vector<RenderSettingDescriptor> GetRenderSettingDescriptors() const override;
-  uint32_t GetRenderSettingsVersion() const override { return core_->settings_version(); }
+  uint32_t GetRenderSettingsVersion() const override { return delegate_->settings_version(); }
   Dictionary GetRenderStats() const override;
 
   void Pause() override;
   void Resume() override;
-  bool IsPaused() const override { return core_->is_paused(); }
+  bool IsPaused() const override { return delegate_->is_paused(); }
   void Stop() override;
   void Restart() override;
-  bool IsStopped() const override { return core_->is_stopped(); }
+  bool IsStopped() const override { return delegate_->is_stopped(); }
   std::shared_ptr<const void> HoldStopped() override;
 
   AovDescriptor GetDefaultAovDescriptor(const Token& aov) const override;
@@ -55,11 +55,11 @@ class RenderDelegateImpl final : public RenderDelegate {
   template <class Result, class Body>
   Result answer(const char* entry, Body&& body) const {
     Result result{};
-    prims::guarded(core_->param->sink(), entry, [&] { body(result); });
+    prims::guarded(delegate_->param->sink(), entry, [&] { body(result); });
     return result;
   }
 
-  std::shared_ptr<RenderCore> core_;
+  std::shared_ptr<DelegateState> delegate_;
   const pid_t process_ = getpid();
 };
 

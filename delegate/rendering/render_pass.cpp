@@ -100,20 +100,20 @@ std::vector<Token> primvars_of(const RenderPassState& state) {
 }  // namespace
 
 // Buffers keep the session longer than the pass, but stopped.
-PassControl::PassControl(std::shared_ptr<RenderCore> core)
-    : core_(std::move(core)), frame_memory_(core_->param->memory(), MemoryUse::frames) {
+PassControl::PassControl(std::shared_ptr<DelegateState> delegate)
+    : delegate_(std::move(delegate)), frame_memory_(delegate_->param->memory(), MemoryUse::frames) {
   SessionOwner owner;
-  owner.released = [held = core_.get()] { held->release_retired(); };
-  owner.wakes = core_->wakes();
+  owner.released = [held = delegate_.get()] { held->release_retired(); };
+  owner.wakes = delegate_->wakes();
   session_ = std::make_shared<RenderSession>(std::move(owner));
 }
 
 std::optional<CameraParameters> PassControl::camera_of(const RenderPassState& state, const Path& path,
                                                        const Shutter& shutter) const {
-  return state.freeCamera ? prims::posed_camera(free_record_, shutter) : core_->camera(path, shutter);
+  return state.freeCamera ? prims::posed_camera(free_record_, shutter) : delegate_->camera(path, shutter);
 }
 
-void PassControl::add_bindings(const Asked& asked, PassInputs* in, std::vector<alabaster::Diagnostic>* faults) {
+void PassControl::add_bindings(const DrawRequest& asked, PassInputs* in, std::vector<alabaster::Diagnostic>* faults) {
   for (size_t i = 0; i < asked.buffers.size(); ++i) {
     const AovBinding& binding = asked.state.aovBindings[i];
     const std::shared_ptr<BufferState>& buffer = asked.buffers[i];
@@ -132,28 +132,28 @@ void PassControl::add_bindings(const Asked& asked, PassInputs* in, std::vector<a
   }
 }
 
-PassInputs PassControl::inputs(const Asked& asked, std::vector<alabaster::Diagnostic>* faults) {
+PassInputs PassControl::inputs(const DrawRequest& asked, std::vector<alabaster::Diagnostic>* faults) {
   PassInputs in;
   const RenderPassState& state = asked.state;
-  const std::shared_ptr<const BuiltScene> scene = core_->scene(view()->selection);
+  const std::shared_ptr<const BuiltScene> scene = delegate_->scene(view()->selection);
   if (scene) in.scene = scene->snapshot;
-  in.settings = core_->render_settings();
+  in.settings = delegate_->render_settings();
   // A picture depends on these by its scene alone.
   in.settings.texture_memory = {};
   in.settings.memory_limit = {};
   in.settings.refine_edge_length = {};
-  in.restarts = core_->restarts();
+  in.restarts = delegate_->restarts();
   add_bindings(asked, &in, faults);
   const Path camera = state.freeCamera       ? Path(kFreeCamera)
-                      : state.camera.empty() ? core_->settings_camera()
+                      : state.camera.empty() ? delegate_->settings_camera()
                                              : state.camera;
   const std::optional<CameraParameters> parameters =
       camera_of(state, camera, scene ? scene->translation.shutter : Shutter());
-  in.shows_checkpoint = core_->checkpoints.is_shown();
+  in.shows_checkpoint = delegate_->checkpoints.is_shown();
   if (in.shows_checkpoint)
     in.framed = frame_camera(CameraParameters(), state.framing, state.windowPolicy);
   else if (!in.scene)
-    in.error = core_->commit_error(in.scene.get());
+    in.error = delegate_->commit_error(in.scene.get());
   else if (!parameters)
     in.error = camera.empty() ? "no camera is named: set RenderPassState::camera or the camera of the RenderSettings"
                               : "camera " + camera.str() + " does not exist";
@@ -167,12 +167,12 @@ PassInputs PassControl::inputs(const Asked& asked, std::vector<alabaster::Diagno
   if (in.error.empty() && !(in.error = part_fault(in.settings)).empty()) in.refused = true;
   if (in.error.empty()) choose_denoiser(&in);
   if (in.error.empty() && (in.scene || in.shows_checkpoint) &&
-      !(in.error = core_->checkpoints.fault(scene.get(), request_of(in))).empty())
+      !(in.error = delegate_->checkpoints.fault(scene.get(), request_of(in))).empty())
     in.refused = true;
   if (in.error.empty()) {
     // Linux grants memory that it does not have and ends the process that uses it: nobody would be told.
     const size_t needed = bytes_of(in), held = frame_memory_.bytes();
-    const MemoryBudget& memory = *core_->param->memory();
+    const MemoryBudget& memory = *delegate_->param->memory();
     if (needed > held && needed - held > memory.left())
       in.error = memory.refusal(MemoryUse::frames, needed - held, frame_text(in));
   }
@@ -188,7 +188,7 @@ void PassControl::choose_denoiser(PassInputs* in) {
   if (in->settings.denoise && !shows(Aov::denoised))
     for (PassInputs::Binding& binding : in->bindings)
       if (binding.aov == Aov::color) binding.aov = Aov::denoised;
-  if (shows(Aov::denoised)) in->denoiser = core_->denoiser(&in->error);
+  if (shows(Aov::denoised)) in->denoiser = delegate_->denoiser(&in->error);
 }
 
 void PassControl::set_converged(bool converged) {
@@ -228,8 +228,8 @@ void PassControl::start(PassInputs next) {
   if (is_empty) return set_converged(true);  // nothing to draw
 
   RenderRequest request = request_of(running_);
-  core_->set_last_request(request, weak_from_this());
-  request.resumed = core_->checkpoints.take();
+  delegate_->set_last_request(request, weak_from_this());
+  request.resumed = delegate_->checkpoints.take();
   for (const auto& binding : running_.bindings) binding.buffer->release_film();
   session_->start(request);
   // A film that another render or a checkpoint leaves may have more AOVs: its memory is held already.
@@ -242,15 +242,15 @@ void PassControl::start(PassInputs next) {
     binding.buffer->bind(std::move(source));
   }
   // A pause from before the first render holds it; a later restart ends the pause.
-  if (core_->is_paused() && first)
+  if (delegate_->is_paused() && first)
     session_->pause();
   else
-    core_->end_pause();
+    delegate_->end_pause();
 }
 
 void PassControl::update(PassInputs next, bool building, std::vector<alabaster::Diagnostic>* faults) {
   const std::lock_guard lock(control_);
-  if (core_->is_stopped()) return;
+  if (delegate_->is_stopped()) return;
   stale_ = building;
   if (!active_ || cancelled_ || running_ != next) return start(std::move(next));
   const RenderProgress progress = session_->progress();
@@ -268,14 +268,14 @@ void PassControl::update(PassInputs next, bool building, std::vector<alabaster::
 }
 
 // Reads the free camera again only if it differs.
-void PassControl::look(const RenderPassState& state) {
+void PassControl::set_view(const RenderPassState& state) {
   if (state.freeCamera && state.freeCamera != free_camera_)
-    free_record_ = prims::record_of(*state.freeCamera, kFreeCamera, core_->param->sink());
+    free_record_ = prims::record_of(*state.freeCamera, kFreeCamera, delegate_->param->sink());
   free_camera_ = state.freeCamera;
   PassView now{support::Selection(state.renderTags, state.collection), std::nullopt, primvars_of(state)};
   if (state.freeCamera) now.shutter = free_record_.shutter();
   const std::lock_guard lock(view_mutex_);
-  if (!view_ || *view_ != now) core_->note_view();
+  if (!view_ || *view_ != now) delegate_->note_view();
   view_ = std::move(now);
 }
 
@@ -286,30 +286,30 @@ std::optional<PassView> PassControl::view() const {
 
 void PassControl::execute(const RenderPassState& state) {
   const std::lock_guard lock(executing_);
-  look(state);
-  if (core_->needs_commit() && !core_->is_stopped()) core_->commit();
+  set_view(state);
+  if (delegate_->needs_commit() && !delegate_->is_stopped()) delegate_->commit();
   draw({state, buffers_of(state)});
 }
 
-void PassControl::begin_waiting() {
+void PassControl::start_deferred() {
   const std::lock_guard lock(executing_);
-  if (!awaiting_ || core_->is_building() || core_->is_stopped()) return;
-  draw(std::move(*awaiting_));
+  if (!deferred_ || delegate_->is_building() || delegate_->is_stopped()) return;
+  draw(std::move(*deferred_));
 }
 
 void PassControl::retire() {
   const std::lock_guard lock(executing_);
-  awaiting_.reset();
+  deferred_.reset();
 }
 
-void PassControl::draw(Asked asked) {
+void PassControl::draw(DrawRequest asked) {
   executed_ = true;
-  awaiting_.reset();
-  const bool building = core_->is_building();  // asked before the scene is taken
+  deferred_.reset();
+  const bool building = delegate_->is_building();  // asked before the scene is taken
   if (building) {
-    awaiting_ = asked;
-    const auto scene = core_->scene(view()->selection);
-    if (!scene || !scene->snapshot || core_->checkpoints.is_pending()) return expect_new_scene();
+    deferred_ = asked;
+    const auto scene = delegate_->scene(view()->selection);
+    if (!scene || !scene->snapshot || delegate_->checkpoints.is_pending()) return expect_new_scene();
   }
   std::vector<alabaster::Diagnostic> faults;
   PassInputs next = inputs(asked, &faults);
@@ -318,7 +318,7 @@ void PassControl::draw(Asked asked) {
   for (const auto& fault : faults) {
     now.emplace_back(fault.where, fault.text);
     const bool known = std::find(reported_.begin(), reported_.end(), now.back()) != reported_.end();
-    if (!known) alabaster::report(core_->param->sink(), fault.severity, fault.code, fault.where, fault.text);
+    if (!known) alabaster::report(delegate_->param->sink(), fault.severity, fault.code, fault.where, fault.text);
   }
   reported_ = std::move(now);
 }
@@ -331,12 +331,12 @@ void PassControl::abandon() {
   fail("the render could not be started");
 }
 
-void PassControl::halt() {
+void PassControl::stop() {
   const std::lock_guard lock(control_);
   session_->stop();
 }
 
-void PassControl::forget() {
+void PassControl::invalidate() {
   const std::lock_guard lock(control_);
   session_->stop();
   cancelled_ = true;
@@ -361,14 +361,14 @@ void PassControl::expect_new_scene() {
 
 bool PassControl::wait(double seconds) {
   const auto start = std::chrono::steady_clock::now();
-  if (core_->is_building() && !core_->wait_for_build(seconds) && !core_->is_stopped()) return false;
-  begin_waiting();
+  if (delegate_->is_building() && !delegate_->wait_for_build(seconds) && !delegate_->is_stopped()) return false;
+  start_deferred();
   if (!active_ || failed_ || is_converged()) return true;
   const std::chrono::duration<double> spent = std::chrono::steady_clock::now() - start;
   if (!session_->wait(seconds - spent.count())) return false;
   const std::string failure = see_end();
   if (!failure.empty())
-    alabaster::report(core_->param->sink(), alabaster::Severity::error, "pass.failed", "render", failure);
+    alabaster::report(delegate_->param->sink(), alabaster::Severity::error, "pass.failed", "render", failure);
   return true;
 }
 
@@ -383,7 +383,7 @@ std::string PassControl::see_end() {
 }
 
 PassState PassControl::state() const {
-  if (core_->is_stopped()) return PassState::stopped;
+  if (delegate_->is_stopped()) return PassState::stopped;
   if (executed_ && stale_) return PassState::preparing;
   if (failed_) return PassState::failed;
   if (converged_) return PassState::converged;
@@ -415,34 +415,34 @@ size_t PassControl::film_memory() const {
   return film ? film_bytes(film->data_window(), film->aovs(), film->extras()) : 0;
 }
 
-RenderPassImpl::RenderPassImpl(std::shared_ptr<RenderCore> core)
-    : core_(std::move(core)), control_(std::make_shared<PassControl>(core_)) {
-  core_->add_pass(control_);
+RenderPassImpl::RenderPassImpl(std::shared_ptr<DelegateState> delegate)
+    : delegate_(std::move(delegate)), control_(std::make_shared<PassControl>(delegate_)) {
+  delegate_->add_pass(control_);
 }
 
 RenderPassImpl::~RenderPassImpl() {
-  prims::guarded(core_->param->sink(), "render pass", [&] {
+  prims::guarded(delegate_->param->sink(), "render pass", [&] {
     control_->retire();
-    control_->halt();
-    core_->keep_stats_of_last_pass(pass_stats(*control_));
+    control_->stop();
+    delegate_->keep_stats_of_last_pass(pass_stats(*control_));
   });
 }
 
 void RenderPassImpl::Execute(const RenderPassState& state) {
-  const auto& sink = core_->param->sink();
+  const auto& sink = delegate_->param->sink();
   if (!prims::guarded(sink, "render pass", [&] { control_->execute(state); }))
     prims::guarded(sink, "render pass", [&] { control_->abandon(); });
 }
 
 PassState RenderPassImpl::GetState() const {
   PassState state = PassState::failed;
-  prims::guarded(core_->param->sink(), "render pass", [&] { state = control_->state(); });
+  prims::guarded(delegate_->param->sink(), "render pass", [&] { state = control_->state(); });
   return state;
 }
 
 bool RenderPassImpl::WaitForConvergence(double seconds) {
   bool over = false;
-  prims::guarded(core_->param->sink(), "render pass", [&] { over = control_->wait(seconds); });
+  prims::guarded(delegate_->param->sink(), "render pass", [&] { over = control_->wait(seconds); });
   return over;
 }
 

@@ -2,9 +2,9 @@
 #pragma once
 
 #include "core/session/render_session.h"
+#include "delegate/rendering/delegate_state.h"
 #include "delegate/rendering/framing.h"
 #include "delegate/rendering/render_buffer.h"
-#include "delegate/rendering/render_core.h"
 
 namespace alabaster::hd::rendering {
 
@@ -41,21 +41,21 @@ struct PassInputs {
 /// The part of a pass that Stop, Pause, Resume and GetRenderStats reach from any thread.
 class PassControl : public std::enable_shared_from_this<PassControl> {
  public:
-  explicit PassControl(std::shared_ptr<RenderCore> core);
+  explicit PassControl(std::shared_ptr<DelegateState> delegate);
   ~PassControl() { session_->stop(); }
 
   void execute(const RenderPassState& state);  // host thread
   /// Draws what Execute was to draw when the scene was not there, if it is now. Any thread.
-  void begin_waiting();
+  void start_deferred();
   /// The host destroys the pass: nothing begins any more.
   void retire();
   /// Empty: it has not been executed.
   std::optional<PassView> view() const;
   /// The scene is being built: no picture of the old one is the last, though it goes on.
   void expect_new_scene();
-  void abandon();  // Execute could not even prepare: fails and converges
-  void halt();     // Stop: blocks until no worker runs
-  void forget();   // Restart: the next Execute starts again
+  void abandon();     // Execute could not even prepare: fails and converges
+  void stop();        // Stop: blocks until no worker runs
+  void invalidate();  // Restart: the next Execute starts again
   void pause();
   void resume();
   /// Waits for the scene, too. The next Execute after it returned true reports convergence.
@@ -76,14 +76,14 @@ class PassControl : public std::enable_shared_from_this<PassControl> {
  private:
   /// The arguments of Execute, and the buffers of its bindings, which the host may destroy before the scene is there;
   /// null: none of this delegate.
-  struct Asked {
+  struct DrawRequest {
     RenderPassState state;
     std::vector<std::shared_ptr<BufferState>> buffers;
   };
-  void look(const RenderPassState& state);
-  void draw(Asked asked);
-  PassInputs inputs(const Asked& asked, std::vector<alabaster::Diagnostic>* faults);
-  static void add_bindings(const Asked& asked, PassInputs* in, std::vector<alabaster::Diagnostic>* faults);
+  void set_view(const RenderPassState& state);
+  void draw(DrawRequest asked);
+  PassInputs inputs(const DrawRequest& asked, std::vector<alabaster::Diagnostic>* faults);
+  static void add_bindings(const DrawRequest& asked, PassInputs* in, std::vector<alabaster::Diagnostic>* faults);
   std::optional<CameraParameters> camera_of(const RenderPassState& state, const Path& path,
                                             const Shutter& shutter) const;
   void choose_denoiser(PassInputs* in);
@@ -94,7 +94,7 @@ class PassControl : public std::enable_shared_from_this<PassControl> {
   void fail(std::string error);
   void set_converged(bool converged);
 
-  std::shared_ptr<RenderCore> core_;
+  std::shared_ptr<DelegateState> delegate_;
   std::shared_ptr<RenderSession> session_;
 
   std::mutex control_;  // one at a time drives the session; never held while reporting or waiting for a frame
@@ -111,7 +111,7 @@ class PassControl : public std::enable_shared_from_this<PassControl> {
   std::string error_;
   std::mutex executing_;  // one at a time draws: the host, who waits for the scene, or the builder
   std::vector<std::pair<std::string, std::string>> reported_;  // faults of the last Execute
-  std::optional<Asked> awaiting_;                              // what is drawn once the scene is there
+  std::optional<DrawRequest> deferred_;                        // what is drawn once the scene is there
   MemoryReservation frame_memory_;                             // of the frame that is or was drawn last
   std::atomic<bool> executed_{false};
   std::atomic<bool> stale_{false};  // a newer scene than that of running_ is being built, or Execute has not seen it
@@ -122,7 +122,7 @@ Dictionary pass_stats(const PassControl& pass);
 
 class RenderPassImpl final : public RenderPass {
  public:
-  explicit RenderPassImpl(std::shared_ptr<RenderCore> core);
+  explicit RenderPassImpl(std::shared_ptr<DelegateState> delegate);
   ~RenderPassImpl() override;
   void Execute(const RenderPassState& state) override;
   bool IsConverged() const override { return control_->is_converged(); }
@@ -130,7 +130,7 @@ class RenderPassImpl final : public RenderPass {
   bool WaitForConvergence(double seconds) override;
 
  private:
-  std::shared_ptr<RenderCore> core_;
+  std::shared_ptr<DelegateState> delegate_;
   std::shared_ptr<PassControl> control_;
 };
 

@@ -131,10 +131,10 @@ void add_progress(const PassControl& pass, Dictionary* stats) {
   if (pass.is_refused()) s["refused"] = true;
 }
 
-void add_scene_faults(const RenderCore& core, Dictionary* stats) {
+void add_scene_faults(const DelegateState& delegate, Dictionary* stats) {
   constexpr size_t kMostLines = 100;
   bool input = true;
-  const std::vector<std::string> faults = core.scene_faults(&input);
+  const std::vector<std::string> faults = delegate.scene_faults(&input);
   if (faults.empty()) return;
   std::string lines;
   for (size_t i = 0; i < std::min(faults.size(), kMostLines); ++i) lines += (i ? "\n" : "") + faults[i];
@@ -156,27 +156,27 @@ Dictionary pass_stats(const PassControl& pass) {
 // are kept until there is another.
 Dictionary RenderDelegateImpl::GetRenderStats() const {
   Dictionary stats;
-  prims::guarded(core_->param->sink(), "GetRenderStats", [&] {
+  prims::guarded(delegate_->param->sink(), "GetRenderStats", [&] {
     stats["rendererName"] = std::string("Alabaster");
     stats["state"] = std::string("idle");
     stats["peakMemory"] = count(support::peak_memory_bytes());
-    stats["memoryLimit"] = count(core_->param->memory()->limit());
-    stats["memoryInUse"] = count(core_->param->memory()->in_use());
-    const auto snapshot = core_->snapshot();
-    if (const std::string error = core_->commit_error(snapshot.get()); !error.empty()) stats["error"] = error;
+    stats["memoryLimit"] = count(delegate_->param->memory()->limit());
+    stats["memoryInUse"] = count(delegate_->param->memory()->in_use());
+    const auto snapshot = delegate_->snapshot();
+    if (const std::string error = delegate_->commit_error(snapshot.get()); !error.empty()) stats["error"] = error;
     stats["sceneNumber"] = count(snapshot ? snapshot->number : 0);
     stats["totalMemory"] = count(snapshot ? snapshot->memory_bytes : 0);
-    add_scene_faults(*core_, &stats);
-    const auto refine = core_->param->clock.seconds(prims::SyncPhase::refine);
-    const auto bvh = core_->param->clock.seconds(prims::SyncPhase::bvh);
+    add_scene_faults(*delegate_, &stats);
+    const auto refine = delegate_->param->clock.seconds(prims::SyncPhase::refine);
+    const auto bvh = delegate_->param->clock.seconds(prims::SyncPhase::bvh);
     stats["sync.refineSeconds"] = refine.cpu;
     stats["sync.refineWallSeconds"] = refine.wall;
     stats["sync.bvhSeconds"] = bvh.cpu;
     stats["sync.bvhWallSeconds"] = bvh.wall;
-    stats["sync.commitSeconds"] = core_->commit_seconds();
-    const auto passes = core_->passes();
+    stats["sync.commitSeconds"] = delegate_->commit_seconds();
+    const auto passes = delegate_->passes();
     if (!passes.empty()) return add_progress(*passes.back(), &stats);
-    for (const auto& [key, value] : core_->stats_of_last_pass()) stats[key] = value;
+    for (const auto& [key, value] : delegate_->stats_of_last_pass()) stats[key] = value;
   });
   return stats;
 }

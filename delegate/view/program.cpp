@@ -29,7 +29,7 @@ int view(const Arguments& a, WindowDriver* driver) {
   hd::description::LoadOptions load = scene_load_options(a.scene);
   load.keep_going = true;  // an image that is missing is a message in the window, and may appear
   cli::SceneSession session;
-  load_scene(a.scene, load, console, sink, &session);
+  open_scene(a.scene, load, console, sink, &session);
   for (const std::string& note : session.file.notes) messages.add({hd::Severity::info, "scene.note", "", note});
   session.start(sink);
   options.scene_file = a.scene.scene;

@@ -61,16 +61,16 @@ void fail_at_every_allocation(size_t at_least, Refusals... refusals) {
   EXPECT_GT(allowed, at_least) << "a commit allocates that often";
 }
 
-TEST(RenderCore, ACommitThatMemoryDoesNotSufficeForIsMadeGoodByTheNext) {
+TEST(DelegateState, ACommitThatMemoryDoesNotSufficeForIsMadeGoodByTheNext) {
   fail_at_every_allocation<testing::FailingMemory>(2);
 }
 
-TEST(RenderCore, ABuildThatMemoryDoesNotSufficeForIsMadeGoodByTheNextCommit) {
+TEST(DelegateState, ABuildThatMemoryDoesNotSufficeForIsMadeGoodByTheNextCommit) {
   fail_at_every_allocation<testing::FailingMemoryElsewhere>(20, 1);
 }
 
 // Between the two commits a pass must neither draw the old scene as if it were the new one nor wait without end.
-TEST(RenderCore, APassFailsWhileTheSceneCouldNotBeCompiled) {
+TEST(DelegateState, APassFailsWhileTheSceneCouldNotBeCompiled) {
   MovingMesh moving;
   Stage& stage = moving.stage;
   RenderBuffer* buffer = stage.add_buffer("/b", 4, 4, Format::float32vec4);

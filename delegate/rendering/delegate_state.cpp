@@ -1,4 +1,4 @@
-#include "delegate/rendering/render_core.h"
+#include "delegate/rendering/delegate_state.h"
 
 #include <algorithm>
 #include <chrono>
@@ -20,13 +20,13 @@ constexpr double kUnlimited = std::numeric_limits<double>::infinity();
 
 }  // namespace
 
-RenderCore::RenderCore(std::shared_ptr<prims::SceneParam> scene_param, const Dictionary& initial_settings)
+DelegateState::DelegateState(std::shared_ptr<prims::SceneParam> scene_param, const Dictionary& initial_settings)
     : param(std::move(scene_param)),
-      builder_(param, {[this] { drop_old_request(); }, [this] { begin_waiting_passes(); }}) {
+      builder_(param, {[this] { drop_old_request(); }, [this] { start_deferred_passes(); }}) {
   for (const auto& [key, value] : initial_settings) set_setting(key, value);
 }
 
-void RenderCore::set_setting(const Token& key, const Value& value) {
+void DelegateState::set_setting(const Token& key, const Value& value) {
   if (const std::string fault = support::RetiredSetting(key.str(), value.text_or("")); !fault.empty())
     return alabaster::report(param->sink(), alabaster::Severity::error, "settings.retired", "render settings", fault);
   {
@@ -49,20 +49,20 @@ void RenderCore::set_setting(const Token& key, const Value& value) {
 }
 
 // Threads and memory take effect at once.
-void RenderCore::apply_services() {
+void DelegateState::apply_services() {
   const RenderSettings settings = render_settings();
   param->set_threads(settings.threads);
   param->set_texture_memory(settings.texture_memory);
   param->set_memory_limit(settings.memory_limit);
 }
 
-void RenderCore::take_up_settings() {
-  apply_edits();
+void DelegateState::take_up_settings() {
+  split_edits();
   views_changed_ = true;
   apply_services();
 }
 
-Value RenderCore::setting(const Token& key) const {
+Value DelegateState::setting(const Token& key) const {
   {
     const std::lock_guard lock(mutex_);
     const auto held = settings_.find(key);
@@ -72,13 +72,13 @@ Value RenderCore::setting(const Token& key) const {
   return parameter ? prims::get_parameter(*parameter, render_settings()) : Value();
 }
 
-uint32_t RenderCore::settings_version() const {
+uint32_t DelegateState::settings_version() const {
   const std::lock_guard lock(mutex_);
   return settings_version_;
 }
 
 // The prim that setting "renderSettingsPrimPath" names, else the first by path.
-const prims::SettingsRecord* RenderCore::settings_prim() const {
+const prims::SettingsRecord* DelegateState::settings_prim() const {
   if (const auto held = settings_.find("renderSettingsPrimPath"); held != settings_.end())
     if (const Path named(held->second.text_or("")); !named.empty()) {
       return prims::find_record<prims::SettingsRecord>(views_, named);
@@ -88,7 +88,7 @@ const prims::SettingsRecord* RenderCore::settings_prim() const {
   return nullptr;
 }
 
-RenderSettings RenderCore::render_settings() const {
+RenderSettings DelegateState::render_settings() const {
   RenderSettings out;
   const std::lock_guard lock(mutex_);
   const prims::SettingsRecord* prim = settings_prim();
@@ -104,33 +104,33 @@ RenderSettings RenderCore::render_settings() const {
   return out;
 }
 
-Path RenderCore::settings_camera() const {
+Path DelegateState::settings_camera() const {
   const std::lock_guard lock(mutex_);
   const prims::SettingsRecord* prim = settings_prim();
   return prim ? prim->settings.camera : Path();
 }
 
-std::optional<CameraParameters> RenderCore::camera(const Path& path, const Shutter& scene) const {
+std::optional<CameraParameters> DelegateState::camera(const Path& path, const Shutter& scene) const {
   const std::lock_guard lock(mutex_);
   const auto* record = prims::find_record<prims::CameraRecord>(views_, path);
   if (!record) return std::nullopt;
   return prims::posed_camera(*record, scene);
 }
 
-void RenderCore::set_last_request(const RenderRequest& request, std::weak_ptr<PassControl> pass) {
+void DelegateState::set_last_request(const RenderRequest& request, std::weak_ptr<PassControl> pass) {
   auto last = std::make_shared<const RenderRequest>(request);
   const std::lock_guard lock(mutex_);
   last_request_.swap(last);
   last_pass_ = std::move(pass);
 }
 
-std::shared_ptr<PassControl> RenderCore::last_pass() const {
+std::shared_ptr<PassControl> DelegateState::last_pass() const {
   const std::lock_guard lock(mutex_);
   return last_pass_.lock();
 }
 
 // If its scene is no longer one of those that passes draw.
-void RenderCore::drop_old_request() {
+void DelegateState::drop_old_request() {
   std::shared_ptr<const RenderRequest> last;
   {
     const std::lock_guard lock(mutex_);
@@ -142,14 +142,14 @@ void RenderCore::drop_old_request() {
 }
 
 // Passes whose Execute came before the scene was there. On the builder's thread, before a stop returns.
-void RenderCore::begin_waiting_passes() noexcept {
+void DelegateState::start_deferred_passes() noexcept {
   prims::guarded(param->sink(), "render pass", [&] {
     for (const auto& pass : passes())
-      if (!prims::guarded(param->sink(), "render pass", [&] { pass->begin_waiting(); })) pass->abandon();
+      if (!prims::guarded(param->sink(), "render pass", [&] { pass->start_deferred(); })) pass->abandon();
   });
 }
 
-std::shared_ptr<const RenderRequest> RenderCore::last_request() const {
+std::shared_ptr<const RenderRequest> DelegateState::last_request() const {
   std::shared_ptr<const RenderRequest> last;
   {
     const std::lock_guard lock(mutex_);
@@ -158,7 +158,7 @@ std::shared_ptr<const RenderRequest> RenderCore::last_request() const {
   return last && scene(last->scene) ? last : nullptr;
 }
 
-std::shared_ptr<const Denoiser> RenderCore::denoiser(std::string* problem) {
+std::shared_ptr<const Denoiser> DelegateState::denoiser(std::string* problem) {
   const std::lock_guard lock(denoiser_mutex_);
   if (!denoiser_ && denoiser_problem_.empty()) denoiser_ = Denoiser::load(&denoiser_problem_);
   *problem = denoiser_problem_;
@@ -167,7 +167,7 @@ std::shared_ptr<const Denoiser> RenderCore::denoiser(std::string* problem) {
 
 // Memory may run out at any step: an edit leaves the list once it is applied whole. A prim that is gone may have been
 // of either kind.
-void RenderCore::apply_edits() {
+void DelegateState::split_edits() {
   edits_.splice(edits_.end(), param->take_edits());
   while (!edits_.empty()) {
     prims::Edit& edit = edits_.front();
@@ -189,7 +189,7 @@ void RenderCore::apply_edits() {
 }
 
 // Measured from the camera of the RenderSettings prim, in its picture.
-prims::Dicing RenderCore::dicing(const Shutter& shutter) const {
+prims::Dicing DelegateState::dicing(const Shutter& shutter) const {
   prims::Dicing out;
   out.edge_length = render_settings().refine_edge_length;
   if (out.edge_length == 0) return {};
@@ -203,7 +203,7 @@ prims::Dicing RenderCore::dicing(const Shutter& shutter) const {
 }
 
 // As all passes together look at the scene.
-SnapshotBuilder::View RenderCore::wanted_view() {
+SnapshotBuilder::View DelegateState::wanted_view() {
   SnapshotBuilder::View view;
   std::optional<Shutter> shutter;
   {
@@ -225,8 +225,8 @@ SnapshotBuilder::View RenderCore::wanted_view() {
   return view;
 }
 
-void RenderCore::hand_over() {
-  apply_edits();
+void DelegateState::hand_over() {
+  split_edits();
   apply_services();
   const RenderSettings settings = render_settings();
   dicing_changed_ = false;
@@ -248,7 +248,7 @@ void RenderCore::hand_over() {
   }
 }
 
-void RenderCore::commit() {
+void DelegateState::commit() {
   const auto start = std::chrono::steady_clock::now();
   if (!needs_commit() && edits_.empty() && drawn_.empty() && !builder_.has_failed() && !commit_failed_) return;
   committed_ = true;
@@ -260,7 +260,7 @@ void RenderCore::commit() {
   commit_seconds_ = commit_seconds_ + spent.count();
 }
 
-std::string RenderCore::dump() {
+std::string DelegateState::dump() {
   builder_.wait(kUnlimited);
   const auto built = scene();
   const prims::Translation nothing;
@@ -268,25 +268,25 @@ std::string RenderCore::dump() {
   return prims::dump_scene(built ? built->translation : nothing, views_);
 }
 
-std::string RenderCore::requirements() {
+std::string DelegateState::requirements() {
   builder_.wait(kUnlimited);
   const auto built = scene();
   return built && built->snapshot ? prims::describe_requirements(*built->snapshot, built->translation) : std::string();
 }
 
-std::shared_ptr<const BuiltScene> RenderCore::scene() const {
+std::shared_ptr<const BuiltScene> DelegateState::scene() const {
   const auto all = passes();
   for (auto pass = all.rbegin(); pass != all.rend(); ++pass)
     if (const auto view = (*pass)->view()) return scene(view->selection);
   return scene(support::Selection());
 }
 
-std::shared_ptr<const SceneSnapshot> RenderCore::snapshot() const {
+std::shared_ptr<const SceneSnapshot> DelegateState::snapshot() const {
   const auto built = scene();
   return built ? built->snapshot : nullptr;
 }
 
-std::vector<std::string> RenderCore::scene_faults(bool* input) const {
+std::vector<std::string> DelegateState::scene_faults(bool* input) const {
   std::vector<std::string> texts;
   *input = true;
   const auto built = scene();
@@ -311,18 +311,18 @@ std::vector<std::string> RenderCore::scene_faults(bool* input) const {
   return texts;
 }
 
-std::string RenderCore::commit_error(const SceneSnapshot* snapshot) const {
+std::string DelegateState::commit_error(const SceneSnapshot* snapshot) const {
   const bool failed = builder_.has_failed() || failed_;
   return failed && !is_building() && !snapshot ? "the scene could not be compiled" : "";
 }
 
-void RenderCore::add_pass(const std::shared_ptr<PassControl>& pass) {
+void DelegateState::add_pass(const std::shared_ptr<PassControl>& pass) {
   const std::lock_guard lock(mutex_);
   std::erase_if(passes_, [](const auto& weak) { return weak.expired(); });
   passes_.push_back(pass);
 }
 
-std::vector<std::shared_ptr<PassControl>> RenderCore::passes() const {
+std::vector<std::shared_ptr<PassControl>> DelegateState::passes() const {
   std::vector<std::shared_ptr<PassControl>> alive;
   const std::lock_guard lock(mutex_);
   for (const auto& weak : passes_)
@@ -330,49 +330,49 @@ std::vector<std::shared_ptr<PassControl>> RenderCore::passes() const {
   return alive;
 }
 
-void RenderCore::keep_stats_of_last_pass(Dictionary stats) {
+void DelegateState::keep_stats_of_last_pass(Dictionary stats) {
   const std::lock_guard lock(mutex_);
   last_pass_stats_.swap(stats);
 }
 
-Dictionary RenderCore::stats_of_last_pass() const {
+Dictionary DelegateState::stats_of_last_pass() const {
   const std::lock_guard lock(mutex_);
   return last_pass_stats_;
 }
 
 // Halts the passes, or has them start again once nothing stops them.
-void RenderCore::apply_stops() {
+void DelegateState::apply_stops() {
   stopped_ = stop_latched_ || stop_holds_ > 0;
   builder_.set_stopped(stopped_);
   if (!stopped_) ++restarts_;
-  for (const auto& pass : passes()) stopped_ ? pass->halt() : pass->forget();
+  for (const auto& pass : passes()) stopped_ ? pass->stop() : pass->invalidate();
 }
 
-void RenderCore::stop() {
+void DelegateState::stop() {
   const std::lock_guard lock(stop_mutex_);
   stop_latched_ = true;
   apply_stops();
 }
 
-void RenderCore::restart() {
+void DelegateState::restart() {
   const std::lock_guard lock(stop_mutex_);
   if (!stop_latched_) return;
   stop_latched_ = false;
   apply_stops();
 }
 
-void RenderCore::hold_stopped(int change) {
+void DelegateState::hold_stopped(int change) {
   const std::lock_guard lock(stop_mutex_);
   stop_holds_ += change;
   apply_stops();
 }
 
-void RenderCore::pause() {
+void DelegateState::pause() {
   paused_ = true;
   for (const auto& pass : passes()) pass->pause();
 }
 
-void RenderCore::resume() {
+void DelegateState::resume() {
   paused_ = false;
   for (const auto& pass : passes()) pass->resume();
 }

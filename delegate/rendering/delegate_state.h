@@ -13,9 +13,9 @@ namespace alabaster::hd::rendering {
 
 class PassControl;
 
-class RenderCore {
+class DelegateState {
  public:
-  RenderCore(std::shared_ptr<prims::SceneParam> scene_param, const Dictionary& initial_settings);
+  DelegateState(std::shared_ptr<prims::SceneParam> scene_param, const Dictionary& initial_settings);
 
   const std::shared_ptr<prims::SceneParam> param;
 
@@ -98,10 +98,10 @@ class RenderCore {
  private:
   void apply_stops();
   void drop_old_request();
-  void begin_waiting_passes() noexcept;
+  void start_deferred_passes() noexcept;
   const prims::SettingsRecord* settings_prim() const;  // under mutex_
   prims::Dicing dicing(const Shutter& shutter) const;
-  void apply_edits();
+  void split_edits();
   void apply_services();
   void hand_over();
   SnapshotBuilder::View wanted_view();
