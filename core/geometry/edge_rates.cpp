@@ -6,6 +6,7 @@
 
 #include <cmath>
 
+#include "core/geometry/mesh_memory.h"
 #include "core/geometry/subdivision.h"
 
 namespace alabaster {
@@ -23,8 +24,8 @@ size_t at(int i) {
 // Along the limit curve of an edge of the surface's face.
 uint32_t segments_of(const Surface& surface, const std::vector<float>& controls, int edge,
                      const RefinementOptions& options) {
-  constexpr int kPieces = 4;        // that stand for the curve
-  constexpr double kMost = 1 << 8;  // as at level 8
+  constexpr int kPieces = 4;  // that stand for the curve
+  constexpr double kMost = 1 << kMaxSubdivisionLevel;
   double segments = 0;
   Vec3f last(0, 0, 0);
   for (int k = 0; k <= kPieces; ++k) {

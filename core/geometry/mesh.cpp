@@ -8,14 +8,13 @@
 
 #include "core/geometry/grouped_items.h"
 #include "core/geometry/mend_vectors.h"
+#include "core/geometry/mesh_memory.h"
 #include "core/geometry/subdivision.h"
 #include "core/geometry/triangle_pairs.h"
 #include "core/geometry/triangulation.h"
 
 namespace alabaster {
 namespace {
-
-constexpr int kMaxLevel = 8;
 
 template <class T>
 size_t bytes_of(const std::vector<T>& v) {
@@ -193,55 +192,14 @@ class FlatBuilder {
   Mesh mesh_;
 };
 
-// Triangles and points that one face of n corners becomes at 2^level segments per edge (Bfr's patterns).
-struct FaceSize {
-  size_t triangles, points;  // points: interior and half of the boundary is shared, so counted without it
-};
-
-FaceSize tessellated_face(const Cage& cage, size_t corners, int level) {
-  if (level == 0 || cage.scheme == SubdivisionScheme::none) return {corners - 2, 0};
-  const size_t segments = size_t(1) << level;
-  if (cage.scheme == SubdivisionScheme::loop) return {segments * segments, segments * segments / 2};
-  if (corners == 4) return {2 * segments * segments, segments * segments};
-  return {corners * segments * segments / 2, corners * segments * segments / 4 + 1};
-}
-
-// The primvars that are refined with the surface.
-struct PrimvarBytes {
-  size_t all = 0, face_varying = 0;  // of one value of each
-  size_t seams = 0;                  // number of face-varying ones
-};
-PrimvarBytes primvar_bytes(const Cage& cage) {
-  PrimvarBytes bytes;
-  for_each_refined(cage, [&](const auto& primvar) {
-    bytes.all += sizeof(primvar.values[0]);
-    if (primvar.interpolation != Interpolation::face_varying) return;
-    bytes.face_varying += sizeof(primvar.values[0]);
-    ++bytes.seams;
-  });
-  return bytes;
-}
-// A triangle has its points, normals, face-varying primvars, face, slot, and the three edges that the test for
-// closedness sorts by points, which it counts. At worst every face has its own normals along its boundary.
-size_t index_bytes(const Cage& cage) {
-  return (2 + primvar_bytes(cage).seams) * sizeof(Corners) + 2 * sizeof(int32_t) + 3 * sizeof(uint32_t);
-}
-constexpr size_t kPointBytes = sizeof(Vec3f) + sizeof(size_t);
-
 int checked_level(const Cage& cage, const RefinementOptions& options, const DiagnosticSink& sink) {
   if (cage.scheme == SubdivisionScheme::none) return 0;
-  const int level = std::clamp(options.level, 0, kMaxLevel);
+  const int level = std::clamp(options.level, 0, kMaxSubdivisionLevel);
   if (level != options.level)
     report(sink, Severity::warning, "mesh.subdivision.level", options.where,
-           "subdivision level " + std::to_string(options.level) + " is outside 0 to 8; using " + std::to_string(level));
+           "subdivision level " + std::to_string(options.level) + " is outside 0 to " +
+               std::to_string(kMaxSubdivisionLevel) + "; using " + std::to_string(level));
   return level;
-}
-
-size_t triangle_count(const Cage& cage, int level) {
-  size_t triangles = 0;
-  for (const int count : cage.face_vertex_counts)
-    triangles += tessellated_face(cage, static_cast<size_t>(count), level).triangles;
-  return triangles;
 }
 
 }  // namespace
@@ -295,39 +253,6 @@ OpenEdges find_open_edges(const Mesh& mesh) {
   return found;
 }
 
-size_t estimate_mesh_bytes(const Cage& cage, int level) {
-  size_t triangles = 0, points = cage.points.size(), corners = 0;
-  const size_t segments = size_t(1) << std::clamp(level, 0, kMaxLevel);
-  for (int count : cage.face_vertex_counts) {
-    const FaceSize face = tessellated_face(cage, static_cast<size_t>(count), level);
-    triangles += face.triangles;
-    points += face.points;
-    corners += static_cast<size_t>(count);
-  }
-  const size_t boundary = corners * segments;  // samples on face boundaries, each face its own
-  const PrimvarBytes primvars = primvar_bytes(cage);
-  return points * kPointBytes + (points + boundary) * sizeof(Vec3f) + points * primvars.all +
-         boundary * primvars.face_varying + triangles * index_bytes(cage);
-}
-
-size_t bytes_per_triangle(const Cage& cage) {
-  return kPointBytes + sizeof(Vec3f) + primvar_bytes(cage).all + index_bytes(cage);
-}
-
-void hold_mesh(const RefinementOptions& options, double triangles, double bytes) {
-  if (!options.memory) return;
-  constexpr double kMost = 0x1p60;
-  options.memory->resize(static_cast<size_t>(std::min(bytes, kMost)),
-                         "a mesh of " + std::to_string(static_cast<size_t>(std::min(triangles, kMost))) + " triangles");
-}
-
-// Displacement sorts and sums over corners while it runs. A mesh is built to be traced: one that cannot be is refused
-// before the work, and the tracer counts for itself what it takes then.
-void hold_build(const RefinementOptions& options, double triangles, double bytes) {
-  constexpr double kDisplacementBytes = 240, kTracingBytes = 100;  // of a triangle
-  hold_mesh(options, triangles, bytes + triangles * (kTracingBytes + (options.displace ? kDisplacementBytes : 0)));
-}
-
 static void mend_vectors(const Cage& cage, const RefinementOptions& options, const DiagnosticSink& sink, Mesh* mesh) {
   const auto warn = [&](const char* code, const MendedVectors& mended, const std::string& text) {
     if (mended.count > 0)
@@ -345,15 +270,14 @@ static void mend_vectors(const Cage& cage, const RefinementOptions& options, con
   mend_tangents(mesh, tangents.count);
   warn("mesh.tangents.unusable", tangents,
        "tangents of corners are zero, not finite, without sign or along the normal, and are replaced by those of the "
-       "texture "
-       "coordinates");
+       "texture coordinates");
 }
 
 Mesh build_mesh(const Cage& cage, const RefinementOptions& options, const DiagnosticSink& sink) {
   RefinementOptions fitting = options;
   fitting.level = checked_level(cage, options, sink);
   if (!options.segments || fitting.level == 0)
-    hold_build(options, static_cast<double>(triangle_count(cage, fitting.level)),
+    hold_build(options, static_cast<double>(count_triangles(cage, fitting.level)),
                static_cast<double>(estimate_mesh_bytes(cage, fitting.level)));
   std::optional<Mesh> refined;
   if (fitting.level > 0) refined = tessellate_limit_surface(cage, fitting, sink);

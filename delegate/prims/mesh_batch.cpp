@@ -17,8 +17,8 @@ constexpr std::chrono::milliseconds kLook(1);      // between looks at the calle
 constexpr std::chrono::milliseconds kPatience(4);  // what is left costs memory, and the next build half of the cores
 
 double faces_of(const PulledMesh& mesh) {
-  const int level = is_refined(mesh) ? std::clamp(mesh.style.refineLevel, 0, 8) : 0;
-  return static_cast<double>(mesh.topology.faceVertexIndices.size()) / 4 * static_cast<double>(1 << (2 * level));
+  return static_cast<double>(mesh.topology.faceVertexIndices.size()) / 4 *
+         static_cast<double>(1 << (2 * refine_level(mesh)));
 }
 
 }  // namespace

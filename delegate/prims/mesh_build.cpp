@@ -160,7 +160,7 @@ class MeshBuilder {
     cancel_.check();
     auto prototype = std::make_shared<MeshPrototype>();
     RefinementOptions options;
-    options.level = std::clamp(mesh_.style.refineLevel, 0, 8);
+    options.level = refine_level(mesh_);
     options.where = where_;
     options.cancel = cancel_;
     options.memory = &(prototype->memory = MemoryReservation(param_.memory(), MemoryUse::meshes));

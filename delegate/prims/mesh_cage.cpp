@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <utility>
 
+#include "core/geometry/subdivision.h"
+
 namespace alabaster::hd::prims {
 namespace {
 
@@ -155,6 +157,10 @@ void for_each_part(Mesh& mesh, const Visit& visit) {
 }
 
 }  // namespace
+
+int refine_level(const PulledMesh& mesh) {
+  return is_refined(mesh) ? std::clamp(mesh.style.refineLevel, 0, kMaxSubdivisionLevel) : 0;
+}
 
 Cage make_cage(const PulledMesh& mesh, const NamedPrimvars& named, const std::string& where,
                const alabaster::DiagnosticSink& sink) {

@@ -42,6 +42,8 @@ constexpr PulledPrimvarName kPulledPrimvars[] = {{"points", &PulledMesh::points}
 inline bool is_refined(const PulledMesh& mesh) {
   return !mesh.topology.scheme.empty() && !(mesh.topology.scheme == Token("none"));
 }
+/// 0: the cage is drawn.
+int refine_level(const PulledMesh& mesh);
 
 /// The faces of a mesh's material slots from 1 on; all others have slot 0. Where they overlap, the later slot wins.
 struct FaceSlots {

@@ -82,10 +82,9 @@ const T* find_record(const Records& records, const Path& path) {
   return found == records.end() ? nullptr : std::get_if<T>(&found->second);
 }
 
-/// True for records that a snapshot shows. Cameras and settings do not count: a render compares those when it starts.
-inline bool is_drawn(const Record& record) {
-  return !std::holds_alternative<std::monostate>(record) && !std::holds_alternative<CameraRecord>(record) &&
-         !std::holds_alternative<SettingsRecord>(record);
+/// True for cameras and settings, which no snapshot has: a render compares them when it starts.
+inline bool is_view(const Record& record) {
+  return std::holds_alternative<CameraRecord>(record) || std::holds_alternative<SettingsRecord>(record);
 }
 
 }  // namespace alabaster::hd::prims

@@ -171,15 +171,13 @@ void DelegateState::split_edits() {
   edits_.splice(edits_.end(), param->take_edits());
   while (!edits_.empty()) {
     prims::Edit& edit = edits_.front();
-    bool is_view = false;
+    bool is_view = prims::is_view(edit.record);
     {
       const std::lock_guard lock(mutex_);
-      if (std::holds_alternative<std::monostate>(edit.record)) {
-        is_view = views_.erase(edit.id) != 0;
-      } else if (!prims::is_drawn(edit.record)) {
+      if (is_view)
         views_[edit.id] = std::move(edit.record);
-        is_view = true;
-      }
+      else if (std::holds_alternative<std::monostate>(edit.record))
+        is_view = views_.erase(edit.id) != 0;
     }
     if (is_view)
       edits_.pop_front();
