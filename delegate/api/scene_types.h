@@ -89,8 +89,9 @@ struct SubdivTags {
   bool operator==(const SubdivTags&) const = default;
 };
 
+inline constexpr int kMaxRefineLevel = 8;
 struct DisplayStyle {
-  int refineLevel = 0;  // 0..8; 0 draws the cage
+  int refineLevel = 0;  // 0..kMaxRefineLevel; 0 draws the cage
   bool operator==(const DisplayStyle&) const = default;
 };
 

@@ -52,8 +52,8 @@ constexpr Field kMesh[] = {
                                                          "Vertices that are corners."),
     field<&Mesh::subdivTags, &SubdivTags::cornerWeights>("cornerWeights", dirty::kSubdivTags,
                                                          "Sharpness of each corner."),
-    field<&Mesh::displayStyle, &DisplayStyle::refineLevel>("refineLevel", dirty::kDisplayStyle,
-                                                           "Subdivision levels; 0 draws the control mesh.", range(0, 8))
+    field<&Mesh::displayStyle, &DisplayStyle::refineLevel>(
+        "refineLevel", dirty::kDisplayStyle, "Subdivision levels; 0 draws the control mesh.", range(0, kMaxRefineLevel))
         .in("levels"),
     field<&Mesh::transform>(
         "transform", dirty::kTransform,

@@ -158,6 +158,7 @@ void for_each_part(Mesh& mesh, const Visit& visit) {
 
 }  // namespace
 
+static_assert(kMaxRefineLevel == kMaxSubdivisionLevel);
 int refine_level(const PulledMesh& mesh) {
   return is_refined(mesh) ? std::clamp(mesh.style.refineLevel, 0, kMaxSubdivisionLevel) : 0;
 }
