@@ -259,7 +259,8 @@ int print_prediction(SceneSession* session, Console* console, const Preparation&
   if (!p.noisy)
     std::printf("  the picture is black or noise-free: the render ends when it first estimates its error\n");
   else
-    std::printf("  light that the probe has not met, such as a caustic or the sun in a mirror, would take more samples\n");
+    std::printf(
+        "  light that the probe has not met, such as a caustic or the sun in a mirror, would take more samples\n");
   if (p.samples.high > kMostSamplesToAnError)
     std::printf("  a render with --target-error stops at %d samples per pixel: add --spp to allow more\n",
                 kMostSamplesToAnError);
