@@ -48,7 +48,7 @@ Sprim* RenderDelegateImpl::CreateSprim(const Token& type, const Path& id) {
 Bprim* RenderDelegateImpl::CreateBprim(const Token& type, const Path& id) {
   return answer<Bprim*>("CreateBprim", [&](Bprim*& prim) {
     if (type == Token("renderSettings"))
-      prim = new prims::RenderSettingsPrim(id, [core = core_] { core->take_up_settings(); });
+      prim = new prims::RenderSettingsPrim(id, [delegate = delegate_] { delegate->take_up_settings(); });
     else if (type == Token("renderBuffer"))
       prim = new RenderBufferPrim(id, delegate_->param);
   });
