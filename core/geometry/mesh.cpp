@@ -264,13 +264,14 @@ static void mend_vectors(const Cage& cage, const RefinementOptions& options, con
          "normals are zero or not finite, and are replaced by those of the faces around");
   const MendedVectors tangents = find_unusable_tangents(*mesh);
   constexpr double kTangentBytes = 276;  // of a triangle, while they are computed
-  if (tangents.count > 0)
-    hold_mesh(options, static_cast<double>(mesh->triangles.size()),
-              static_cast<double>(mesh->memory_bytes()) + kTangentBytes * static_cast<double>(mesh->triangles.size()));
+  if (tangents.count > 0) {
+    const auto triangles = static_cast<double>(mesh->triangles.size());
+    hold_build(options, triangles, static_cast<double>(mesh->memory_bytes()) + kTangentBytes * triangles);
+  }
   mend_tangents(mesh, tangents.count);
   warn("mesh.tangents.unusable", tangents,
-       "tangents of corners are zero, not finite, without sign or along the normal, and are replaced by those of the "
-       "texture coordinates");
+       "tangents of corners are zero, not finite, without sign or along the normal, and are computed from the texture "
+       "coordinates; without these the mesh has no tangents");
 }
 
 Mesh build_mesh(const Cage& cage, const RefinementOptions& options, const DiagnosticSink& sink) {

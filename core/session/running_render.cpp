@@ -187,7 +187,7 @@ bool RenderSession::Render::wait(double seconds) {
 // False: stop.
 bool RenderSession::Render::wait_while_paused() {
   if (stop_requested.load(std::memory_order_relaxed)) return false;
-  if (!pause_requested.load(std::memory_order_relaxed)) return true;
+  if (!pause_requested.load(std::memory_order_acquire)) return true;
   const WakeRelay::Rest rest(wakes);
   std::unique_lock lock(mutex);
   changed.wait(lock, [this] { return !pause_requested || stop_requested; });
@@ -203,11 +203,11 @@ double RenderSession::Render::seconds_rendered() const {
 void RenderSession::Render::set_paused(bool pause) {
   const std::lock_guard lock(mutex);
   if (progress.state != (pause ? SessionState::rendering : SessionState::paused)) return;
-  pause_requested = pause;
   if (pause)
     paused = SessionClock::now();
   else
     started = started.load() + (SessionClock::now() - paused);
+  pause_requested = pause;  // last: a worker that goes on counts from the new start
   progress.state = pause ? SessionState::paused : SessionState::rendering;
   changed.notify_all();
 }

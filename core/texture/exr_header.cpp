@@ -212,8 +212,9 @@ class HeaderChecker {
     at_ = attribute.begin;
     ExrPart::Channel channel;
     uint32_t x_step = 0, y_step = 0;
-    while (at_ < end && word(&channel.name) && !channel.name.empty() && number(at_, &channel.type) &&
-           number(at_ + 8, &x_step) && number(at_ + 12, &y_step)) {
+    constexpr size_t kMostChannels = 4096;  // more are no picture's
+    while (part->channels.size() < kMostChannels && at_ < end && word(&channel.name) && !channel.name.empty() &&
+           number(at_, &channel.type) && number(at_ + 8, &x_step) && number(at_ + 12, &y_step)) {
       at_ += 16;
       channel.x_step = int32_t(x_step), channel.y_step = int32_t(y_step);
       part->channels.push_back(channel);

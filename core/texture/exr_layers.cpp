@@ -80,7 +80,7 @@ struct Group {
 std::vector<Group> groups_of(const std::vector<ExrPart>& parts) {
   std::vector<Group> groups;
   for (size_t p = 0; p < parts.size(); ++p) {
-    if (parts[p].is_deep) continue;
+    if (parts[p].is_deep || !parts[p].is_known) continue;
     const size_t first = groups.size();
     for (const ExrPart::Channel& channel : parts[p].channels) {
       const size_t dot = channel.name.rfind('.');
@@ -144,7 +144,7 @@ std::string names_of(const std::vector<Group>& groups) {
 
 bool find_exr_layer(const std::vector<ExrPart>& parts, const std::string& name, ExrLayer* layer, ImageFault* fault) {
   const std::vector<Group> groups = groups_of(parts);
-  if (groups.empty() && name.empty()) return *layer = {}, true;  // OpenEXR says what is wrong, or it is deep
+  if (groups.empty()) return *layer = {}, true;  // OpenEXR says what is wrong, or it is deep
   if (name.empty()) {
     if (const Group* const group = picture_of(groups, parts.size() > 1)) return *layer = layer_of(*group), true;
     *fault = {"texture.layer", "none of its layers is called as a picture is: it has " + names_of(groups) +

@@ -176,6 +176,7 @@ bool ImageReader::clean_bytes(const ImageLimits& limits, const DiagnosticSink& s
       return fail(sink, "texture.size", reason);
   }
   if (format_ == "jpeg") chosen_.orientation = frame.orientation;
+  if (format_ == "tiff") chosen_.orientation = exif_orientation(whole);
   hold(clean.size() + frame.decoder_bytes);
   bytes_ = std::make_shared<const std::vector<uint8_t>>(std::move(clean));
   return true;

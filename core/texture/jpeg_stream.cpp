@@ -32,7 +32,7 @@ void read_frame(std::span<const uint8_t> segment, JpegFrame& frame) {
   frame.height = number(5), frame.width = number(7), frame.components = segment[9];
 }
 
-// The first block of Exif counts.
+// The first block of Exif that turns the picture counts.
 void read_exif(std::span<const uint8_t> segment, JpegFrame& frame) {
   constexpr size_t kHeader = 4;  // marker and length
   if (frame.orientation == 1) frame.orientation = exif_orientation(segment.subspan(kHeader));

@@ -297,11 +297,12 @@ class RowPacker {
   }
 
   static void apply(const Matrix& matrix, std::vector<float>* rgba) {
+    constexpr float kMost = std::numeric_limits<float>::max();  // no product becomes an infinity
     for (size_t i = 0; i < rgba->size(); i += 4) {
       float* const c = &(*rgba)[i];
       const std::array<float, 3> in{c[0], c[1], c[2]};
       for (size_t row = 0; row < 3; ++row)
-        c[row] = matrix[row][0] * in[0] + matrix[row][1] * in[1] + matrix[row][2] * in[2];
+        c[row] = std::clamp(matrix[row][0] * in[0] + matrix[row][1] * in[1] + matrix[row][2] * in[2], -kMost, kMost);
     }
   }
 

@@ -247,6 +247,8 @@ std::vector<uint8_t> essential_tiff(std::span<const uint8_t> file, std::string& 
   if (!directory.has(kBits)) numbers[kBits] = pixels.bits;
   if (!pixels.is_tiled)
     numbers[kRowsPerStrip] = std::min(directory.value_or(kRowsPerStrip, pixels.height), pixels.height);
+  // Some colours are read as libtiff turns them, others as they are stored: the caller turns all of them.
+  if (directory.has(kOrientation)) numbers[kOrientation] = 1;
   return directory.file_with(numbers);
 }
 

@@ -133,7 +133,8 @@ struct Piece {
     std::iota(triangles.begin(), triangles.end(), 0u);
     for (size_t i = 0; i < triangles.size(); i += 3) {
       const Vec3f* const p = &vertices.points[i];
-      const Vec3f normal = (p[1] - p[0]).cross(p[2] - p[0]).normalized();
+      Vec3f normal = (p[1] - p[0]).cross(p[2] - p[0]).normalized();
+      if (!(normal.length2() > 0)) normal = Vec3f(0, 0, 1);  // a triangle without area shows none
       vertices.normals.insert(vertices.normals.end(), 3, vertices.mirrored ? -normal : normal);
     }
   }
@@ -146,6 +147,11 @@ struct Surface {
   std::vector<Primvar> primvars;
   std::vector<uint32_t> triangles;
   std::vector<size_t> ends;  // of the primitives, in `triangles`
+  struct Points {
+    size_t end;       // of a primitive, in the points
+    float own_color;  // of its material, where it has no COLOR_0
+  };
+  std::vector<Points> points;
   bool has_normals = false;  // some primitive has
   bool has_tangents = true;  // all primitives have
 
@@ -161,22 +167,26 @@ struct Surface {
     append(std::move(piece.vertices.points), &vertices.points);
     append(std::move(piece.vertices.normals), &vertices.normals);
     if (has_tangents) append(std::move(piece.vertices.tangents), &vertices.tangents);
+    points.push_back({count, piece.reader.primitive.material < 0 ? DisneyParameters().base_color.r : 1});
     // Without texture coordinates they are 0, and without colours a material has its own.
-    const auto fill = [&](Primvar* primvar, size_t points) {
-      const float own = piece.reader.primitive.material < 0 ? DisneyParameters().base_color.r : 1;
-      const float otherwise = primvar->role == "textureCoordinate" ? 0 : primvar->role == "color" ? own : 1;
-      primvar->attribute.values.resize(points * primvar->attribute.components, otherwise);
+    const auto fill = [&](Primvar* primvar, size_t pieces) {
+      for (const Points& of : std::span(points).first(pieces))
+        primvar->attribute.values.resize(
+            std::max(primvar->attribute.values.size(), of.end * primvar->attribute.components),
+            primvar->role == "textureCoordinate" ? 0
+            : primvar->role == "color"           ? of.own_color
+                                                 : 1);
     };
     for (Primvar& more : piece.primvars) {
       const auto same = [&](const Primvar& known) { return known.name == more.name; };
       auto known = std::find_if(primvars.begin(), primvars.end(), same);
       if (known == primvars.end()) {
         known = primvars.insert(known, {more.name, more.role, {{}, more.attribute.components}});
-        fill(&*known, first);
+        fill(&*known, points.size() - 1);
       }
       append(std::move(more.attribute.values), &known->attribute.values);
     }
-    for (Primvar& primvar : primvars) fill(&primvar, count);
+    for (Primvar& primvar : primvars) fill(&primvar, points.size());
     for (uint32_t& corner : piece.triangles) corner += first;
     append(std::move(piece.triangles), &triangles);
     ends.push_back(triangles.size());
@@ -233,7 +243,10 @@ size_t WeldVertices(host::MeshDescription* mesh) {
   MeshTopology& topology = mesh->topology;
   Surface surface;
   const auto* points = mesh->primvars["points"].value.get<Array<Vec3f>>();
-  if (!points || topology.faceVertexIndices.empty()) return 0;
+  const auto is_triangle = [](int32_t count) { return count == 3; };
+  if (!points || topology.faceVertexIndices.empty() ||
+      !std::all_of(topology.faceVertexCounts.begin(), topology.faceVertexCounts.end(), is_triangle))
+    return 0;
   surface.vertices.points.assign(points->begin(), points->end());
   surface.triangles.assign(topology.faceVertexIndices.begin(), topology.faceVertexIndices.end());
   for (size_t end = 3; end <= surface.triangles.size(); end += 3) surface.ends.push_back(end);  // no polygons
@@ -389,8 +402,9 @@ std::vector<MeshPart> translate_mesh(const Document& document, size_t index, con
   for (size_t i = 0; i < pieces.size(); ++i) {
     Piece& piece = pieces[i];
     size_t& place = places.try_emplace(first[i], parts.size()).first->second;
-    if (place < parts.size() && piece.vertices.points.size() > kMostPoints - surfaces[place].vertices.points.size())
-      place = parts.size();
+    const size_t most =
+        std::max(piece.vertices.points.size(), piece.triangles.size());  // without NORMAL, see flatten()
+    if (place < parts.size() && most > kMostPoints - surfaces[place].vertices.points.size()) place = parts.size();
     if (place == parts.size()) parts.emplace_back(), surfaces.push_back(shapes[first[i]]);
     parts[place].primitives.push_back(piece.primitive);
     surfaces[place].add(std::move(piece));

@@ -23,8 +23,8 @@ struct MeshPart {
 /// and instancer. Primitives whose open edges coincide are one mesh (gltf_surfaces.h), as glTF splits one surface by
 /// materials, unless they differ in FB_ngon_encoding. Those without triangles are left out (reported), and points that
 /// no triangle uses. Where one lacks an attribute of another, its normals are those of its triangles, its texture
-/// coordinates 0 and its colours 1, and where one lacks tangents the mesh has none. A mesh is double-sided if all its
-/// materials are.
+/// coordinates are 0, and its colours 1, or those of the default material if it has none. Where one lacks tangents the
+/// mesh has none. A mesh is double-sided if all its materials are.
 ///
 /// Primvars: points, normals, tangents (Vec4f: the fourth number is the sign of the bitangent), st, st1, st2, ... (v
 /// upwards), displayColor (linear) and displayOpacity. Primitives with FB_ngon_encoding become catmullClark cages,

@@ -122,6 +122,7 @@ bool RetainedSceneDelegate::SetInstanceValues(const Path& instancer, size_t firs
                                               const std::map<Token, Value>& elements) {
   const auto found = state_->instancers.find(instancer);
   if (found == state_->instancers.end()) return false;
+  if (elements.empty()) return true;
   InstancerDescription& held = found->second;
   const auto fits = [&](const auto& primvar) {
     const Value* now = find(held.primvars, primvar.first);

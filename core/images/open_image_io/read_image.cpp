@@ -56,7 +56,8 @@ ImageLayout layout_of(const OIIO::ImageSpec& spec, const ImageSource& source) {
   const auto is_half = [&spec](size_t channel) {
     return channel == ImageLayout::kNoChannel || spec.channelformat(int(channel)) == OIIO::TypeHalf;
   };
-  layout.halves = std::all_of(layout.rgb.begin(), layout.rgb.end(), is_half);
+  layout.halves = std::all_of(layout.rgb.begin(), layout.rgb.end(), is_half) &&
+                  is_half(layout.alpha.value_or(ImageLayout::kNoChannel));
   const OIIO::TypeDesc format = spec.format;
   layout.bytes = format == OIIO::TypeUInt8 && spec.channelformats.empty();
   layout.low_precision = !format.is_floating_point() && format.basesize() <= 2;
@@ -116,17 +117,15 @@ class Input final : public ImageInput {
 
   int read_rows(int y, ImageRows& to, std::string& fault) override {
     if (is_window_whole_) return read_data(y, to, fault);
-    const int top = left_top_[1], bottom = top + input_->spec().height, left = layout_.height - y;
+    const int64_t top = left_top_[1], bottom = top + input_->spec().height;
+    const int left = layout_.height - y;
     if (y < top || y >= bottom) {
-      const int rows = std::min(window_rows(), y < top ? top - y : left);
+      const int rows = std::min(window_rows(), y < top ? int(std::min<int64_t>(top - y, left)) : left);
       to.floats.assign(size_t(std::min(rows, left)) * row_values(), 0.0f);
       return std::min(rows, left);
     }
-    return read_window(y - top, std::min(bottom - y, left), to, fault);
+    return read_window(int(y - top), int(std::min<int64_t>(bottom - y, left)), to, fault);
   }
-
-  /// Exif's number; 1 of formats that have none of their own here.
-  int orientation() const { return input_->spec().get_int_attribute("Orientation", 1); }
 
  private:
   bool set_window(const std::array<int32_t, 4>& window, ImageFault& fault) {
@@ -261,13 +260,12 @@ class Input final : public ImageInput {
 
 std::unique_ptr<ImageInput> open_image(const ImageSource& source, ImageFault& fault) {
   std::unique_ptr<ImageInput> image;
-  int orientation = source.orientation;
+  const int orientation = source.orientation;
   if (source.format == "png") {
     image = open_png(source, fault);
   } else {
     auto input = std::make_unique<Input>();
     if (!input->open(source, fault)) return nullptr;
-    if (source.format == "tiff") orientation = input->orientation();
     image = std::move(input);
   }
   return image && orientation > 1 && orientation <= 8 ? upright_image(std::move(image), orientation) : std::move(image);

@@ -44,7 +44,7 @@ TEST_F(Door, OneInstanceIsEditedByItself) {
 
   const float far[] = {70, 0, 0};
   const AlabasterValue away = array(ALABASTER_FLOAT3, far, 1);
-  const AlabasterParameter and_another[] = {{kPlaces, away}, {"hydra:instanceScales", one}};
+  const AlabasterParameter and_another[] = {{kPlaces, away}, {"hydra:instanceZ", one}};  // the later by name
   EXPECT_EQ(api().scene_edit_instances(scene_, "/many", 0, and_another, 2), ALABASTER_NOT_FOUND);
   EXPECT_EQ(api().scene_edit_instances(scene_, "/many", 2, and_another, 1), ALABASTER_INVALID_ARGUMENT);
   EXPECT_EQ(api().scene_edit_instances(scene_, "/many", 0, nullptr, 1), ALABASTER_INVALID_ARGUMENT);

@@ -213,9 +213,11 @@ TEST(GltfGeometry, PrimitivesOfDifferentSidesAreOneMesh) {
 
 // A primitive without an attribute looks as it would alone.
 TEST(GltfGeometry, PrimitivesOfDifferentAttributesAreOneMesh) {
-  for (const bool first : {true, false}) {
+  for (const auto& [first, has_material] : {std::pair(true, true), {true, false}, {false, true}, {false, false}}) {
     GltfBuilder b = two_primitives();
-    Json& attributes = b.json["meshes"][0]["primitives"][first ? 0 : 1]["attributes"];
+    Json& primitives = b.json["meshes"][0]["primitives"];
+    primitives[first == has_material ? 0 : 1].erase("material");  // of the one with attributes, or of the other
+    Json& attributes = primitives[first ? 0 : 1]["attributes"];
     attributes["NORMAL"] = b.add<float>({0, 1, 0, 0, 1, 0, 0, 1, 0}, "VEC3");
     attributes["TANGENT"] = b.add<float>({1, 0, 0, 1, 1, 0, 0, 1, 1, 0, 0, 1}, "VEC4");
     attributes["TEXCOORD_0"] = b.add<float>({0.5f, 0.25f, 0.5f, 0.25f, 0.5f, 0.25f}, "VEC2");
@@ -226,7 +228,8 @@ TEST(GltfGeometry, PrimitivesOfDifferentAttributesAreOneMesh) {
       const bool has = (vertex < 3) == first;
       EXPECT_EQ(primvar<Array<Vec3f>>(mesh, "normals")[vertex], has ? Vec3f(0, 1, 0) : Vec3f(0, 0, 1)) << vertex;
       EXPECT_EQ(primvar<Array<Vec2f>>(mesh, "st")[vertex], has ? Vec2f(0.5f, 0.75f) : Vec2f(0)) << vertex;
-      EXPECT_EQ(primvar<Array<Vec3f>>(mesh, "displayColor")[vertex], has ? Vec3f(0.5f, 0, 0) : Vec3f(1)) << vertex;
+      const Vec3f own(has_material ? 1 : 0.8f);  // as the glTF material's factor, or the default material
+      EXPECT_EQ(primvar<Array<Vec3f>>(mesh, "displayColor")[vertex], has ? Vec3f(0.5f, 0, 0) : own) << vertex;
       EXPECT_EQ(primvar<Array<float>>(mesh, "displayOpacity")[vertex], has ? 0.5f : 1.0f) << vertex;
     }
     EXPECT_EQ(mesh.primvars.count("tangents"), 0u);

@@ -129,10 +129,15 @@ TEST(InstanceValues, OfSeveralPrimvarsAreSetTogetherOrNotAtAll) {
   EXPECT_FALSE(leaves.scene.SetInstanceValues("/leaves", 1, {{kPlaces, two}, {kTurns, two}}));
   EXPECT_FALSE(leaves.scene.SetInstanceValues("/leaves", 1, {{kPlaces, two}, {"none", two}}));
   EXPECT_TRUE(same(leaves.now(), in_a_row(3)));
+  const auto last_turn = [&] {
+    return (*leaves.scene.GetInstancers().at("/leaves").primvars.at(kTurns).get<Array<Quatf>>())[2];
+  };
+  const Quatf before = last_turn();  // its name comes before that of the places
+  EXPECT_FALSE(leaves.scene.SetInstanceValues("/leaves", 1, {{kPlaces, Array<Vec3f>(in_a_row(3))}, {kTurns, turned}}));
+  EXPECT_EQ(last_turn(), before);
   ASSERT_TRUE(leaves.scene.SetInstanceValues("/leaves", 1, {{kPlaces, two}, {kTurns, turned}}));
   EXPECT_TRUE(same(leaves.now(), {Vec3f(0), Vec3f(7), Vec3f(8)}));
-  const Value& rotations = leaves.scene.GetInstancers().at("/leaves").primvars.at(kTurns);
-  EXPECT_EQ((*rotations.get<Array<Quatf>>())[2], turned[1]);
+  EXPECT_EQ(last_turn(), turned[1]);
 }
 
 TEST(InstanceValues, MarkTheirInstancerAlone) {
