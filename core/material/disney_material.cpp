@@ -67,9 +67,9 @@ constexpr auto kParameters = std::to_array<MaterialParameter>({
     {{"opacityThreshold", &P::opacity_threshold, 0, 1, {},
       "none", "Above 0 the surface is cut out: it is there where opacity reaches the threshold, and nowhere else."}},
     {{"sides", &P::sides, -kUnbounded, kUnbounded, {"mesh", "front", "both"},
-      "none", "Sides of the surface that are there. front: rays that come from behind pass, those of the camera, of "
-      "shadows and of light alike, and emission leaves the front alone. mesh leaves it to the mesh's doubleSided. Where "
-      "light may go on behind the surface, both are there."}},
+      "none", "Sides of the surface that exist. front: back faces are culled for rays of the camera, of shadows and of "
+      "light, and do not emit. mesh: as the mesh's doubleSided. A material that lets light below the surface has "
+      "both."}},
     {{"specTrans", &P::spec_trans, 0, 1, {},
       "none", "Share of the dielectric base that is clear: light is reflected and refracted by ior and roughness, "
       "and takes the square root of baseColor at each of the two surfaces that it passes."}},

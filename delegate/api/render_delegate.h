@@ -16,7 +16,7 @@ namespace alabaster::hd {
 /// unchanged has none.
 enum class SettingEffect {
   live,       // none: it counts for what is loaded from then on
-  continues,  // samples of the frame are kept where they are the first of the new one, too
+  continues,  // the render keeps its samples if they are also the first samples of the new frame
   restarts,   // the frame is rendered again from its first sample
   resyncs,    // meshes are built again, and then the frame is rendered again
 };

@@ -18,8 +18,8 @@ class ALABASTER_API SceneDelegate {
   virtual DisplayStyle GetDisplayStyle(const Path& id) = 0;
   virtual Matrix4d GetTransform(const Path& id) = 0;
   virtual bool GetVisible(const Path& id) = 0;
-  /// False: faces are not there for what sees them from behind, but where their material lets light below the surface.
-  /// Materials whose `sides` is front or both decide for their faces.
+  /// False: back faces are culled for all rays, unless their material lets light below the surface. A material whose
+  /// `sides` is front or both overrides this for its faces.
   virtual bool GetDoubleSided(const Path& id) = 0;
   virtual CullStyle GetCullStyle(const Path& id);  // dontCare, if a host has none
   /// geometry (USD's purpose default), render, proxy, guide or hidden; a pass draws the tags that it lists.

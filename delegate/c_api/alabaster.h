@@ -1,6 +1,6 @@
 /* The stable interface of libhdAlabaster: C99, and no type of C++, of its standard library or of Imath. A program that
-   was built against this header runs with every library of the same ALABASTER_API_VERSION. All functions are
-   members of a table: const AlabasterApi* api = alabaster_api(ALABASTER_API_VERSION); null: it has another version.
+   was built against this header runs with libraries of the same ALABASTER_API_VERSION whose api->size is as large. All
+   functions are members of a table: const AlabasterApi* api = alabaster_api(ALABASTER_API_VERSION), or null.
 
    Handles are opaque and owned by the host, which destroys them in any order: the library keeps what other handles
    still need. Null may be destroyed.
