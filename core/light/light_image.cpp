@@ -9,8 +9,9 @@ constexpr float kLargestHalf = 65504;
 constexpr float kLargest = 1e30f;  // sums over an image, and products with a light's scale, stay floats
 
 float clean(float channel) {
-  if (std::isnan(channel) || channel < 0) return 0;
-  return std::isinf(channel) ? kLargestHalf : std::min(channel, kLargest);
+  if (channel >= 0 && channel < kLargest) [[likely]]
+    return channel;
+  return !(channel > 0) ? 0 : std::isinf(channel) ? kLargestHalf : kLargest;
 }
 
 // The measure of rows: v, or 1 - cos(colatitude), which is even in solid angle and precise at the upper pole.
