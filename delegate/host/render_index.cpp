@@ -1,5 +1,6 @@
 #include "delegate/host/render_index.h"
 
+#include <tbb/global_control.h>
 #include <tbb/parallel_for.h>
 #include <tbb/task_arena.h>
 
@@ -144,7 +145,9 @@ void RenderIndex::State::sync_one(Work& work) const {
 // Waiting inside the host's own arena could run, or wait for, tasks of the host's.
 tbb::task_arena& RenderIndex::State::sync_arena() {
   const double wanted = delegate->GetRenderSetting("threads").number_or(0);
-  const int threads = wanted >= 1 && wanted < 65536 ? static_cast<int>(wanted) : tbb::task_arena::automatic;
+  // More threads than the process may have would make TBB print a warning.
+  const auto allowed = double(tbb::global_control::active_value(tbb::global_control::max_allowed_parallelism));
+  const int threads = wanted >= 1 ? static_cast<int>(std::min(wanted, allowed)) : tbb::task_arena::automatic;
   if (!arena || arena_threads != threads) {
     arena = std::make_unique<tbb::task_arena>(threads);
     arena_threads = threads;
