@@ -142,7 +142,7 @@ RENDER_ROWS = {
     "--view": [Row(("--view", "dim"), only_display, SHOWN)],
     "--look": [Row(("--look", "warm"), only_display, SHOWN)],
     "--exposure": [Row(("--exposure", "-1"), only_display, SHOWN)],
-    "--aov": [Row(("--aov", "normal", "--aov", "error"), channels("N.X", "N.Y", "N.Z", "error"))],
+    "--aov": [Row(("--aov", "normal", "--aov", "error"), channels("N.X", "N.Y", "N.Z", "error.X"))],
     "--denoise": [Row(("--denoise",), both(channels("denoised.R"), lambda a, b: a.pixels() != b.pixels()), (*RENDER, "-o", "a.png"))],
     "--pixel": [Row(("--pixel", "12,8"), lambda a, b: len(b.out) > len(a.out) and not b.file("a.exr").exists())],
     "--stats": [Row(("--stats", "s.json", "--spp", "8"), consistent, ("render", "open.json", *RENDER[2:8], "--threads", "1")),
