@@ -14,7 +14,7 @@ HELD_OUT, UNSEEN = "  holdout true\n", "  visibleToCamera false\n"
 
 def instances_of(scene):
     """Lines of the dump about each instance."""
-    return ("\n" + dump(scene)).split("\nlights: ")[0].split("\ninstance ")[1:]
+    return ("\n" + dump(scene)).split("\nmaterial ")[0].split("\ninstance ")[1:]
 
 
 class Roles(SyncedScene):
