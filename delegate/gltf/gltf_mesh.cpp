@@ -237,6 +237,12 @@ void gather_samples(const std::vector<uint32_t>& vertices, TimeSamples<Value>* s
     if (const auto* held = sample.get<Array<Vec3f>>()) sample = Array<Vec3f>(gathered(held->data(), vertices));
 }
 
+std::vector<int32_t> points_of(const Array<int32_t>& vertices, const std::vector<int32_t>& points) {
+  std::vector<int32_t> moved(vertices.begin(), vertices.end());
+  for (int32_t& vertex : moved) vertex = points[size_t(vertex)];  // it was checked when it was set
+  return moved;
+}
+
 }  // namespace
 
 size_t WeldVertices(host::MeshDescription* mesh) {
@@ -272,11 +278,8 @@ size_t WeldVertices(host::MeshDescription* mesh) {
   };
   for (GeomSubset& subset : topology.geomSubsets) move_faces(&subset.indices);
   move_faces(&topology.invisibleFaces), move_faces(&topology.holeIndices);
-  for (Array<int32_t>* tags : {&mesh->subdivTags.creaseIndices, &mesh->subdivTags.cornerIndices}) {
-    std::vector<int32_t> moved(tags->begin(), tags->end());
-    for (int32_t& vertex : moved) vertex = cage.vertex_points[size_t(vertex)];  // it was checked when it was set
-    *tags = std::move(moved);
-  }
+  for (Array<int32_t>* tags : {&mesh->subdivTags.creaseIndices, &mesh->subdivTags.cornerIndices})
+    *tags = points_of(*tags, cage.vertex_points);
   const size_t dropped = cage.dropped_faces;
   set_cage(surface, std::move(cage), mesh);
   return dropped;
