@@ -9,7 +9,7 @@ size_t count_triangles(const Cage& cage, int level);
 /// Bytes of a refined mesh for each of its triangles, roughly and from above, with what it takes to test if it is
 /// closed.
 size_t bytes_per_triangle(const Cage& cage);
-/// Has options.memory, if there is one, hold a mesh of so many triangles and bytes. Throws MemoryRefused.
+/// Resizes the reservation options.memory, unless null, to `bytes` for a mesh of `triangles`. Throws MemoryRefused.
 void hold_mesh(const RefinementOptions& options, double triangles, double bytes);
 /// The same with what the build takes beside it, and the least that tracing it will.
 void hold_build(const RefinementOptions& options, double triangles, double bytes);

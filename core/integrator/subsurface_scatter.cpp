@@ -341,7 +341,7 @@ bool is_within_medium(const PathContext& context, const PathVertex& v, const Pat
   const SubsurfaceBody* body = v.instance->body;
   if (!body || !v.material.scatters() || v.material.metallic == 1) return false;
   if (body->is_union()) [[unlikely]] {
-    // The first surface that is met may be one that the ray enters.
+    // The first hit of a path may be where its ray enters the union.
     if (path.depth == 0) return body->contains(path.ray);
     if (is_in_union(context.scene, path.interiors, *v.instance)) return true;
   }

@@ -245,7 +245,7 @@ class TopologyFinder {
   std::vector<Kind>& kind_ = out_.kind;
   Surfaces surfaces_;
   struct Back {
-    uint32_t first, copy;  // triangles that lie on each other, as many of which wind either way
+    uint32_t first, copy;  // coincident triangles, of a group in which half wind either way
     bool turned;           // they wind against each other
   };
   std::vector<Back> backs_;
