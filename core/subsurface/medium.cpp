@@ -24,7 +24,7 @@ double clamp_anisotropy(double g) {
 }
 
 /// sqrt(1 - alpha) = (1 - A) P(A)/Q(A): value and slope are right at both ends by construction, the largest error
-/// of A between them is 1.7e-8. Derived by testenv/statistical/fit_albedo_inversion.py.
+/// of A between them is 1.7e-8. Derived by testenv/walks/fit_albedo_inversion.py.
 double exact_s(double a) {
   constexpr double p[4] = {1, 1.90590733792, 0.722472222151, 0.00527736903751};
   constexpr double q[4] = {1, 3.35007585287, 3.22823189382, 0.813263477961};
@@ -35,7 +35,7 @@ double exact_s(double a) {
 
 /// The factor of s = sqrt((1 - alpha) / (1 - alpha g)) that obtains A where similarity alone does not; exactly one at
 /// A = 0, A = 1 and g = 0. Rational in A and g; the largest error of A is 2e-5. Derived from discrete ordinates by
-/// testenv/statistical/fit_anisotropic_inversion.py.
+/// testenv/walks/fit_anisotropic_inversion.py.
 double similarity_correction(double a, double g) {
   // A row per power of A, in it the powers of g.
   constexpr double n[3][3] = {{-0.323614373307, 0.154553316385, 0.0851628624009},

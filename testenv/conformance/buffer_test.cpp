@@ -190,7 +190,7 @@ TEST(Buffers, SizeAndPixelsAreReadAsOne) {
       ++reads;
     }
   });
-  for (int i = 0; i < storm_steps(100, 20); ++i) {
+  for (int i = 0; i < repetitions(100, 20); ++i) {
     host.resize(8 + i % 5, 8 + i % 5);
     host.sync();
     host.pass->Execute(host.state);

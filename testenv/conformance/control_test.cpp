@@ -120,7 +120,7 @@ TEST(Control, StopIsSeenSoon) {
   host.sync();
   host.take_up();
   std::vector<double> spent;
-  for (int i = 0; i < storm_steps(25, 9); ++i) {
+  for (int i = 0; i < repetitions(25, 9); ++i) {
     std::this_thread::sleep_for(std::chrono::milliseconds(2));
     const std::clock_t begin = std::clock();
     host.delegate->Stop();
@@ -138,7 +138,7 @@ TEST(Control, TenThousandStopsAndStarts) {
   host.buffer();
   host.sync();
   host.take_up();
-  for (int i = 0; i < storm_steps(10000, 100); ++i) {
+  for (int i = 0; i < repetitions(10000, 100); ++i) {
     host.delegate->SetRenderSetting("seed", 1 + i);  // each start is a new frame
     host.pass->Execute(host.state);
     host.delegate->Stop();

@@ -43,7 +43,7 @@ TEST(Convergence, TheLastPictureIsSeenBeforeItIsReported) {
   Host host(16, 16, {{"samples", 2}});
   add_noisy_scene(host);
   RenderBuffer& color = host.buffer();
-  for (int frame = 0; frame < storm_steps(40, 10); ++frame) {
+  for (int frame = 0; frame < repetitions(40, 10); ++frame) {
     host.delegate->SetRenderSetting("seed", frame);
     host.sync();
     const auto end = std::chrono::steady_clock::now() + std::chrono::minutes(1);

@@ -8,8 +8,8 @@
 
 namespace conformance {
 
-int storm_steps(int full, int least) {
-  return std::max(least, static_cast<int>(full * library().storm));
+int repetitions(int full, int least) {
+  return std::max(least, static_cast<int>(full * library().repeat));
 }
 
 Host::Host(int width, int height, Dictionary settings) : width_(width), height_(height) {

@@ -18,11 +18,11 @@ using namespace alabaster::hd;
 struct Library {
   decltype(&CreateAlabasterRenderDelegate) create = nullptr;
   decltype(&DestroyAlabasterRenderDelegate) destroy = nullptr;
-  double storm = 1;  // scales the length of storms; 10 is for sanitizers and nights, 0.01 for the bad delegates
+  double repeat = 1;  // scales the repetitions of tests; 10 is for sanitizers and nights, 0.01 for the bad delegates
 };
 const Library& library();
-/// `full` times the storm's scale, but at least `least`.
-int storm_steps(int full, int least);
+/// `full` times that scale, but at least `least`.
+int repetitions(int full, int least);
 
 struct Primvar {
   Value value;

@@ -1,4 +1,4 @@
-// delegate_conformance [--library PATH] [--storm SCALE] [GoogleTest's options]
+// delegate_conformance [--library PATH] [--repeat SCALE] [GoogleTest's options]
 //
 // Loads a render delegate's library and runs the suite on it. The suite is a module of its own: it calls functions of
 // the installed headers (Token, Path, Value), which the library under test, or one that it is linked to, must provide.
@@ -34,9 +34,9 @@ const char* take(int* argc, char** argv, const char* name, const char* fallback)
 
 int main(int argc, char** argv) {
   const char* path = take(&argc, argv, "--library", CONFORMANCE_LIBRARY);
-  const char* storm = std::getenv("CONFORMANCE_STORM");
+  const char* repeat = std::getenv("CONFORMANCE_REPEAT");
   conformance::Library library;
-  library.storm = std::atof(take(&argc, argv, "--storm", storm ? storm : "1"));
+  library.repeat = std::atof(take(&argc, argv, "--repeat", repeat ? repeat : "1"));
 
   void* delegate = load(path, RTLD_NOW | RTLD_GLOBAL);
   void* suite = delegate ? load(CONFORMANCE_SUITE, RTLD_NOW) : nullptr;

@@ -56,7 +56,7 @@ TABLE = {
     "ignores_motion_at_first": ["Motion.SamplesMayLieOutsideOfTheShutter", "Motion.TheCameraIsBlurred",
                                 "Motion.TheFirstFrameIsBlurred"],
     "ignores_orientation": ["Meshes.SingleSidedFacesAreSeenFromTheFront"],
-    "ignores_rebinding": ["Materials.MayBeReboundAlone", "Storm.NoEditIsLost", "*BadMesh*/EmptyArrays",
+    "ignores_rebinding": ["Materials.MayBeReboundAlone", "RapidEdits.NoEditIsLost", "*BadMesh*/EmptyArrays",
                           "*BadMesh*/MaterialThatDoesNotExist"],
     "ignores_settings": ["Settings.AnotherValueRestarts"],
     "ignores_shutter_changes": ["Motion.AShutterChangeNeedsNoSyncOfMeshes"],
@@ -70,18 +70,18 @@ TABLE = {
     "keeps_its_first_size": ["Buffers.AMappingSurvivesAResizeThatIsDrawn", "Buffers.ImpossibleSizesAreRefusedAndChangeNothing",
                              "Buffers.TheOldPictureStaysUntilTheNewOneCovers"],
     "keeps_old_networks": ["Materials.MayBeEditedWhileTheirMeshIsHidden", "Materials.MayChangeTheirNetwork",
-                           "Materials.ThatAreBrokenHarmNoOther", "Storm.NoEditIsLost",
-                           "Storm.OfControlFromOtherThreadsEndsWell"],
+                           "Materials.ThatAreBrokenHarmNoOther", "RapidEdits.NoEditIsLost",
+                           "RapidEdits.OfControlFromOtherThreadsEndsWell"],
     "keeps_old_points": ["Primvars.PointsAloneMayChange"],
     "keeps_old_purposes": ["Purposes.OfAMeshMayChange"],
     "keeps_old_prim_ids": ["Ids.ANewPrimIdIsSeen"],
     "keeps_quiet_about_failures": ["Convergence.AFailureConverges", "Resume.AnotherSceneIsRefused"],
     "keeps_removed_primvars": ["Primvars.ThatAreRemovedAreGone"],
     "lacks_a_statistic": ["Stats.HaveTheKeysThatHostsAskForAtAnyTime"],
-    "leaks_edits": ["Storm.MemoryAfterAThousandEditsIsThatAfterTen"],
+    "leaks_edits": ["RapidEdits.MemoryAfterAThousandEditsIsThatAfterTen"],
     "leaves_bits_dirty": ["Sync.LeavesNoBitsDirty"],
-    "loses_edits_while_rendering": ["Storm.NoEditIsLost", "Storm.NoInstanceIsLost",
-                                    "Storm.OfControlFromOtherThreadsEndsWell", "Storm.TheLastOfTwoEditsIsDrawn"],
+    "loses_edits_while_rendering": ["RapidEdits.NoEditIsLost", "RapidEdits.NoInstanceIsLost",
+                                    "RapidEdits.OfControlFromOtherThreadsEndsWell", "RapidEdits.TheLastOfTwoEditsIsDrawn"],
     "makes_any_type": ["Prims.OfUnknownTypesAreNull"],
     "moves_crops": WINDOWS,
     "one_delegates_end_stops_all": ["Delegates.OneMayEndWhileAnotherRenders", "Resume.GivesTheBytesOf*",
@@ -100,11 +100,11 @@ TABLE = {
     "seed_is_of_the_delegate": ["Bytes.AreThoseOfAnotherDelegate", "Bytes.DoNotDependOnTheOrderOfSync",
                                 "Bytes.MoreSamplesContinueToThoseOfOneRender", "Bytes.OfManyThreadsAreThoseOfOne",
                                 "Control.*", "Delegates.*", "Motion.AShutterChangeNeedsNoSyncOfMeshes",
-                                "Of/Windows.ABufferMayHaveTheCropsSize/*", "Of/Windows.Overscan*", "Resume.*", "Storm.*",
+                                "Of/Windows.ABufferMayHaveTheCropsSize/*", "Of/Windows.Overscan*", "Resume.*", "RapidEdits.*",
                                 "Sync.OfManyPrimsInParallelIsThatOfOneThread"],
     "seed_is_of_the_edits": ["Bytes.AreThoseOfAnotherDelegate", "Bytes.DoNotDependOnEditsBefore",
-                             "Execute.NothingThatStaysTheSameRestarts", "Storm.NoEditIsLost",
-                             "Storm.OfControlFromOtherThreadsEndsWell"],
+                             "Execute.NothingThatStaysTheSameRestarts", "RapidEdits.NoEditIsLost",
+                             "RapidEdits.OfControlFromOtherThreadsEndsWell"],
     "seed_is_of_the_threads": ["Bytes.AreThoseOfAnotherDelegate", "Bytes.OfManyThreadsAreThoseOfOne"],
     "shows_the_first_part_alone": ["Resume.PartsAddUpToTheWhole"],
     "size_is_ahead_of_pixels": ["Buffers.SizeAndPixelsAreReadAsOne"],
@@ -135,7 +135,7 @@ def groups(names):
 
 def failures(program, library, names):
     """The tests that fail; None where the program does not come to its end."""
-    environment = {**os.environ, "CONFORMANCE_BAD": ",".join(names), "CONFORMANCE_STORM": "0.01"}
+    environment = {**os.environ, "CONFORMANCE_BAD": ",".join(names), "CONFORMANCE_REPEAT": "0.01"}
     run = subprocess.run([program, "--library", library, "--gtest_brief=1"], env=environment, capture_output=True, text=True)
     if run.returncode not in (0, 1):
         return None, f"exit status {run.returncode}\n" + (run.stdout + run.stderr)[-1000:]

@@ -1,7 +1,7 @@
 // Many samples and many walks: means keep converging.
 #include "testenv/extremes/rows.h"
-#include "testenv/statistical/tables/walks.h"
 #include "testenv/support/path_tracer.h"
+#include "testenv/walks/tables/walks.h"
 
 namespace alabaster::testing {
 namespace {

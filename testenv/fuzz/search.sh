@@ -31,7 +31,7 @@ log=$build/found/$target.log
 mkdir -p "$build/corpus/$target"
 # Limits and kept inputs, for the replay and for the search.
 set -- -timeout=120 -rss_limit_mb=3000 -malloc_limit_mb=2000 "-artifact_prefix=$build/found/$target-" "$top/testenv/fuzz/corpus/$target"
-[ "$target" != gltf ] || set -- "$@" "$top/testenv/translate"
+[ "$target" != gltf ] || set -- "$@" "$top/testenv/unit/delegate/gltf/translations"
 if ! "$build/bin/fuzz_$target" -runs=0 "$@" >"$log" 2>&1; then
   printf "%s: a kept input fails; %s says why\n" "$target" "$log"
   exit 255

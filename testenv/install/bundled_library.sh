@@ -54,7 +54,7 @@ cmake -S "$here/../conformance" -B "$build/conformance" -G Ninja -DCMAKE_BUILD_T
   -DCMAKE_PREFIX_PATH="$build/installed;$prefix" >"$build/conformance.log"
 cmake --build "$build/conformance" -j2 >>"$build/conformance.log"
 library=$(find "$build/installed" -name libhdAlabaster.so)
-"$(find "$build/conformance" -name delegate_conformance -type f)" --library "$library" --storm 0.01 --gtest_brief=1
+"$(find "$build/conformance" -name delegate_conformance -type f)" --library "$library" --repeat 0.01 --gtest_brief=1
 cc -std=c99 -O2 -I "$build/installed/include" "$here/load_probe.c" -o "$build/load_probe" -ldl
 python3 "$here/library_load.py" "$build/load_probe" "$library" "$here/../scenes/thick_thin/thick_thin.json" \
   "$here/../scenes/lights/lights.json"

@@ -76,7 +76,7 @@ else
 fi
 
 # The contract's suite on the installed library.
-"$1/bin/delegate_conformance" --library "$library" --storm 0.01 --gtest_brief=1
+"$1/bin/delegate_conformance" --library "$library" --repeat 0.01 --gtest_brief=1
 
 # The cost of loading.
 cc -std=c99 -O2 -I "$scratch/prefix/include" "$here/load_probe.c" -o "$scratch/load_probe" -ldl

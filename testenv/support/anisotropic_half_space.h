@@ -1,5 +1,5 @@
 // The albedo of a half-space of Henyey-Greenstein scatterers, by a deterministic method other than that of
-// testenv/statistical/fit_anisotropic_inversion.py. Inversion and walks are compared with it.
+// testenv/walks/fit_anisotropic_inversion.py. Inversion and walks are compared with it.
 #pragma once
 
 namespace alabaster::testing {

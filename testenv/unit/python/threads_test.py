@@ -137,7 +137,7 @@ class Threads(unittest.TestCase):
             for (one, first), (two, second) in itertools.combinations_with_replacement(calls.items(), 2):
                 self.assertEqual(in_threads([first, second], SECONDS_PER_PAIR), [], f"{one} and {two}")
 
-    def test_storm_of_all_methods(self):
+    def test_all_methods_from_many_threads(self):
         with tempfile.TemporaryDirectory() as folder:
             objects = Objects(folder)
             calls = list(objects.calls().values())

@@ -6,7 +6,8 @@
 namespace alabaster::hd::gltf::testing {
 namespace {
 
-// Skin, morph targets, animation, variants and instances, with which documents of testenv/translate do without.
+// Skin, morph targets, animation, variants and instances, with which documents of
+// testenv/unit/delegate/gltf/translations do without.
 GltfBuilder deformed_document() {
   GltfBuilder b;
   b.triangle();
@@ -33,7 +34,8 @@ GltfBuilder deformed_document() {
 TEST(GltfEmpty, AnyListOrObjectMayBeEmpty) {
   const GltfBuilder deformed = deformed_document();
   std::vector<std::pair<Json, std::string>> documents{{deformed.document(), deformed.binary()}};
-  for (const auto& entry : std::filesystem::directory_iterator(alabaster::testing::source_file("testenv/translate")))
+  for (const auto& entry :
+       std::filesystem::directory_iterator(alabaster::testing::source_file("testenv/unit/delegate/gltf/translations")))
     if (entry.path().extension() == ".gltf") documents.emplace_back(Json::parse(read_text(entry.path())), "");
   ASSERT_GT(documents.size(), 9u);
   GltfOptions options;

@@ -1,5 +1,5 @@
-// Small documents of our own, compared with the text of their scenes (testenv/translate). After an intended change run
-// with ALABASTER_UPDATE_EXPECTED=1 and read the difference.
+// Small documents of our own, compared with the text of their scenes (testenv/unit/delegate/gltf/translations). After
+// an intended change run with ALABASTER_UPDATE_EXPECTED=1 and read the difference.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -11,7 +11,7 @@
 namespace alabaster::hd::gltf::testing {
 namespace {
 
-const std::string kFolder = alabaster::testing::source_file("testenv/translate/");
+const std::string kFolder = alabaster::testing::source_file("testenv/unit/delegate/gltf/translations/");
 
 Loaded load_own(const std::string& topic, const GltfOptions& options = {}) {
   return load(kFolder + topic + ".gltf", options);

@@ -1,7 +1,7 @@
 // Thin slabs, spheres and the 90-degree edge by the renderer's loop, in bodies traced in double precision.
-#include "testenv/statistical/tables/tables.h"
-#include "testenv/statistical/tables/walks.h"
 #include "testenv/support/transport_solution.h"
+#include "testenv/walks/tables/tables.h"
+#include "testenv/walks/tables/walks.h"
 
 namespace alabaster::testing {
 namespace {

@@ -4,10 +4,10 @@
 #include "core/material/disney_bsdf.h"
 #include "core/subsurface/dwivedi.h"
 #include "testenv/extremes/rows.h"
-#include "testenv/statistical/tables/walks.h"
 #include "testenv/support/chi_square.h"
 #include "testenv/support/half_space.h"
 #include "testenv/support/transport_solution.h"
+#include "testenv/walks/tables/walks.h"
 
 namespace alabaster::testing {
 namespace {

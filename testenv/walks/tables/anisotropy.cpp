@@ -1,9 +1,9 @@
 // Henyey-Greenstein scattering in a half-space at equal albedo and scatterDistance: the albedo obtained, the distance
 // from entry to exit, and the cost.
-#include "testenv/statistical/tables/tables.h"
-#include "testenv/statistical/tables/walks.h"
 #include "testenv/support/anisotropic_half_space.h"
 #include "testenv/support/van_de_hulst.h"
+#include "testenv/walks/tables/tables.h"
+#include "testenv/walks/tables/walks.h"
 
 namespace alabaster::testing {
 namespace {

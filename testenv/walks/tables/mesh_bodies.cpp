@@ -1,8 +1,8 @@
 // RandomWalk itself on triangle meshes through Embree: shares, lengths and exits of walks.
-#include "testenv/statistical/tables/tables.h"
-#include "testenv/statistical/tables/walks.h"
 #include "testenv/support/lone_body.h"
 #include "testenv/support/transport_solution.h"
+#include "testenv/walks/tables/tables.h"
+#include "testenv/walks/tables/walks.h"
 
 namespace alabaster::testing {
 namespace {

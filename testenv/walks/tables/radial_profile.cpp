@@ -2,8 +2,8 @@
 // same parameters A and d. Section 4 of the paper calls the two identical on a slab.
 #include <array>
 
-#include "testenv/statistical/tables/tables.h"
-#include "testenv/statistical/tables/walks.h"
+#include "testenv/walks/tables/tables.h"
+#include "testenv/walks/tables/walks.h"
 
 namespace alabaster::testing {
 namespace {

@@ -1,11 +1,11 @@
 // The albedo that each inversion obtains on a half-space, and the cost of its walks.
 #include <limits>
 
-#include "testenv/statistical/tables/tables.h"
-#include "testenv/statistical/tables/walks.h"
 #include "testenv/support/albedo_table.h"
 #include "testenv/support/half_space.h"
 #include "testenv/support/van_de_hulst.h"
+#include "testenv/walks/tables/tables.h"
+#include "testenv/walks/tables/walks.h"
 
 namespace alabaster::testing {
 namespace {

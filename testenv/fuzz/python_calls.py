@@ -8,7 +8,7 @@ One thread repeats the calls of its seed. Each process writes the call that it i
 With sanitizers (-DALABASTER_SANITIZE=address,undefined; Python itself has none, so that they are loaded first):
 
   LD_PRELOAD="$(gcc -print-file-name=libasan.so) $(gcc -print-file-name=libstdc++.so)" ASAN_OPTIONS=detect_leaks=0 \\
-    PYTHONPATH=BUILD/python testenv/storm/python_calls.py --processes 60 --seconds 60
+    PYTHONPATH=BUILD/python testenv/fuzz/python_calls.py --processes 60 --seconds 60
 """
 import argparse
 import array
@@ -47,11 +47,11 @@ ALLOWED = (alabaster.Error, TypeError, ValueError, LookupError, ArithmeticError,
 class Hostile:
     """An object whose every method may fail, return something else or change what is read."""
 
-    def __init__(self, storm, victim):
-        self.storm, self.victim = storm, victim
+    def __init__(self, calls, victim):
+        self.calls, self.victim = calls, victim
 
     def act(self, usual):
-        action = self.storm.random.randrange(8)
+        action = self.calls.random.randrange(8)
         if action == 0:
             raise ZeroDivisionError
         if action == 1:
@@ -59,7 +59,7 @@ class Hostile:
         if action == 2:
             self.victim.extend([0.0] * 3)
         if action == 3:
-            return self.storm.random.choice(["text", None, -1, 1 << 70, 0.5, self])
+            return self.calls.random.choice(["text", None, -1, 1 << 70, 0.5, self])
         return usual
 
     def __len__(self):
@@ -90,7 +90,7 @@ def endless():
     return value
 
 
-class Storm:
+class RandomCalls:
     def __init__(self, seed):
         self.random = random.Random(seed)
         self.scenes = [square(report=lambda *_: None), square(report=lambda *_: self.act())]
@@ -297,7 +297,7 @@ class Storm:
 
 def child(seed, seconds, threads, file):
     faulthandler.dump_traceback_later(seconds + 100, exit=True)
-    storm, end, failed, calls = Storm(seed), time.monotonic() + seconds, [], [0]
+    random_calls, end, failed, calls = RandomCalls(seed), time.monotonic() + seconds, [], [0]
 
     def note(call):
         calls[0] += 1
@@ -310,7 +310,7 @@ def child(seed, seconds, threads, file):
     def work():
         try:
             while time.monotonic() < end and not failed:
-                storm.one(note)
+                random_calls.one(note)
         except BaseException as error:  # noqa: B902
             failed.append(error)
             raise

@@ -4,7 +4,7 @@
 Runs `alabaster tradeoff` on thick_thin, whose fins are 1.8 mm thick, once for each scatter distance (of the red channel; the
 others keep the scene's proportion). Studies are kept in --folder and resumed.
 
-  python3 testenv/statistical/diffusion_bias.py [--program PATH] [--budget MINUTES] > testenv/statistical/results/diffusion_bias.md
+  python3 testenv/walks/diffusion_bias.py [--program PATH] [--budget MINUTES] > testenv/statistical/results/diffusion_bias.md
 """
 import argparse
 import json
@@ -66,7 +66,7 @@ def main():
     parser.add_argument("--ratio", type=float, nargs="+", default=[0.03, 0.1, 0.3, 1, 3])
     options = parser.parse_args()
     print("# Subsurface modes by scatter distance over feature size\n")
-    print("    python3 testenv/statistical/diffusion_bias.py " + shlex.join(sys.argv[1:]))
+    print("    python3 testenv/walks/diffusion_bias.py " + shlex.join(sys.argv[1:]))
     print(f"\n`thick_thin` at {options.size}, {options.budget:g} minutes per row. d: scatterDistance of red over the thickness of "
           "the fins. Bias against the mode `reference`: relative RMSE over the frame with its 95 % interval, then the error of the "
           "mean level. Cost: noise^2 x CPU seconds relative to the walk.\n")

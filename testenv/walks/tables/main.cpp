@@ -2,7 +2,7 @@
 //   subsurface_tables --quick | --long [--table NAME]...
 // --quick (some twenty seconds) runs in the test suite, --long made testenv/statistical/results/subsurface.md.
 // Exit status: 0 all comparisons hold, 1 some do not, 2 wrong usage.
-#include "testenv/statistical/tables/tables.h"
+#include "testenv/walks/tables/tables.h"
 
 namespace alabaster::testing {
 namespace {

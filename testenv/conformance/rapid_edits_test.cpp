@@ -1,4 +1,5 @@
-// Contract 4.7: storms. Their length is storm_steps'; --storm 10 under ThreadSanitizer finds more.
+// Contract 4.7: many edits in a short time. repetitions() gives their number; --repeat 10 under ThreadSanitizer finds
+// more.
 #include <gtest/gtest.h>
 #include <malloc.h>
 #include <unistd.h>
@@ -35,8 +36,8 @@ void edit(Host& host, int step) {
 }
 
 // husk renders miss the last update (arnold#2154).
-TEST(Storm, NoEditIsLost) {
-  const int steps = storm_steps(60, 20);
+TEST(RapidEdits, NoEditIsLost) {
+  const int steps = repetitions(60, 20);
   Host host, fresh;
   add_noisy_scene(host), add_noisy_scene(fresh);
   host.buffer();
@@ -77,8 +78,8 @@ void add_tiles(Host& host) {
 }
 
 // Delegates that treat many instances in another way than few must not lose any between the two.
-TEST(Storm, NoInstanceIsLost) {
-  const int steps = storm_steps(40, 5);  // the last of which draws thousands
+TEST(RapidEdits, NoInstanceIsLost) {
+  const int steps = repetitions(40, 5);  // the last of which draws thousands
   Host host(16, 16, {{"samples", 64}}), fresh(16, 16, {{"samples", 64}});
   add_tiles(host), add_tiles(fresh);
   host.buffer(), host.buffer("instanceId");
@@ -94,8 +95,8 @@ TEST(Storm, NoInstanceIsLost) {
   EXPECT_TRUE(host.render() == fresh.render());
 }
 
-// An edit while the render of the one before goes on: the smallest storm.
-TEST(Storm, TheLastOfTwoEditsIsDrawn) {
+// An edit while the render of the one before goes on.
+TEST(RapidEdits, TheLastOfTwoEditsIsDrawn) {
   Host host(16, 16, {{"samples", 32}}), fresh(16, 16, {{"samples", 32}});
   add_noisy_scene(host), add_noisy_scene(fresh);
   host.buffer();
@@ -109,12 +110,12 @@ TEST(Storm, TheLastOfTwoEditsIsDrawn) {
 }
 
 // Everything that any thread may call at any time, from two threads, while a third edits and executes.
-TEST(Storm, OfControlFromOtherThreadsEndsWell) {
+TEST(RapidEdits, OfControlFromOtherThreadsEndsWell) {
   Host host(16, 16, {{"samples", 32}}), fresh(16, 16, {{"samples", 32}});
   add_noisy_scene(host), add_noisy_scene(fresh);
   RenderBuffer& color = host.buffer();
   host.sync();
-  const int steps = storm_steps(50, 15);
+  const int steps = repetitions(50, 15);
   std::atomic<bool> over = false;
   std::thread control([&] {
     while (!over) {
@@ -151,12 +152,12 @@ TEST(Storm, OfControlFromOtherThreadsEndsWell) {
   EXPECT_TRUE(host.render() == fresh.render());
 }
 
-TEST(Storm, OfSettingsEndsInTheLastOnes) {
+TEST(RapidEdits, OfSettingsEndsInTheLastOnes) {
   Host host, fresh;
   add_noisy_scene(host), add_noisy_scene(fresh);
   host.buffer();
   host.sync();
-  for (int i = 0; i < storm_steps(200, 50); ++i) {
+  for (int i = 0; i < repetitions(200, 50); ++i) {
     host.delegate->SetRenderSetting("seed", i);
     host.delegate->SetRenderSetting("samples", 1 + i % 3);
     host.delegate->SetRenderSetting("threads", 1 + i % 2);
@@ -179,7 +180,7 @@ TEST(Delegates, OneMayEndWhileAnotherRenders) {
   survivor.buffer();
   survivor.sync();
   survivor.take_up();
-  for (int i = 0; i < storm_steps(8, 3); ++i) {
+  for (int i = 0; i < repetitions(8, 3); ++i) {
     Host other(16, 16, {{"samples", 1 << 20}});
     add_noisy_scene(other);
     other.buffer();
@@ -212,7 +213,7 @@ size_t resident_bytes() {
 
 // arnold#1356. Pools of libraries grow by some megabytes, the more the busier the machine is. A delegate that keeps one
 // scene in three grows by more: this one's are of 150 kB.
-TEST(Storm, MemoryAfterAThousandEditsIsThatAfterTen) {
+TEST(RapidEdits, MemoryAfterAThousandEditsIsThatAfterTen) {
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
   GTEST_SKIP() << "sanitizers keep memory that was freed";
 #endif
@@ -227,8 +228,8 @@ TEST(Storm, MemoryAfterAThousandEditsIsThatAfterTen) {
     }
     return resident_bytes();
   };
-  run(0, storm_steps(100, 10));
-  const size_t ten = run(100, 110), thousand = run(110, 110 + storm_steps(990, 25));
+  run(0, repetitions(100, 10));
+  const size_t ten = run(100, 110), thousand = run(110, 110 + repetitions(990, 25));
   EXPECT_LT(thousand, ten + (size_t(16) << 20));
 }
 

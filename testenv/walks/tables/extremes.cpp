@@ -1,7 +1,7 @@
 // The ends of the parameters' ranges, where a walk that is merely plausible fails.
-#include "testenv/statistical/tables/tables.h"
-#include "testenv/statistical/tables/walks.h"
 #include "testenv/support/transport_solution.h"
+#include "testenv/walks/tables/tables.h"
+#include "testenv/walks/tables/walks.h"
 
 namespace alabaster::testing {
 namespace {

@@ -1,10 +1,10 @@
 // The whole renderer, from camera to film, in white furnaces: thin slabs, spheres and an edge. Walks take the shortcuts
 // of the default mode, except where collisions are counted.
-#include "testenv/statistical/tables/tables.h"
-#include "testenv/statistical/tables/walks.h"
 #include "testenv/support/mesh_bodies.h"
 #include "testenv/support/scene_builder.h"
 #include "testenv/support/transport_solution.h"
+#include "testenv/walks/tables/tables.h"
+#include "testenv/walks/tables/walks.h"
 
 namespace alabaster::testing {
 namespace {

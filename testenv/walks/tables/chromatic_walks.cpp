@@ -2,8 +2,8 @@
 // with them.
 #include <limits>
 
-#include "testenv/statistical/tables/tables.h"
-#include "testenv/statistical/tables/walks.h"
+#include "testenv/walks/tables/tables.h"
+#include "testenv/walks/tables/walks.h"
 
 namespace alabaster::testing {
 namespace {

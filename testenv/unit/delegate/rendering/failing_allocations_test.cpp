@@ -12,7 +12,7 @@ namespace {
 
 using host::RecordStatus;
 
-class MemoryStorm : public description::SceneFiles {
+class FailingAllocations : public description::SceneFiles {
  protected:
   struct Outcome {
     bool done = false;
@@ -96,13 +96,13 @@ class MemoryStorm : public description::SceneFiles {
         << " allocations: " << outcome.error;
   }
 
-  struct Storm {
+  struct Trials {
     size_t allowed_below;  // allocations before the first that is refused
     int least_failures;    // of 150 recordings: with fewer, it is over before they begin to matter
   };
   /// `fail` makes the object that has memory fail, and says if a single allocation does.
   template <class Fail>
-  void storm(const Storm& s, const Fail& fail) const {
+  void run_trials(const Trials& s, const Fail& fail) const {
     const Outcome whole = run_whole();
     ASSERT_TRUE(whole.done);
     std::mt19937 random(1);
@@ -121,8 +121,8 @@ class MemoryStorm : public description::SceneFiles {
   std::string scene_file_;
 };
 
-TEST_F(MemoryStorm, OnTheHostsThread) {
-  storm({.allowed_below = 1500, .least_failures = 100}, [](size_t i, size_t allowed, bool* is_told) {
+TEST_F(FailingAllocations, OnTheHostsThread) {
+  run_trials({.allowed_below = 1500, .least_failures = 100}, [](size_t i, size_t allowed, bool* is_told) {
     *is_told = i % 2 == 0;
     return testing::FailingMemory(allowed, *is_told ? 1 : 50);
   });
@@ -130,8 +130,8 @@ TEST_F(MemoryStorm, OnTheHostsThread) {
 
 // Embree allocates in the destructor of a scene whose build has failed: a third refusal in a row may lie there and end
 // the process.
-TEST_F(MemoryStorm, OnAllOtherThreads) {
-  storm({.allowed_below = 400, .least_failures = 50}, [](size_t i, size_t allowed, bool* is_told) {
+TEST_F(FailingAllocations, OnAllOtherThreads) {
+  run_trials({.allowed_below = 400, .least_failures = 50}, [](size_t i, size_t allowed, bool* is_told) {
     *is_told = i % 2 == 0;
     return testing::FailingMemoryElsewhere(static_cast<int>(1 + i % 2), allowed);
   });

@@ -3,8 +3,8 @@
 
 #include "core/material/disney_bsdf.h"
 #include "core/subsurface/medium.h"
-#include "testenv/statistical/tables/tables.h"
 #include "testenv/support/chi_square.h"
+#include "testenv/walks/tables/tables.h"
 
 namespace alabaster::testing {
 namespace {

@@ -1,9 +1,9 @@
 // Normalized diffusion by the probes that render, compared with its formula.
 #include "testenv/support/diffusion_profile.h"
 #include "core/subsurface/normalized_diffusion.h"
-#include "testenv/statistical/tables/tables.h"
-#include "testenv/statistical/tables/walks.h"
 #include "testenv/support/lone_body.h"
+#include "testenv/walks/tables/tables.h"
+#include "testenv/walks/tables/walks.h"
 
 namespace alabaster::testing {
 namespace {

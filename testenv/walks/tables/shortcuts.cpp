@@ -1,6 +1,6 @@
 // Guiding and sphere steps in grey media: their cost by albedo, and the largest weight.
-#include "testenv/statistical/tables/tables.h"
-#include "testenv/statistical/tables/walks.h"
+#include "testenv/walks/tables/tables.h"
+#include "testenv/walks/tables/walks.h"
 
 namespace alabaster::testing {
 namespace {
