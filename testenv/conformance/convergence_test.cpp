@@ -130,7 +130,7 @@ TEST(Convergence, AStoppedRenderHasNotConverged) {
 }
 
 // usdview sends one unchanged setting with each paint, and the render never converges (OpenUSD#2870).
-TEST(Settings, AnEqualValueRestartsNothing) {
+TEST(DelegateSettings, AnEqualValueRestartsNothing) {
   Host host;
   add_noisy_scene(host);
   const Picture picture = host.render();
@@ -147,7 +147,7 @@ TEST(Settings, AnEqualValueRestartsNothing) {
   EXPECT_EQ(host.buffer().GetGeneration(), generation);
 }
 
-TEST(Settings, AnotherValueRestarts) {
+TEST(DelegateSettings, AnotherValueRestarts) {
   Host host;
   add_noisy_scene(host);
   const Picture before = host.render();
@@ -160,7 +160,7 @@ TEST(Settings, AnotherValueRestarts) {
 }
 
 // Hosts send keys that no renderer knows: houdini:interactive, stageMetersPerUnit, ...
-TEST(Settings, UnknownKeysAreKeptAndIgnored) {
+TEST(DelegateSettings, UnknownKeysAreKeptAndIgnored) {
   Host host;
   add_noisy_scene(host);
   const Picture before = host.render();
@@ -170,7 +170,7 @@ TEST(Settings, UnknownKeysAreKeptAndIgnored) {
 }
 
 // usdview shows bool, int, uint, float and string settings, and drops others with a warning.
-TEST(Settings, DescriptorsHaveValuesThatHostsCanShow) {
+TEST(DelegateSettings, DescriptorsHaveValuesThatHostsCanShow) {
   const Host host;
   for (const RenderSettingDescriptor& d : host.delegate->GetRenderSettingDescriptors()) {
     const Value& value = d.defaultValue;

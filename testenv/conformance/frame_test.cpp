@@ -70,7 +70,7 @@ TEST(Windows, OutsideTheDataWindowIsTheClearValue) {
   EXPECT_TRUE(near({picture.number(5, 12, 0), picture.number(5, 12, 1), picture.number(5, 12, 2)}, kRed));
 }
 
-TEST(Windows, ThatCannotBeDrawnFailAndSayWhy) {
+TEST(Windows, UndrawableWindowsFailWithAReason) {
   Host host;
   add_halves(host);
   const Picture whole = host.render();
@@ -94,7 +94,7 @@ TEST(Windows, TheWindowPolicyConformsTheCamera) {
   EXPECT_TRUE(near({picture.number(22, 8, 0), picture.number(22, 8, 1), picture.number(22, 8, 2)}, kGreen));
 }
 
-TEST(Bytes, OfManyThreadsAreThoseOfOne) {
+TEST(Bytes, ManyThreadsGiveTheBytesOfOne) {
   Host host(kSize, kSize, {{"threads", 1}});
   add_noisy_scene(host);
   const std::vector<const char*> aovs = {"color", "normal", "cameraDepth", "primId"};
@@ -113,7 +113,7 @@ TEST(Bytes, OfManyThreadsAreThoseOfOne) {
   }
 }
 
-TEST(Bytes, AreThoseOfAnotherDelegate) {
+TEST(Bytes, AnotherDelegateGivesTheSameBytes) {
   Host host(kSize, kSize), other(kSize, kSize);
   add_noisy_scene(host), add_noisy_scene(other);
   const Picture picture = host.render();
@@ -166,7 +166,7 @@ TEST(Bytes, MoreSamplesContinueToThoseOfOneRender) {
   EXPECT_TRUE(host.render() == whole.render());
 }
 
-TEST(Camera, AMovePullsTheCameraAlone) {  // arnold#1854, #1855, #869, #870; gaffer#4687
+TEST(CameraPrim, CameraMovePullsTheCameraAlone) {  // arnold#1854, #1855, #869, #870; gaffer#4687
   Host host;
   add_noisy_scene(host);
   const Picture before = host.render();

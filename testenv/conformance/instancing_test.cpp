@@ -105,7 +105,7 @@ TEST(Instances, AnInstancerMayHaveNone) {
   EXPECT_EQ(pixels_of(host.render("primId")), 0);
 }
 
-TEST(Instances, OneMayMove) {
+TEST(Instances, MovedInstanceIsDrawn) {
   Host host;
   add_tile(host);
   InstancerData& instancer = host.instancer("/instancer");

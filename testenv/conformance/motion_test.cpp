@@ -36,13 +36,13 @@ void expect_blur(const Picture& picture, double end = 0.5) {
 }
 
 // First frame without motion blur (arnold#1844); here with one Sync and no other frame before.
-TEST(Motion, TheFirstFrameIsBlurred) {
+TEST(MovingPrims, TheFirstFrameIsBlurred) {
   MovingHost host;
   host.open(0, 1);
   expect_blur(host.render());
 }
 
-TEST(Motion, AShutterChangeNeedsNoSyncOfMeshes) {
+TEST(MovingPrims, AShutterChangeNeedsNoSyncOfMeshes) {
   MovingHost host, fresh;
   const Picture still = host.render();
   EXPECT_EQ(still.number(13, 8, 3), 0);
@@ -57,7 +57,7 @@ TEST(Motion, AShutterChangeNeedsNoSyncOfMeshes) {
 }
 
 // Blur was lost after a camera move (arnold#2268, #1996, #2481).
-TEST(Motion, BlurOutlastsACameraMove) {
+TEST(MovingPrims, BlurOutlastsACameraMove) {
   MovingHost host;
   host.open(0, 1);
   const Picture blurred = host.render();
@@ -68,14 +68,14 @@ TEST(Motion, BlurOutlastsACameraMove) {
 }
 
 // Samples may lie outside of the shutter, and need not be evenly spaced (OpenUSD#3478, arnold#2168, #1477).
-TEST(Motion, SamplesMayLieOutsideOfTheShutter) {
+TEST(MovingPrims, SamplesMayLieOutsideOfTheShutter) {
   MovingHost host;
   host.open(0, 1);
   host.mesh("/square").motion = {{-2, -0.5, 0.25, 3}, {moved(-1, 0), moved(-0.25, 0), moved(0.125, 0), moved(1.5, 0)}};
   expect_blur(host.render());
 }
 
-TEST(Motion, PointsAreBlurred) {
+TEST(MovingPrims, PointsAreBlurred) {
   MovingHost host;
   host.open(0, 1);
   Mesh& square = host.mesh("/square");
@@ -86,7 +86,7 @@ TEST(Motion, PointsAreBlurred) {
   expect_blur(host.render());
 }
 
-TEST(Motion, TheCameraIsBlurred) {
+TEST(MovingPrims, TheCameraIsBlurred) {
   MovingHost host;
   host.open(0, 1);
   host.mesh("/square").motion = {};
@@ -95,7 +95,7 @@ TEST(Motion, TheCameraIsBlurred) {
 }
 
 // Times that do not increase, or are no numbers: one fault more or less, but a picture.
-TEST(Motion, TimesThatAreNoTimesLeaveThingsStanding) {
+TEST(MovingPrims, TimesThatAreNoTimesLeaveThingsStanding) {
   MovingHost host;
   const Picture still = host.render();
   host.open(0, 1);

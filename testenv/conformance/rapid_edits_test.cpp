@@ -110,7 +110,7 @@ TEST(RapidEdits, TheLastOfTwoEditsIsDrawn) {
 }
 
 // Everything that any thread may call at any time, from two threads, while a third edits and executes.
-TEST(RapidEdits, OfControlFromOtherThreadsEndsWell) {
+TEST(RapidEdits, ControlFromOtherThreadsLosesNoEdit) {
   Host host(16, 16, {{"samples", 32}}), fresh(16, 16, {{"samples", 32}});
   add_noisy_scene(host), add_noisy_scene(fresh);
   RenderBuffer& color = host.buffer();
@@ -152,7 +152,7 @@ TEST(RapidEdits, OfControlFromOtherThreadsEndsWell) {
   EXPECT_TRUE(host.render() == fresh.render());
 }
 
-TEST(RapidEdits, OfSettingsEndsInTheLastOnes) {
+TEST(RapidEdits, LastSettingsAreRendered) {
   Host host, fresh;
   add_noisy_scene(host), add_noisy_scene(fresh);
   host.buffer();
@@ -173,7 +173,7 @@ TEST(RapidEdits, OfSettingsEndsInTheLastOnes) {
 }
 
 // arnold#2566.
-TEST(Delegates, OneMayEndWhileAnotherRenders) {
+TEST(Delegates, DelegateMayEndWhileAnotherRenders) {
   Host survivor(16, 16, {{"samples", 64}}), plain(16, 16, {{"samples", 64}});
   add_noisy_scene(survivor), add_noisy_scene(plain);
   const Picture picture = plain.render();
@@ -192,7 +192,7 @@ TEST(Delegates, OneMayEndWhileAnotherRenders) {
   EXPECT_TRUE(survivor.render() == picture);
 }
 
-TEST(Delegates, ShareNoSettings) {
+TEST(Delegates, DelegatesShareNoSettings) {
   Host host(16, 16, {{"samples", 4}}), other(16, 16, {{"samples", 2}});
   add_noisy_scene(host), add_noisy_scene(other);
   host.delegate->SetRenderSetting("seed", 3);
@@ -213,7 +213,7 @@ size_t resident_bytes() {
 
 // arnold#1356. Pools of libraries grow by some megabytes, the more the busier the machine is. A delegate that keeps one
 // scene in three grows by more: this one's are of 150 kB.
-TEST(RapidEdits, MemoryAfterAThousandEditsIsThatAfterTen) {
+TEST(RapidEdits, MemoryDoesNotGrowWithEdits) {
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
   GTEST_SKIP() << "sanitizers keep memory that was freed";
 #endif

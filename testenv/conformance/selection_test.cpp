@@ -10,7 +10,7 @@ namespace {
 const std::vector<Token> kDrawn = {"geometry", "render"};
 
 // Purposes may be toggled without a Sync (OpenUSD#801, arnold#843).
-TEST(Purposes, AreToggledWithoutASync) {
+TEST(Purposes, PurposesAreToggledWithoutASync) {
   Host host;
   add_halves(host);
   host.mesh("/left").tag = "proxy";
@@ -29,7 +29,7 @@ TEST(Purposes, AreToggledWithoutASync) {
   EXPECT_TRUE(host.scene.take_pulls().empty());
 }
 
-TEST(Purposes, OfAMeshMayChange) {
+TEST(Purposes, ChangedPurposeOfAMeshIsDrawn) {
   Host host;
   add_halves(host);
   host.render();
@@ -42,7 +42,7 @@ TEST(Purposes, OfAMeshMayChange) {
 }
 
 // A toggle crashed with nested instancers (arnold#2628).
-TEST(Purposes, OfNestedInstancesAreToggled) {
+TEST(Purposes, PurposesOfNestedInstancesAreToggled) {
   Host host;
   host.mesh("/tile") = rectangle(0, 0, 0.25, 0.25);
   host.mesh("/tile").tag = "guide";
@@ -77,7 +77,7 @@ TEST(Collections, ChooseByPath) {
 }
 
 // Viewports have matrices and no prim; lens and shutter are lost in other delegates (mh#509).
-TEST(Camera, MayBeFree) {
+TEST(CameraPrim, FreeCameraIsUsed) {
   Host host;
   add_noisy_scene(host);
   Camera& prim = host.camera();
@@ -91,7 +91,7 @@ TEST(Camera, MayBeFree) {
 }
 
 // Geometry has categories, a light names one (OpenUSD#1388 for instances).
-TEST(LightLinks, NameCategories) {
+TEST(LightCategories, NameCategories) {
   Host host;
   host.mesh("/left") = rectangle(-1, -1, 0, 1);
   host.mesh("/right") = rectangle(0, -1, 1, 1);

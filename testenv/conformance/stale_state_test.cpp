@@ -19,7 +19,7 @@ Primvar color(const Vec3f& value) {
 }
 
 // OpenUSD#906, #1316, #1004.
-TEST(Primvars, ThatAreAddedAreSeen) {
+TEST(Primvars, AddedPrimvarsAreDrawn) {
   Host host;
   add_colored(host);
   EXPECT_FALSE(near(host.render().color(0.5, 0.5), kGreen));
@@ -29,7 +29,7 @@ TEST(Primvars, ThatAreAddedAreSeen) {
   EXPECT_TRUE(near(host.render().color(0.5, 0.5), kBlue));
 }
 
-TEST(Primvars, ThatAreRemovedAreGone) {
+TEST(Primvars, RemovedPrimvarsAreNotDrawn) {
   Host host;
   add_colored(host);
   const Picture without = host.render();
@@ -69,7 +69,7 @@ TEST(Primvars, PointsAloneMayChange) {
   EXPECT_TRUE(near(picture.color(-0.5, -0.5), kBlack));
 }
 
-TEST(Materials, MayComeAfterTheirMesh) {
+TEST(MaterialPrims, MayComeAfterTheirMesh) {
   Host host;
   host.mesh("/mesh") = rectangle(-1, -1, 1, 1);
   host.mesh("/mesh").material = "/late";
@@ -80,7 +80,7 @@ TEST(Materials, MayComeAfterTheirMesh) {
   EXPECT_EQ(host.scene.take_pulls(), std::vector<std::string>{"network /late"}) << "the mesh is not synced";
 }
 
-TEST(Materials, MayGoBeforeTheirMesh) {
+TEST(MaterialPrims, MayGoBeforeTheirMesh) {
   Host host;
   host.mesh("/mesh") = rectangle(-1, -1, 1, 1);
   host.mesh("/mesh").material = "/glow";
@@ -95,7 +95,7 @@ TEST(Materials, MayGoBeforeTheirMesh) {
 }
 
 // Rebinding must not cost a new mesh.
-TEST(Materials, MayBeReboundAlone) {
+TEST(MaterialPrims, MayBeReboundAlone) {
   Host host;
   add_halves(host);
   host.render();
@@ -110,7 +110,7 @@ TEST(Materials, MayBeReboundAlone) {
 }
 
 // rpr#329, arnold#1158, #2547, #2568: a network of another shape fails to reach the mesh.
-TEST(Materials, MayChangeTheirNetwork) {
+TEST(MaterialPrims, MayChangeTheirNetwork) {
   Host host;
   add_colored(host).primvars["displayColor"] = color(kBlue);
   EXPECT_TRUE(near(host.render().color(0, 0), kBlue));
@@ -126,7 +126,7 @@ TEST(Materials, MayChangeTheirNetwork) {
 }
 
 // Networks that are not networks: cycles, loose ends, unknown nodes.
-TEST(Materials, ThatAreBrokenHarmNoOther) {
+TEST(MaterialPrims, BrokenMaterialHarmsNoOther) {
   Host host;
   add_halves(host);
   const auto broken = [&](const std::function<void(MaterialNetwork&)>& spoil) {
@@ -147,7 +147,7 @@ TEST(Materials, ThatAreBrokenHarmNoOther) {
 }
 
 // rpr#443.
-TEST(Materials, MayBeEditedWhileTheirMeshIsHidden) {
+TEST(MaterialPrims, MayBeEditedWhileTheirMeshIsHidden) {
   Host host;
   add_halves(host);
   host.render();
@@ -197,7 +197,7 @@ TEST(Visibility, AHiddenLightGivesNoLight) {
   EXPECT_GT(host.render().color(0, 0).x, 0.01f);
 }
 
-TEST(Prims, ThatAreRemovedAreGoneAndMayComeBack) {
+TEST(Prims, RemovedPrimsAreNotDrawnAndMayComeBack) {
   Host host;
   add_halves(host);
   const Picture both = host.render();

@@ -43,7 +43,7 @@ TEST(Sync, LeavesNoBitsDirty) {
 }
 
 // Rprims are synced in parallel; 200 of them, with as many materials.
-TEST(Sync, OfManyPrimsInParallelIsThatOfOneThread) {
+TEST(Sync, ParallelSyncGivesTheBytesOfOneThread) {
   const auto fill = [](Host& host) {
     for (int i = 0; i < 200; ++i) {
       const std::string number = std::to_string(1000 + i);
@@ -81,7 +81,7 @@ TEST(Sync, WaitsForNoRender) {
   EXPECT_TRUE(near(host.render().color(-0.5, 0.95), kBlue));
 }
 
-TEST(Prims, OfUnknownTypesAreNull) {
+TEST(Prims, UnknownTypesOfPrimsAreNull) {
   const Host host;
   EXPECT_EQ(host.delegate->CreateRprim("no such type", "/a"), nullptr);
   EXPECT_EQ(host.delegate->CreateSprim("no such type", "/a"), nullptr);
@@ -141,7 +141,7 @@ TEST(Passes, AnswerBeforeTheFirstExecute) {
   host.pass->WaitForConvergence(0);
 }
 
-TEST(Delegates, OfAnotherVersionAreNotMade) {
+TEST(Delegates, DelegateOfAnotherVersionIsNotMade) {
   DelegateOptions options;
   EXPECT_EQ(library().create(kAbiVersion + 1, &options), nullptr);
 }

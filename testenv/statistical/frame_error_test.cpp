@@ -109,7 +109,7 @@ Calibration calibrate(RenderRequest request, const Film& film, int frames) {
   return result;
 }
 
-TEST(FrameError, TheTrueErrorLiesInTheIntervalThatFramesReport) {
+TEST(FrameErrorInterval, TheTrueErrorLiesInTheIntervalThatFramesReport) {
   int inside = 0, frames = 0;
   const RenderRequest marble = marble_in_hard_light(), gloss = gloss_without_subsurface();
   for (const Calibration& c : {calibrate(skin_under_dome(), converged_skin(), 20),
@@ -165,7 +165,7 @@ double ratio_of_estimate(double coin, uint32_t samples) {
   return estimated / truth;
 }
 
-TEST(FrameError, FollowsTheConvergence) {
+TEST(FrameErrorInterval, FollowsTheConvergence) {
   for (const uint32_t samples : {8u, 32u, 48u, 56u, 64u}) {
     EXPECT_NEAR(ratio_of_estimate(0, samples), 1, 0.1) << samples;
     EXPECT_NEAR(ratio_of_estimate(1, samples), 1, 0.1) << samples;
@@ -201,7 +201,7 @@ struct Hair {
 
 // The variance of thin strips falls as n^-1.25 at every number of samples: finer strata resolve narrower parts. The law
 // reads the same differences as noise beside a part that is nearly resolved, so E is reported too large.
-TEST(FrameError, HairLiesInTheInterval) {
+TEST(FrameErrorInterval, HairLiesInTheInterval) {
   std::vector<float> reference(4 * kPixels * kPixels, 1);
   for (int i = 0; i < kPixels * kPixels; ++i)
     std::fill_n(&reference[size_t(4 * i)], 3, Hair::of(i % kPixels, i / kPixels).mean());
@@ -221,7 +221,7 @@ TEST(FrameError, HairLiesInTheInterval) {
   }
 }
 
-TEST(FrameError, ABlackFrameEndsAtOnce) {
+TEST(FrameErrorInterval, ABlackFrameEndsAtOnce) {
   SceneBuilder b;
   add_ball_on_floor(&b, {});
   RenderRequest request = request_of(b);
@@ -233,7 +233,7 @@ TEST(FrameError, ABlackFrameEndsAtOnce) {
   EXPECT_EQ(progress.samples_done, 16u * kSize * kSize);
 }
 
-TEST(FrameError, EndsTheRenderAtTheErrorAsked) {
+TEST(FrameErrorInterval, EndsTheRenderAtTheErrorAsked) {
   RenderRequest request = skin_under_dome();
   const auto reference = converged_skin().resolve_float(Aov::color);
   int good = 0;

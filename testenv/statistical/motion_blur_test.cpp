@@ -180,40 +180,40 @@ class MotionBlur : public ::testing::Test {
   }
 };
 
-TEST_F(MotionBlur, OfATranslation) {
+TEST_F(MotionBlur, TranslationIsTheMeanOfStills) {
   add(sphere_, grey_, [](double t) { return shifted(-0.8 + 1.6 * t, 0.3 * t, 0); });
   expect_mean_of_stills();
 }
 
-TEST_F(MotionBlur, OfARotationAboutAnAxisAtASide) {
+TEST_F(MotionBlur, RotationIsTheMeanOfStills) {
   add(box_, grey_, [](double t) { return shifted(0.7, 0, 0) * turned({0, 0, 1}, 150 * t - 40); });
   expect_mean_of_stills();
 }
 
-TEST_F(MotionBlur, OfADeformation) {
+TEST_F(MotionBlur, DeformationIsTheMeanOfStills) {
   add_bulging(grey_);
   expect_mean_of_stills();
 }
 
-TEST_F(MotionBlur, OfTheCamera) {
+TEST_F(MotionBlur, CameraMotionIsTheMeanOfStills) {
   add(box_, grey_, [](double) { return Matrix4d(); });
   motions_.clear();
   camera_ = [](double t) { return look_at({1.5 * t - 0.5, 1 + t, 4 - t}, {0.3 * t, 0, 0}, 40).camera_to_world; };
   expect_mean_of_stills();
 }
 
-TEST_F(MotionBlur, OfABodyThatLightWalksIn) {
+TEST_F(MotionBlur, ScatteringBodyIsTheMeanOfStills) {
   add(sphere_, wax_, [](double t) { return turned({0, 0, 1}, 60 * t) * shifted(-0.6 + 1.2 * t, 0, 0); });
   expect_mean_of_stills();
 }
 
-TEST_F(MotionBlur, OfABodyThatDeforms) {
+TEST_F(MotionBlur, DeformingBodyIsTheMeanOfStills) {
   add_bulging(wax_);
   expect_mean_of_stills();
 }
 
 // A ball moves out of another one, and both scatter as one body.
-TEST_F(MotionBlur, OfAUnionOfBodies) {
+TEST_F(MotionBlur, UnionOfBodiesIsTheMeanOfStills) {
   add(sphere_, wax_, [](double t) { return shifted(-0.3 + 0.1 * t, 0, 0); });
   scatter_in("both");
   add(sphere_, wax_, [](double t) { return shifted(0.8 * t, 0.2 * t, 0); });
@@ -221,19 +221,19 @@ TEST_F(MotionBlur, OfAUnionOfBodies) {
   expect_mean_of_stills();
 }
 
-TEST_F(MotionBlur, OfABodyInModeDiffusion) {
+TEST_F(MotionBlur, BodyInModeDiffusionIsTheMeanOfStills) {
   request_.settings.subsurface = SubsurfaceMode::diffusion;
   add(sphere_, wax_, [](double t) { return turned({0, 0, 1}, 60 * t) * shifted(-0.6 + 1.2 * t, 0, 0); });
   expect_mean_of_stills();
 }
 
-TEST_F(MotionBlur, OfGlass) {
+TEST_F(MotionBlur, GlassIsTheMeanOfStills) {
   add(sphere_, glass_, [](double t) { return shifted(-0.6 + 1.2 * t, 0, 0); });
   expect_mean_of_stills();
 }
 
 // In the still pictures its triangles are sampled, in the blurred one lobes find them.
-TEST_F(MotionBlur, OfALightThatIsAMesh) {
+TEST_F(MotionBlur, MeshLightIsTheMeanOfStills) {
   add(box_, glow_, [](double t) { return shifted(-0.6 + 1.2 * t, 0.2, 0); });
   expect_mean_of_stills();
 }

@@ -289,7 +289,7 @@ TEST(Textured, ZeroInTheMapIsTheDiffuseOfItsChannelBitForBit) {
 }
 
 // Scaling scene, camera, scatter distance and light sizes by 2^k changes no bit.
-TEST(Scale, PowersOfTwoChangeNothing) {
+TEST(RenderScale, PowersOfTwoChangeNothing) {
   const auto picture = [](int exponent) {
     const double s = std::ldexp(1.0, exponent);
     SceneBuilder b;

@@ -16,7 +16,7 @@ namespace {
 constexpr const char* kProbe = "ALABASTER_STATISTICS_PROBE";
 
 // The tests below run it in a process of its own.
-TEST(StatisticsProbe, IsRareWhereItIsToldTo) {
+TEST(StatisticsProbe, FailsInTheRunsThatTheEnvironmentNames) {
   const std::string rare = std::getenv(kProbe) ? std::getenv(kProbe) : "never";
   EXPECT_TRUE(plausible(1, "another test"));
   EXPECT_TRUE(plausible(rare == "in both runs" || (rare == "in the first run" && !is_second_run()) ? 0 : 1, "probe"));
@@ -28,7 +28,7 @@ bool probe_passes(const std::string& rare) {
   return std::system(("'" + program + "' --gtest_filter=StatisticsProbe.* >/dev/null").c_str()) == 0;
 }
 
-TEST(Statistics, WhatIsRareTwiceFails) {
+TEST(Statistics, TestFailsOnlyIfBothRunsAreRare) {
   EXPECT_TRUE(probe_passes("never"));
   EXPECT_TRUE(probe_passes("in the first run"));
   EXPECT_FALSE(probe_passes("in both runs"));

@@ -86,7 +86,7 @@ TEST(HalfSpaceTwin, ObtainsTheAlbedoBesideWalksThatAreGuidedElsewhere) {
 }
 
 // Many of the lobe's directions lead out of the body and are mirrored, which the twin must not follow.
-TEST(HalfSpaceTwin, OfATiltedNormalObtainsTheAlbedo) {
+TEST(HalfSpaceTwin, TwinUnderATiltedNormalObtainsTheAlbedo) {
   const WalkMedium medium = make_medium(kSkin, kScatterDistance, AlbedoInversion::exact);
   const BodyInWorld ball(sphere_mesh(1, 24, false));
   SubsurfaceEntry entry = ball.entry({0, 0, -3}, {0, 0, 1}, medium);
@@ -213,7 +213,7 @@ TEST(HalfSpaceTwin, InTheWrongHalfSpaceIsNoticed) {
   EXPECT_GT(failures, 0);
 }
 
-TEST(HalfSpaceTwin, OfAWalkInAHalfSpaceIsTheWalk) {
+TEST(HalfSpaceTwin, TwinInAHalfSpaceIsTheWalk) {
   for (const Rgb& albedo : {kSkin, kMarble})
     for (const WalkSettings& settings : kSettings) {
       const WalkMedium medium = make_medium(albedo, kScatterDistance, AlbedoInversion::exact);

@@ -60,7 +60,7 @@ std::shared_ptr<const Film> whole_bar() {
       0));
 }
 
-TEST(Union, OverlappingMembersOfASetAreOneBody) {
+TEST(UnionOfBodies, OverlappingMembersOfASetAreOneBody) {
   const auto set = testing::render(bar(
       [](SceneBuilder* b) {
         const auto material = b->material(kWax);
@@ -74,7 +74,7 @@ TEST(Union, OverlappingMembersOfASetAreOneBody) {
   expect_same(*set, *whole_bar(), "set");
 }
 
-TEST(Union, OverlappingShellsOfAMeshAreOneBody) {
+TEST(UnionOfBodies, OverlappingShellsOfAMeshAreOneBody) {
   const auto shells = testing::render(bar(
       [](SceneBuilder* b) {
         b->add(b->prototype(
@@ -85,7 +85,7 @@ TEST(Union, OverlappingShellsOfAMeshAreOneBody) {
   expect_same(*shells, *whole_bar(), "shells");
 }
 
-TEST(Union, TouchingBodiesPassTheLightOn) {
+TEST(UnionOfBodies, TouchingBodiesPassTheLightOn) {
   const auto touching = testing::render(bar(
       [](SceneBuilder* b) {
         const auto material = b->material(kWax);
@@ -104,7 +104,7 @@ TEST(Union, TouchingBodiesPassTheLightOn) {
   expect_same(*walled, *whole_bar(), "welded wall");
 }
 
-TEST(Union, DuplicatedFacesAreOne) {
+TEST(UnionOfBodies, DuplicatedFacesAreOne) {
   const auto twice = testing::render(bar(
       [](SceneBuilder* b) {
         const Mesh one = box_mesh({0, 0, 0}, {2, 0.6f, 0.6f});
@@ -115,7 +115,7 @@ TEST(Union, DuplicatedFacesAreOne) {
 }
 
 // These tests would detect a failure: without a set the light stops at the seam.
-TEST(Union, WithoutASetEachObjectScattersForItself) {
+TEST(UnionOfBodies, WithoutASetEachObjectScattersForItself) {
   const auto apart = testing::render(bar(
       [](SceneBuilder* b) {
         const auto material = b->material(kWax);
@@ -142,7 +142,7 @@ SceneBuilder white_pair(bool set) {
 
 // Without a set each walk starts again where it leaves one body within the other, without an entry. Entry and exit take
 // 1/42 once, as in a set.
-TEST(Union, WhiteOverlapsStayWhite) {
+TEST(UnionOfBodies, WhiteOverlapsStayWhite) {
   for (const bool set : {true, false}) {
     SceneBuilder b = white_pair(set);
     RenderRequest request = request_of(&b, testing::look_at({0, 0, 9}, {0, 0, 0}, 12), 16);
@@ -196,7 +196,7 @@ TEST(OpenMesh, APlaneIsAHalfSpace) {
 }
 
 // White and open: the light that does not come back equals the counter, to the last walk.
-TEST(OpenMesh, WhatIsLostIsCounted) {
+TEST(OpenMesh, LostLightIsCounted) {
   SceneBuilder b;
   const float hole = 0.9f;  // cosine of its half angle: a cap of 5 % of the sphere
   b.add(b.prototype(without_triangles(testing::sphere_mesh(1, 96, false), [&](const Vec3f& c) { return c.y > hole; })),

@@ -116,7 +116,7 @@ TEST(ConfigNumbers, AreTheSameInALocaleWithCommas) {
     EXPECT_EQ(converted(built_in, "Linear Rec.709", space), converted(usual, "Linear Rec.709", space)) << space;
 }
 
-TEST(ConfigNumbers, OfOtherTextsStay) {
+TEST(ConfigNumbers, OtherTextIsUnchanged) {
   EXPECT_EQ(with_whole_numbers("name: 2.2\nocio_profile_version: 2.1\n# gamma: 2.2\n"),
             "name: 2.2\nocio_profile_version: 2.1\n# gamma: 2.2\n");
   EXPECT_EQ(with_whole_numbers("gamma: 2.2.2, a_gamma: 2.2, gamma2.2: 1.5"),
@@ -127,7 +127,7 @@ TEST(ConfigNumbers, OfOtherTextsStay) {
   EXPECT_EQ(with_whole_numbers("gamma: 1.5e99999999"), "gamma: 1.5e99999999");
 }
 
-TEST(ConfigNumbers, OfAFileAreReadWithItsFolder) {
+TEST(ConfigNumbers, ConfigFileIsReadWithItsFolder) {
   const fs::path folder = fs::temp_directory_path() / ("config_numbers_" + std::to_string(getpid()));
   fs::create_directories(folder / "luts");
   std::ofstream(folder / "luts" / "a.spi1d") << "Version 1\nFrom 0.0 1.0\nLength 2\nComponents 1\n{\n0.0\n0.45\n}\n";

@@ -172,7 +172,7 @@ TEST(FrameError, IsNoFalseZero) {
   EXPECT_FALSE(estimate_frame_error(image).relative_rmse <= 1e30);
 }
 
-TEST(FrameError, OfABlackFrameIsZero) {
+TEST(FrameError, BlackFrameHasZeroError) {
   NoiseImage image{2, 1, {}};
   image.pixels.assign(2, {.samples = 4});
   const FrameError error = estimate_frame_error(image);

@@ -46,7 +46,7 @@ TEST(PixelGroup, TheOrderOfABlockIsChance) {
 }
 
 // No group allocates its own samples, or those of the group that ends it.
-TEST(PixelGroup, NoneAllocatesForItselfOrForTheGroupThatEndsIt) {
+TEST(PixelGroup, SamplesAreAllocatedByAnIndependentGroup) {
   for (int g = 0; g < kPixelGroups; ++g) {
     EXPECT_FALSE(allocates(g, g));
     EXPECT_NE(stopping_group(g), g);

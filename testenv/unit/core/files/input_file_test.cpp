@@ -134,7 +134,7 @@ TEST_F(InputFiles, OnlyRegularFilesAreOpened) {
   EXPECT_TRUE(InputFile(path("out/secret")));
 }
 
-TEST_F(InputFiles, WhatWasJudgedIsWhatIsRead) {
+TEST_F(InputFiles, FileThatPassedTheCheckIsTheOneRead) {
   const InputFile file(path("in/a"), in_);
   ASSERT_TRUE(file);
   fs::remove(path("in/a"));

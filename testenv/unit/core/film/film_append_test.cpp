@@ -64,7 +64,7 @@ std::vector<std::byte> contents(FilmTile tile) {
   return bytes;
 }
 
-TEST(FilmAppend, OfTwoPartsIsTheWholeForAllSplits) {
+TEST(FilmAppend, TwoPartsGiveTheBytesOfTheWholeForAllSplits) {
   for (const uint32_t end : {1u, 2u, 3u, 7u, 8u, 9u, 33u, 64u, 100u}) {
     const std::vector<std::byte> whole = contents(tile_of({0, end}));
     for (uint32_t at = 1; at <= end; ++at) {
@@ -75,7 +75,7 @@ TEST(FilmAppend, OfTwoPartsIsTheWholeForAllSplits) {
   }
 }
 
-TEST(FilmAppend, OfManyPartsIsTheWhole) {
+TEST(FilmAppend, ManyPartsGiveTheBytesOfTheWhole) {
   std::mt19937 random(2);
   for (int run = 0; run < 60; ++run) {
     const auto end = static_cast<uint32_t>(1 + random() % 300);

@@ -201,7 +201,7 @@ TEST(Aov, IsFoundByItsName) {
   EXPECT_EQ(find_aov("colour"), nullptr);
 }
 
-TEST(Aov, ThatWasNotAskedForIsItsBackground) {
+TEST(Aov, UnrequestedAovIsItsBackground) {
   Film film({0, 0, 1, 1}, aov_bit(Aov::color));
   for (const AovInfo& info : kAovs) {
     if (info.is_integer())

@@ -48,7 +48,7 @@ TEST(RgbSum, DoesNotDependOnTheOrder) {
   }
 }
 
-TEST(RgbSum, OfPartsIsThatOfTheWhole) {
+TEST(RgbSum, SumOfPartsIsThatOfTheWhole) {
   std::mt19937 random(3);
   for (int i = 0; i < 300; ++i) {
     const std::vector<float> values = random_floats(200, i % 120, static_cast<unsigned>(random()));

@@ -222,7 +222,7 @@ TEST(SanitizeCage, ConstantAndUniformValuesAreSpread) {
   EXPECT_EQ(cage.invisible_faces, (std::vector<int>{1, 4})) << "by their new numbers";
 }
 
-TEST(SanitizeCage, WhatIsCountedByFaceFollowsTheFacesThatStay) {
+TEST(SanitizeCage, PerFaceValuesFollowRemovedFaces) {
   Cage cage = cube_cage();
   cage.face_material = {0, 1, 2, 3, 4, 5};
   cage.hole_indices = {4, 1, 4};

@@ -53,7 +53,7 @@ class EditedObjects : public ::testing::Test {
   EditedObject edited_;
 };
 
-TEST_F(EditedObjects, AreMadeFromThoseThatNobodyHoldsAndHitWhatAFreshOneDoes) {
+TEST_F(EditedObjects, ReusedObjectHasTheHitsOfANewOne) {
   std::shared_ptr<const ObjectScene> shown, next;
   std::vector<const ObjectScene*> seen;
   for (int edit = 0; edit < 6; ++edit) {
@@ -71,7 +71,7 @@ TEST_F(EditedObjects, AreMadeFromThoseThatNobodyHoldsAndHitWhatAFreshOneDoes) {
 }
 
 // Embree has this one as quads.
-TEST_F(EditedObjects, OfQuadsAreMadeFromThoseThatNobodyHolds) {
+TEST_F(EditedObjects, ReusedObjectOfQuadsHasTheHitsOfANewOne) {
   const auto edited = [](float by) {
     RefinementOptions options;
     options.level = 4;
@@ -90,7 +90,7 @@ TEST_F(EditedObjects, OfQuadsAreMadeFromThoseThatNobodyHolds) {
   expect_same(hits(*edited_.build(device_, turned, {})), hits(*build_object_scene(device_, turned, {})));
 }
 
-TEST_F(EditedObjects, OfOtherTrianglesAreBuilt) {
+TEST_F(EditedObjects, ChangedTrianglesAreBuiltAnew) {
   const Mesh cube = build_mesh(test::cube_cage(), {}, {});
   for (const Mesh& mesh : {moved(0), cube, moved(0.01f)}) {
     const auto object = edited_.build(device_, mesh);
@@ -102,7 +102,7 @@ TEST_F(EditedObjects, OfOtherTrianglesAreBuilt) {
   }
 }
 
-TEST_F(EditedObjects, CancelledOrRefusedLeaveNothingBehind) {
+TEST_F(EditedObjects, CancelledOrRefusedBuildsLeaveNoMemory) {
   std::atomic<bool> cancelled{true};
   EXPECT_THROW(edited_.build(device_, moved(0), CancelToken(&cancelled)), BuildCancelled);
   EXPECT_TRUE(edited_.build(device_, moved(0)));  // and is a spare
@@ -112,7 +112,7 @@ TEST_F(EditedObjects, CancelledOrRefusedLeaveNothingBehind) {
   EXPECT_TRUE(sink_.all().empty());
 }
 
-TEST_F(EditedObjects, CountTheirMemoryAndRestWithoutASpare) {
+TEST_F(EditedObjects, MemoryIsCountedAndSparesAreFreed) {
   const size_t before = traced_bytes();
   auto shown = edited_.build(device_, moved(0));
   const size_t one = traced_bytes() - before;
@@ -125,7 +125,7 @@ TEST_F(EditedObjects, CountTheirMemoryAndRestWithoutASpare) {
   EXPECT_LE(traced_bytes(), before + one / 4) << "no spare while it rests";
 }
 
-TEST_F(EditedObjects, OutliveWhoEditsThem) {
+TEST_F(EditedObjects, ObjectsOutliveTheirEditor) {
   std::shared_ptr<const ObjectScene> object;
   {
     EditedObject edited;

@@ -332,7 +332,7 @@ TEST_F(EmbreeScene, ScenesOutliveTheirMakers) {
 }
 
 // At each time a moving instance, and a mesh that deforms, are hit as still ones of that shape and place.
-TEST_F(EmbreeScene, WhatMovesIsHitWhereItIsAtTheRaysTime) {
+TEST_F(EmbreeScene, MovingObjectIsHitAtTheRaysTime) {
   const Mesh still = build_mesh(test::cube_cage(), {}, {});
   const auto larger_by = [&](float factor) {
     std::vector<Vec3f> points = still.points;
@@ -370,7 +370,7 @@ TEST_F(EmbreeScene, WhatMovesIsHitWhereItIsAtTheRaysTime) {
   EXPECT_GT(hits, 50);
 }
 
-TEST_F(EmbreeScene, WhatTurnsInsideOutInTheShutterIsNotTraceable) {
+TEST_F(EmbreeScene, ObjectThatInvertsDuringTheShutterIsNotTraceable) {
   const Affine there{}, mirrored{{-1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {0, 0, 0}};
   EXPECT_TRUE(is_traceable(std::vector<Affine>{there, there}, 10));
   EXPECT_FALSE(is_traceable(std::vector<Affine>{there, mirrored}, 10));

@@ -136,7 +136,7 @@ TEST_F(InstanceCellTest, IndicesFollowThoseThatStandAloneAndOfEarlierArrays) {
 }
 
 // Which cell an instance is in must show nowhere.
-TEST_F(InstanceCellTest, OfSurfacesThatCoincideTheFirstInstanceIsHit) {
+TEST_F(InstanceCellTest, FirstOfCoincidentInstancesIsHit) {
   std::vector<Placement> placements = random_placements();
   for (uint32_t i = 0; i < kCount; i += 2) placements[i + 1] = placements[i];
   const auto scene = build_instanced_scene(device_, {}, {}, {cells(placements, by_thirds)});
@@ -169,7 +169,7 @@ TEST_F(InstanceCellTest, HitsOfTheSmallestTrianglesHaveTheirBarycentrics) {
   EXPECT_FLOAT_EQ(hit.v, 0.5f);
 }
 
-TEST_F(InstanceCellTest, ABuildStopsWhenItIsToldTo) {
+TEST_F(InstanceCellTest, CancelledBuildStops) {
   CellInstances one{only_, {Placement{}}, {false}};
   EXPECT_EQ(build_instance_cell(device_, cube_, std::move(one), [] { return true; }), nullptr);
   EXPECT_TRUE(sink_.all().empty());

@@ -159,7 +159,7 @@ TEST(TwoFaceVertices, CollapsedValuesAreThoseOfEachPoint) {
   }
 }
 
-TEST(TwoFaceVertices, SoDoTheyOnRandomCages) {
+TEST(TwoFaceVertices, CollapsedValuesOfRandomCagesAreThoseOfEachPoint) {
   RandomCages cages(2);
   for (int i = 0; i < 300; ++i) {
     Cage cage = cages.next();

@@ -37,7 +37,7 @@ constexpr std::array<float, 4> kNumbers = {0.5f, 0.5f, 0.5f, 0.5f};
 const auto kConstant = [](const Vec3f&) { return ScatterValue{Rgb(0.5f), 1}; };
 
 // E c / pi (1 - .5 F_L) (1 - .5 F_V) cos, exactly: one light without extent has no noise.
-TEST(DirectLight, OfADistantLightOnAMattPlaneIsAnalytic) {
+TEST(DirectLight, DistantLightOnAMattPlaneIsAnalytic) {
   for (const double degrees : {0.0, 40.0, 75.0}) {
     SceneBuilder b;
     b.add(b.prototype(testing::plane_mesh(2)), b.material(testing::matt({0.8f, 0.4f, 0.2f}))).add(sun(degrees));
@@ -54,7 +54,7 @@ TEST(DirectLight, OfADistantLightOnAMattPlaneIsAnalytic) {
   }
 }
 
-TEST(DirectLight, IsBlackBehindAnOccluderAndAsksNoRayWhereNothingScatters) {
+TEST(DirectLight, OccludedIsBlackAndUnscatteredLightTracesNoRay) {
   SceneBuilder b;
   b.add(b.prototype(testing::plane_mesh(1)), b.material({}), Matrix4d().setTranslation(Vec3d(0, 1, 0))).add(sun(0));
   PathTracer tracer(b.snapshot(), {0, 3, 0});
@@ -95,7 +95,7 @@ TEST(DirectLight, IsWeighedByThePowerHeuristic) {
 
 // A facet that lies flat, with a lobe that leans over its edge: light from below its horizon leaves from the curved
 // surface, with the chance that the wedge gives it, and only if nothing lies between the two.
-TEST(DirectLight, FromBelowTheFacetLeavesFromTheCurvedSurface) {
+TEST(DirectLight, ShadowRayBelowTheFacetStartsAtTheCurvedSurface) {
   for (const bool blocked : {false, true}) {
     SceneBuilder b;
     b.add(sun(100));

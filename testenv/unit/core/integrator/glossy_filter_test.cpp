@@ -31,7 +31,7 @@ testing::RunningStatistics radiance(const std::shared_ptr<const SceneSnapshot>& 
   return statistics;
 }
 
-TEST(GlossyFilter, TakesTheNoiseOfCaustics) {
+TEST(GlossyFilter, ReducesTheNoiseOfCaustics) {
   const auto scene = floor_and_ball(metal(0.1f), testing::matt(Rgb(0.5f)));
   const auto sharp = radiance(scene, 0, 8, 800000), filtered = radiance(scene, 1, 8, 100000);
   EXPECT_LT(filtered.variance(), sharp.variance() / 10) << sharp.variance();

@@ -49,7 +49,7 @@ TEST(LayerSplit, LightFromBelowGoesByTheScatteringEventsOfEachWalk) {
   EXPECT_EQ(sum_of(layers), Rgb(33.0f));
 }
 
-TEST(LayerSplit, WhatATwinTakesIsOfManyEvents) {
+TEST(LayerSplit, TwinsCountAsMultipleScattering) {
   LayerSplit split;
   split.scattered = true;
   split.add_below(Rgb(-1.0f), {0, Rgb(-4.0f)});
@@ -95,7 +95,7 @@ TEST(LayerSplit, LayersOfEverySampleAddUpToItsColor) {
     EXPECT_GT(layer.r, 0);
 }
 
-TEST(LayerSplit, SoDoThoseOfASurfaceThatLetsLightThrough) {
+TEST(LayerSplit, LayersOfATransmissiveSurfaceAddUpToItsColor) {
   testing::SceneBuilder b;
   DisneyParameters glass = lacquer();
   glass.spec_trans = 0.5f;

@@ -138,7 +138,7 @@ TEST(LightLinks, TwoLinkedLightsAreTheSumOfEach) {
 }
 
 // A plate between floor and light that casts no shadow might as well not be there; one that does shades as ever.
-TEST(ShadowLinks, WhatIsNotInTheLinkCastsNoShadow) {
+TEST(ShadowLinks, UnlinkedObjectsCastNoShadow) {
   for (const float roughness : kRoughness) {
     for (const bool dome : {false, true}) {
       const LightDescription light = dome ? testing::constant_dome(1, false) : panel();
@@ -214,7 +214,7 @@ DisneyParameters wax() {
   return p;
 }
 
-TEST(LightLinks, CountWhereLightEntersABody) {
+TEST(LightLinks, LinksApplyWhereLightEntersABody) {
   const auto samples = [](uint32_t set, uint32_t link, bool other) {
     SceneBuilder b;
     b.description.category_sets = kSets;
@@ -239,7 +239,7 @@ TEST(LightLinks, CountWhereLightEntersABody) {
 }
 
 // A link that names everything is no link.
-TEST(LightLinks, ThatHoldEverythingChangeNothing) {
+TEST(LightLinks, LinksOfAllObjectsChangeNoBit) {
   Scene linked(3, glossy(0.3f)), plain(0, glossy(0.3f));
   for (Scene* scene : {&linked, &plain}) {
     const uint32_t set = scene == &linked ? 3 : 0;

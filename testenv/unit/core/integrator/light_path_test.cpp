@@ -90,12 +90,12 @@ void expect_shared(Stage* stage, uint32_t samples = 100000) {
   EXPECT_GT(shares.landed.mean(), 8 * shares.missed.standard_error()) << "or the comparison proves nothing";
 }
 
-TEST(LightPath, BringsWhatItTakes) {
+TEST(LightPath, AddsWhatCameraPathsLeaveOut) {
   Stage stage;
   expect_shared(&stage);
 }
 
-TEST(LightPath, BringsWhatItTakesThroughALens) {
+TEST(LightPath, AddsWhatCameraPathsLeaveOutThroughALens) {
   Stage stage;
   stage.camera.focal_length = 50, stage.camera.horizontal_aperture *= 50, stage.camera.vertical_aperture *= 50;
   stage.camera.f_stop = 50 / (2 * 0.4f);  // a lens of radius 0.4
@@ -103,21 +103,21 @@ TEST(LightPath, BringsWhatItTakesThroughALens) {
   expect_shared(&stage);
 }
 
-TEST(LightPath, BringsWhatItTakesBeforeAnOrthographicCamera) {
+TEST(LightPath, AddsWhatCameraPathsLeaveOutForAnOrthographicCamera) {
   Stage stage;
   stage.camera.orthographic = true;
   stage.camera.horizontal_aperture = stage.camera.vertical_aperture = 3;
   expect_shared(&stage);
 }
 
-TEST(LightPath, BringsWhatItTakesFromDistantLightsAndASky) {
+TEST(LightPath, AddsWhatCameraPathsLeaveOutOfDistantLightsAndASky) {
   Stage stage(metal(0.4f), testing::matt(Rgb(0.5f)), small_light(LightType::distant));
   stage.builder.add(testing::constant_dome(0.5f, true));
   expect_shared(&stage);
 }
 
 // One light is chosen of many, and some lie below the horizon.
-TEST(LightPath, BringsWhatItTakesFromManyLights) {
+TEST(LightPath, AddsWhatCameraPathsLeaveOutOfManyLights) {
   Stage stage;
   for (int i = 0; i < 40; ++i) {
     LightDescription light = small_light();
@@ -129,7 +129,7 @@ TEST(LightPath, BringsWhatItTakesFromManyLights) {
 }
 
 // The ball scatters and has a coat; the floor reflects, too.
-TEST(LightPath, BringsWhatItTakesFromABodyOntoGloss) {
+TEST(LightPath, AddsWhatCameraPathsLeaveOutFromABodyToAGlossyFloor) {
   DisneyParameters coated = wax(0.2f), floor;
   coated.clearcoat = 1;
   floor.roughness = 0.6f;
@@ -138,7 +138,7 @@ TEST(LightPath, BringsWhatItTakesFromABodyOntoGloss) {
 }
 
 // Light that lands on sheets which are seen from one side alone, or partly there: camera paths come the other way.
-TEST(LightPath, BringsWhatItTakesThroughSheets) {
+TEST(LightPath, AddsWhatCameraPathsLeaveOutThroughSheets) {
   Stage stage;
   DisneyParameters film = testing::matt(Rgb(0.5f));
   film.opacity = 0.5f;
@@ -156,7 +156,7 @@ TEST(LightPath, BringsWhatItTakesThroughSheets) {
 }
 
 // A mesh of large and small triangles, stretched and mirrored.
-TEST(LightPath, BringsWhatItTakesFromStretchedMeshes) {
+TEST(LightPath, AddsWhatCameraPathsLeaveOutFromStretchedMeshes) {
   Stage stage;
   stage.builder.description.instances[0].object_to_world =
       Matrix4d().setScale(Vec3d(-1.5, 0.7, 0.8)) * Matrix4d().setTranslation(Vec3d(0, 0.8, -1.2));
@@ -164,7 +164,7 @@ TEST(LightPath, BringsWhatItTakesFromStretchedMeshes) {
 }
 
 // Each face twice: a ray meets one of the two.
-TEST(LightPath, BringsWhatItTakesFromDoubledFaces) {
+TEST(LightPath, AddsWhatCameraPathsLeaveOutFromDoubledFaces) {
   Stage stage;
   Mesh doubled = testing::sphere_mesh(1, 24, true);
   const auto once = doubled.triangles;
@@ -178,7 +178,7 @@ TEST(LightPath, BringsWhatItTakesFromDoubledFaces) {
 }
 
 // The dome is sampled where light enters a body, and left to the lobes where the body is too dense for a walk.
-TEST(LightPath, BringsWhatItTakesFromASkyOverBodies) {
+TEST(LightPath, AddsWhatCameraPathsLeaveOutOfASkyOverBodies) {
   for (const float distance : {0.2f, 1e-7f}) {
     SCOPED_TRACE(distance);
     Stage stage(wax(distance));
@@ -188,7 +188,7 @@ TEST(LightPath, BringsWhatItTakesFromASkyOverBodies) {
 }
 
 // Walls that scatter all around the camera. A diffusion profile has no way out of them, and light meets their lobes.
-TEST(LightPath, BringsWhatItTakesWithinBodies) {
+TEST(LightPath, AddsWhatCameraPathsLeaveOutWithinBodies) {
   for (const SubsurfaceMode mode : {SubsurfaceMode::diffusion, SubsurfaceMode::walk}) {
     Stage stage;
     stage.settings.subsurface = mode;
@@ -201,7 +201,7 @@ TEST(LightPath, BringsWhatItTakesWithinBodies) {
 }
 
 // The camera stands between two glasses: in the box around both, in neither of them.
-TEST(LightPath, BringsWhatItTakesBetweenGlasses) {
+TEST(LightPath, AddsWhatCameraPathsLeaveOutBetweenGlasses) {
   Stage stage;
   DisneyParameters glass;
   glass.spec_trans = 1;
@@ -219,7 +219,7 @@ TEST(LightPath, AWrongNumberOfPathsFails) {
   EXPECT_TRUE(noticed(result));
 }
 
-TEST(LightPath, TakesTheNoiseOfCaustics) {
+TEST(LightPath, ReducesTheNoiseOfCaustics) {
   Stage stage(metal(0.15f));
   const auto scene = stage.builder.snapshot();
   const Camera camera(stage.camera, kSide, kSide, scene->origin);

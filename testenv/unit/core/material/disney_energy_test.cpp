@@ -142,7 +142,7 @@ TEST(DisneyEnergy, TheWalksShareIsExactAndTheOthersYieldToIt) {
   EXPECT_GT(red + double(DisneyDiffuse::lambert_albedo(wo.z)), 0.99);
 }
 
-TEST(DisneyEnergy, WhereThePublishedModelKeepsEnergyItStands) {
+TEST(DisneyEnergy, EnergyConservingSurfacesAreThePublishedModel) {
   DisneyParameters p;
   p.base_color = Rgb(0.5f);
   p.clearcoat = p.sheen = 0.5f;

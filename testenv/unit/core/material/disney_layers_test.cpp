@@ -83,7 +83,7 @@ void expect_reciprocal(const DisneyParameters& p, float eta, const Pair& w, Ener
   EXPECT_NEAR(passed, again, 2e-3f * again + 1e-4f);
 }
 
-TEST(DisneyLayers, WhatPassesASheetOrAnInterfaceIsReciprocal) {
+TEST(DisneyLayers, TransmissionOfSheetsAndInterfacesIsReciprocal) {
   Rng rng(testing::run_seed(81), 1);
   for (int i = 0; i < 30000 && !::testing::Test::HasFailure(); ++i) {
     DisneyParameters p = layered(rng);

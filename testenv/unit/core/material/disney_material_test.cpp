@@ -98,7 +98,7 @@ TEST(DisneyMaterial, ReadsTheMeshsColorsAndTheNamedTextureCoordinates) {
   EXPECT_EQ(material.evaluate({mesh, hit, {9, 9}}).specular_color, Rgb(0.125f, 0, 2)) << "looked up at (0, 0)";
 }
 
-TEST(UvTransform, IsThatOfKhrTextureTransform) {
+TEST(UvTransform, MatchesKhrTextureTransform) {
   EXPECT_EQ(UvTransform()({0.3f, -0.7f}), Vec2f(0.3f, -0.7f));
   // v down: (.25, .5) scaled (.5, 1) by (2, 2), turned by 90 degrees (y, -x) = (1, -.5), moved (1.1, -.3).
   const Vec2f uv = UvTransform({0.1f, 0.2f}, kPi / 2, {2, 2})({0.25f, 0.5f});

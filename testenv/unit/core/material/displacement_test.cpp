@@ -78,7 +78,7 @@ float ridges(const Vec2f& uv) {
   return 0.05f * std::sin(40 * uv.x) * std::cos(17 * uv.y);
 }
 
-TEST(Displacement, BySeveralScalesAndMidlevelsOfAConstantASphereIsABiggerSphere) {
+TEST(Displacement, ConstantHeightMakesASphereLarger) {
   for (const bool smooth : {true, false}) {
     const Mesh sphere = testing::sphere_mesh(2, 24, smooth);
     Displacement d = by([](const Vec2f&) { return Rgb(0.75f, 9, 9); });
@@ -219,7 +219,7 @@ TEST(Displacement, TracesAsAMeshThatIsDisplacedByHand) {
   EXPECT_EQ(hits, 2000);
 }
 
-TEST(Displacement, OfOneMaterialMeetsTheOtherHalfway) {
+TEST(Displacement, PointsSharedByMaterialsTakeTheMean) {
   Cage cage = test::grid_cage(2);
   add_plane_uvs(&cage, 2);
   cage.face_material = {0, 1, 0, 1};
@@ -230,7 +230,7 @@ TEST(Displacement, OfOneMaterialMeetsTheOtherHalfway) {
   }
 }
 
-TEST(Displacement, OfPointsThatWouldNotBeFiniteIsAnErrorAndLeavesThem) {
+TEST(Displacement, NonFiniteDisplacementIsAnErrorAndLeavesPoints) {
   Cage cage = test::grid_cage(2);
   add_plane_uvs(&cage, 2);
   for (const float value : {std::numeric_limits<float>::quiet_NaN(), std::numeric_limits<float>::infinity(), 1e30f}) {

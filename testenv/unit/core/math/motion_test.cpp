@@ -15,7 +15,7 @@ Matrix4d scaled(double x, double y) {
   return Matrix4d().setScale(Vec3d(x, y, 1));
 }
 
-TEST(Motion, WhatTurnsKeepsItsSizeBetweenSamples) {
+TEST(MotionSamples, RotationKeepsSizeBetweenSamples) {
   const TimeSamples<Matrix4d> samples{
       {0, 1}, {scaled(2, 2) * turned(10) * shifted(1), scaled(2, 2) * turned(100) * shifted(5)}};
   for (const double t : {0.0, 0.25, 0.5, 1.0}) {
@@ -24,7 +24,7 @@ TEST(Motion, WhatTurnsKeepsItsSizeBetweenSamples) {
   }
 }
 
-TEST(Motion, BeyondTheSamplesThingsStandStill) {
+TEST(MotionSamples, BeyondTheSamplesThingsStandStill) {
   const TimeSamples<Matrix4d> samples{{-1, 1}, {shifted(1), shifted(2)}};
   EXPECT_EQ(interpolate(samples, -7), shifted(1));
   EXPECT_EQ(interpolate(samples, 7), shifted(2));
@@ -33,7 +33,7 @@ TEST(Motion, BeyondTheSamplesThingsStandStill) {
   EXPECT_EQ(even_poses({{0, 1}, {shifted(1), shifted(1)}}, {0, 1}).size(), 1u) << "nothing changes";
 }
 
-TEST(Motion, ShearAndMirroringAreKept) {
+TEST(MotionSamples, ShearAndMirroringAreKept) {
   Matrix4d sheared = scaled(1, 3) * turned(30) * scaled(2, 1);
   for (const double sign : {1.0, -1.0}) {
     const Matrix4d a = scaled(sign, 1) * sheared;
@@ -41,13 +41,13 @@ TEST(Motion, ShearAndMirroringAreKept) {
   }
 }
 
-TEST(Motion, WhatCannotBeDecomposedIsInterpolatedEntryByEntry) {
+TEST(MotionSamples, SingularMatricesAreInterpolatedByEntry) {
   const Matrix4d flat = scaled(0, 1), mirrored = scaled(-1, 1);
   EXPECT_EQ(interpolate({{0, 1}, {flat, turned(90)}}, 0.5), flat * 0.5 + turned(90) * 0.5);
   EXPECT_EQ(interpolate({{0, 1}, {mirrored, turned(90)}}, 0.5), mirrored * 0.5 + turned(90) * 0.5);
 }
 
-TEST(Motion, EvenPosesHaveTheSamplesAmongThem) {
+TEST(MotionSamples, EvenPosesHaveTheSamplesAmongThem) {
   EXPECT_EQ(even_pose_count({0, 1}, {0, 1}, 65), 2u);
   EXPECT_EQ(even_pose_count({0, 0.5, 1}, {0, 1}, 65), 3u);
   EXPECT_EQ(even_pose_count({-1, 0, 1}, {-0.25, 0.25}, 65), 3u);
@@ -59,7 +59,7 @@ TEST(Motion, EvenPosesHaveTheSamplesAmongThem) {
 }
 
 // Linear interpolation between two poses shrinks what turns.
-TEST(Motion, APoseTurnsByAFewDegreesFromTheLast) {
+TEST(MotionSamples, APoseTurnsByAFewDegreesFromTheLast) {
   const auto poses = even_poses({{0, 1}, {turned(0), turned(90)}}, {0, 1});
   EXPECT_EQ(poses.size(), 31u);
   std::vector<Affine> maps;
@@ -74,7 +74,7 @@ TEST(Motion, APoseTurnsByAFewDegreesFromTheLast) {
       kMostPoses);
 }
 
-TEST(Motion, TheInverseOfAMap) {
+TEST(MotionSamples, InverseMapsBack) {
   const Affine map = to_affine(scaled(0.1, 20) * turned(77) * shifted(12));
   const Affine back = inverse(map);
   const Vec3f p(0.3f, -0.2f, 4);
@@ -82,7 +82,7 @@ TEST(Motion, TheInverseOfAMap) {
   EXPECT_LT(length(back.vector(map.vector(p)) - p), 2e-5f);
 }
 
-TEST(Motion, LeastStretchBetweenMapsBoundsThemAll) {
+TEST(MotionSamples, LeastStretchBetweenMapsBoundsThemAll) {
   const auto maps = {std::pair(turned(0), turned(90)), std::pair(scaled(1, 1), scaled(0.01, 3) * turned(20)),
                      std::pair(scaled(-1, 1), scaled(-2, 1) * turned(3))};
   for (const auto& [from, to] : maps) {

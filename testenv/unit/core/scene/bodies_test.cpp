@@ -148,7 +148,7 @@ TEST(Bodies, AMaterialThatNoFaceUsesPlansNothing) {
 }
 
 // Light that leaves a white bowl through its opening is lost and counted, also when a sphere step carries it out.
-TEST(Bodies, WhatSphereStepsCarryOutIsCounted) {
+TEST(Bodies, LightLostBySphereStepsIsCounted) {
   SceneBuilder b;
   Mesh bowl = testing::sphere_mesh(1, 32, false);
   std::erase_if(bowl.triangles, [&](const auto& t) { return bowl.points[t[0]].y > 0.9f; });

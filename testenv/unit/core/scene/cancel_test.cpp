@@ -13,7 +13,7 @@
 namespace alabaster {
 namespace {
 
-TEST(Cancel, EveryStretchAsksAndIsWholeTheNextTime) {
+TEST(Cancel, EveryBuildStepCanBeCancelledAndRepeated) {
   const auto device = make_trace_device({});
   const Cage cage = test::cube_cage(SubdivisionScheme::catmull_clark);
   RefinementOptions options;

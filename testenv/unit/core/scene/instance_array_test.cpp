@@ -239,7 +239,7 @@ TEST_F(InstanceArrayTest, ManyEditsChooseNewCells) {
   EXPECT_NE(compile()->arrays[0].placed->traced.slots, slots) << "more than an eighth";
 }
 
-TEST_F(InstanceArrayTest, ComesAndGoesAtItsEnd) {
+TEST_F(InstanceArrayTest, ArrayGrowsAndShrinksAtItsEnd) {
   auto last = compile();
   const size_t cells = last->arrays[0].placed->traced.cells.size();
   const auto expect_as_fresh = [&](const char* what) {

@@ -17,7 +17,7 @@ size_t held_by(const Film& film) {
   return bytes;
 }
 
-TEST(FrameMemory, IsThatOfTheFilm) {
+TEST(FilmMemory, BytesAreThoseOfTheFilm) {
   for (const testing::FrameMemoryCase& c : testing::frame_memory_cases()) {
     const RenderRequest request = testing::frame_memory_request(c.settings);
     const auto film = testing::render(request);
@@ -29,12 +29,12 @@ TEST(FrameMemory, IsThatOfTheFilm) {
 
 // The noise of a pixel has 24 bytes, and its two scales have 16. Tables by number of samples, and what threads compute
 // with, do not grow with the frame.
-TEST(FrameMemory, OfTheErrorEstimateIsAThirdOfTheFilm) {
+TEST(FilmMemory, ErrorEstimateTakesAThirdOfTheFilm) {
   EXPECT_LE(frame_error_bytes({0, 0, 1000, 1000}, 64), 40'000'000u + 2000);
 }
 
 // A table of factors by number of samples.
-TEST(FrameMemory, GrowsWithTheNumberOfSamples) {
+TEST(FilmMemory, GrowsWithTheNumberOfSamples) {
   RenderSettings settings;
   settings.samples = 1 << 20;
   const size_t bytes = frame_bytes({0, 0, 1, 1}, 0, settings);

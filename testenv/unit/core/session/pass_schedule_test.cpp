@@ -30,7 +30,7 @@ TEST(PassSchedule, TheFirstSampleCoversTheFrameInEverSmallerBlocks) {
 }
 
 // Two tiles: the first runs ahead.
-TEST(FinishedPasses, CountWhatEveryTileHasFinished) {
+TEST(FinishedPasses, CountPassesThatEveryTileHasFinished) {
   FinishedPasses finished(2, 3);
   finished.add_tile(0);
   finished.add_tile(1);

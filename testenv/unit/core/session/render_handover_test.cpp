@@ -129,7 +129,7 @@ TEST(RenderHandover, AFilmTakesTheMemoryOfTheLastOfItsShape) {
   EXPECT_TRUE(same_picture(next, *drawn));
 }
 
-TEST(WakeRelay, WakesAtOnceWhereNobodyCarries) {
+TEST(WakeRelay, WakesAtOnceWithoutACarrier) {
   int wakes = 0;
   WakeRelay relay([&] { ++wakes; }, {});
   relay.ask();

@@ -98,14 +98,14 @@ std::shared_ptr<const Film> at_once(const RenderRequest& request) {
   return session.film();
 }
 
-TEST(RenderState, AnInterruptedRenderBecomesTheSame) {
+TEST(RenderState, InterruptedRenderResumesToTheSameBytes) {
   const RenderRequest request = request_of(20);
   const auto whole = contents(*at_once(request));
   for (unsigned seed = 0; seed < 4; ++seed)
     ASSERT_TRUE(contents(*in_pieces(request, seed)) == whole) << "seed " << seed;
 }
 
-TEST(RenderState, SoDoesAnAdaptiveOne) {
+TEST(RenderState, AdaptiveRenderResumesToTheSameBytes) {
   RenderRequest request = request_of(40);
   request.settings.adaptive = true;
   const auto whole = contents(*at_once(request));
@@ -113,7 +113,7 @@ TEST(RenderState, SoDoesAnAdaptiveOne) {
     ASSERT_TRUE(contents(*in_pieces(request, seed)) == whole) << "seed " << seed;
 }
 
-TEST(RenderState, SoDoesOneThatEndsAtATargetError) {
+TEST(RenderState, RenderWithTargetErrorResumesToTheSameBytes) {
   RenderRequest request = request_of(4096);
   request.settings.target_error = 0.15f;
   const auto whole = contents(*at_once(request));
@@ -318,7 +318,7 @@ TEST(RenderState, PartsAddUpToTheWhole) {
   }
 }
 
-TEST(RenderState, AStoppedRenderHasOne) {
+TEST(RenderState, StoppedRenderHasAState) {
   RenderRequest request = request_of(100000);
   RenderSession session;
   Blocks blocks;
@@ -342,7 +342,7 @@ Blocks with_time(Blocks blocks, double from, double to) {
 }
 
 // The render's clock continues from there, and holds nanoseconds.
-TEST(RenderState, HasATimeThatClocksHold) {
+TEST(RenderState, RenderTimeOfAStateFitsAClock) {
   RenderSession session;
   session.start(request_of(2));
   ASSERT_TRUE(session.wait(60));
@@ -358,7 +358,7 @@ TEST(RenderState, HasATimeThatClocksHold) {
 }
 
 // The checkpoint that it writes is read again.
-TEST(RenderState, GoesOnFromTheLongestTimeAndStaysThere) {
+TEST(RenderState, LongestRenderTimeSaturatesOnResume) {
   RenderRequest request = request_of(2);
   RenderSession first;
   first.start(request);
@@ -379,7 +379,7 @@ TEST(RenderState, GoesOnFromTheLongestTimeAndStaysThere) {
 }
 
 // Whatever the bytes are, they are refused or give a state; sanitizers see the rest.
-TEST(RenderState, SurvivesBytesOfAnyKind) {
+TEST(RenderState, DamagedBytesAreRefused) {
   RenderRequest request = request_of(24);
   request.data_window = {0, 0, 40, 8};
   request.settings.adaptive = true;

@@ -64,7 +64,7 @@ TEST(SampleReport, NamesHitsLobesLightsAndWalkEvents) {
     EXPECT_NE(text.find(part), std::string::npos) << part << " is missing in\n" << text;
 }
 
-TEST(SampleReport, WithoutASampleAllAreListedAndTheBrightestIsFollowed) {
+TEST(SampleReport, WithoutASampleNumberTheBrightestPathIsPrinted) {
   SceneBuilder b;
   const RenderRequest request = wax_ball(&b);
   const std::string text = report_sample(request, 8, 8, std::nullopt);

@@ -76,7 +76,7 @@ std::shared_ptr<DisneyMaterial> textured(const char* parameter, bool is_linear) 
   return material;
 }
 
-TEST(TextureFilter, TakesTheNoiseOfTexelsSmallerThanPixels) {
+TEST(TextureFilter, ReducesTheNoiseOfTexelsSmallerThanPixels) {
   const auto material = textured("baseColor", true);
   double plain = 0, filtered = 0;
   const double before = variance_over_pixels(plane_request(material, 0), &plain);

@@ -201,7 +201,7 @@ TEST(SubsurfaceBody, NoMemberHasAGridWhereOneCanHaveNone) {
 }
 
 // The grid of the sphere is kept with its mesh even so, and counts.
-TEST(SubsurfaceBody, AGridThatNobodyUsesCountsInTheScenesMemory) {
+TEST(SubsurfaceBody, UnusedGridCountsInTheScenesMemory) {
   const auto bytes_of = [&](float scatter_distance) {
     Bodies b(scatter_distance);
     b.add(sphere_mesh(1, 8, false)).add(heap_of_sheets()).body();

@@ -118,13 +118,13 @@ TEST(AlbedoInversion, FallsStrictly) {
 }
 
 // The tests' solver is right where a closed form is known...
-TEST(AnisotropicHalfSpace, IsChandrasekharsWithoutAnisotropy) {
+TEST(AnisotropicHalfSpaceSolution, IsChandrasekharsWithoutAnisotropy) {
   for (const double complement : {0.9, 0.5, 0.1, 1e-2, 1e-4})
     EXPECT_NEAR(testing::anisotropic_half_space_albedo(complement, 0), testing::half_space_albedo(complement), 2e-9);
 }
 
 // ... and agrees with another method: testenv/walks/fit_anisotropic_inversion.py, 128 directions.
-TEST(AnisotropicHalfSpace, IsTheDiscreteOrdinatesSolution) {
+TEST(AnisotropicHalfSpaceSolution, IsTheDiscreteOrdinatesSolution) {
   constexpr double kKnown[][3] = {{-0.9, 0.5, 0.2502786709}, {-0.9, 0.01, 0.8475340929}, {-0.5, 0.1, 0.5468555899},
                                   {0.3, 0.01, 0.7600990986}, {0.7, 0.1, 0.2768330240},   {0.7, 1e-4, 0.9587718126},
                                   {0.9, 0.5, 0.0182542025},  {0.9, 0.01, 0.4934153756}};

@@ -48,7 +48,7 @@ Found find(const Cage& cage) {
   return found;
 }
 
-TEST(Shells, ASoundMeshHasNothingToSay) {
+TEST(Shells, SoundMeshHasNoWarnings) {
   for (const Cage& cage : {box({5, 0, 0}, 1), test::octahedron_cage(), test::pentagon_prism_cage()}) {
     const Found f = find(cage);
     EXPECT_TRUE(f.shells.triangle_flags.empty());
@@ -229,7 +229,7 @@ TEST(Shells, ScaleChangesNothing) {
   }
 }
 
-TEST(Shells, OfEditedPointsAreThoseWithoutACache) {
+TEST(Shells, CachedTopologyGivesTheShellsOfEditedPoints) {
   ShellTopologyCache cache(nullptr);
   Cage cage = both(box({0, 0, 0}, 1), box({5, 0, 0}, 1, true));
   const auto device = make_trace_device({});
@@ -248,7 +248,7 @@ TEST(Shells, OfEditedPointsAreThoseWithoutACache) {
   }
 }
 
-TEST(Shells, TheirTopologyIsFoundOnceAndCounted) {
+TEST(Shells, TopologyIsFoundOnceAndCounted) {
   const auto budget = std::make_shared<MemoryBudget>();
   ShellTopologyCache cache(budget);
   const std::vector<WeldedCorners> one{{0, 1, 2}, {0, 2, 1}}, other{{0, 1, 2}, {0, 1, 2}};
@@ -263,7 +263,7 @@ TEST(Shells, TheirTopologyIsFoundOnceAndCounted) {
   EXPECT_EQ(budget->in_use(MemoryUse::subsurface), 0u);
 }
 
-TEST(Shells, RubbishIsTaken) {
+TEST(Shells, MalformedMeshesAreAccepted) {
   EXPECT_TRUE(find(Cage()).shells.triangle_flags.empty());
   Cage flat = test::cube_cage();
   for (Vec3f& p : flat.points) p = Vec3f(1, 1, 1);

@@ -53,7 +53,7 @@ std::string fault_of(const std::string& bytes) {
   return fault.text;
 }
 
-TEST(ExrHeader, OfAnHonestFileIsGood) {
+TEST(ExrHeader, ValidHeaderIsAccepted) {
   EXPECT_EQ(fault_of(file(0, part(attribute("owner", "string", "me") + window(64, 16)), 16 * 8)), "");
   EXPECT_EQ(fault_of(file(kTiled, part(window(100, 100) + tiles(32, 32)), 16 * 8)), "");
   EXPECT_EQ(fault_of(file(kTiled, part(window(10, 10) + tiles(64, 64)), 8)), "");
@@ -63,7 +63,7 @@ TEST(ExrHeader, OfAnHonestFileIsGood) {
 }
 
 // Whatever else is wrong, OpenEXR finds.
-TEST(ExrHeader, ThatEndsIsLeftToOpenExr) {
+TEST(ExrHeader, TruncatedHeaderIsLeftToOpenExr) {
   const std::string whole = file(0, part(window(64, 1) + tiles(1, 1)), 0);
   for (size_t size = 0; size + 9 < whole.size(); ++size) {
     const std::string text = fault_of(whole.substr(0, size));

@@ -100,13 +100,13 @@ class ExrPieces : public TextureFile {
   }
 };
 
-TEST_F(ExrPieces, WithoutBytesAreRefused) {
+TEST_F(ExrPieces, EmptyPiecesAreRefused) {
   for (const uint8_t compression : {kNone, kRle, kZips}) expect_refused(compression, 1, {});
   for (const uint8_t compression : {kZip, kPxr24}) expect_refused(compression, 16, {});
   for (const uint8_t compression : {kPiz, kB44, kB44a, kDwaa}) expect_refused(compression, 32, {});
 }
 
-TEST_F(ExrPieces, ThatAreTooShortAreRefused) {
+TEST_F(ExrPieces, TooShortPiecesAreRefused) {
   expect_read(kNone, 1, Bytes(kRowBytes, 0));
   expect_refused(kNone, 1, Bytes(kRowBytes - 2, 0));
   expect_read(kZips, 1, deflated(kRowBytes));
@@ -118,7 +118,7 @@ TEST_F(ExrPieces, ThatAreTooShortAreRefused) {
   expect_refused(kRle, 1, {0x90, 0, 0});
 }
 
-TEST_F(ExrPieces, OfDwaCountWhatTheyStore) {
+TEST_F(ExrPieces, DwaPiecesAreMeasuredAsStored) {
   const size_t whole = size_t(kRowBytes) * kHeight;
   expect_read(kDwaa, 32, dwa(whole, whole));
   expect_refused(kDwaa, 32, dwa(0, 0));
@@ -127,7 +127,7 @@ TEST_F(ExrPieces, OfDwaCountWhatTheyStore) {
 
 // As OpenEXR writes them: pieces that are not compressed because that would make them longer, the last rows, windows
 // that begin anywhere, channels of several types, tiles.
-TEST_F(ExrPieces, OfOpenExrAreRead) {
+TEST_F(ExrPieces, PiecesWrittenByOpenExrAreRead) {
   for (const char* compression : {"none", "rle", "zips", "zip", "piz", "pxr24", "b44", "b44a", "dwaa", "dwab"})
     for (const bool is_noise : {false, true})
       for (const int tile : {0, 16}) {
@@ -147,7 +147,7 @@ TEST_F(ExrPieces, OfOpenExrAreRead) {
       }
 }
 
-TEST_F(ExrPieces, ThatTheTableDoesNotFindAreRefused) {
+TEST_F(ExrPieces, PiecesMissingFromTheOffsetTableAreRefused) {
   const Bytes good = file_of(kNone, 1, Bytes(kRowBytes, 0));
   const size_t table = header(kNone).size();
   for (const uint64_t place : {uint64_t(0), uint64_t(good.size()), uint64_t(good.size() - 4), ~uint64_t(0),

@@ -8,7 +8,7 @@ using testing::kQuad;
 using testing::noise;
 using testing::TextureFile;
 
-TEST_F(TextureFile, WhatIsNoImageIsReported) {
+TEST_F(TextureFile, FileThatIsNoImageIsReported) {
   struct Case {
     std::string file, expected;
   };
@@ -29,7 +29,7 @@ TEST_F(TextureFile, WhatIsNoImageIsReported) {
   }
 }
 
-TEST_F(TextureFile, TruncatedFilesAreRefusedWithoutAWord) {
+TEST_F(TextureFile, TruncatedFilesAreRefusedWithoutOutput) {
   ::testing::internal::CaptureStderr();
   for (const char* name : {"t.png", "t.jpg", "t.exr", "t.tif", "t.hdr", "t.webp"}) {
     const bool is_float = std::string(name) == "t.exr" || std::string(name) == "t.hdr";

@@ -168,7 +168,7 @@ TEST_F(ImageWindows, ThePictureIsTheDisplayWindow) {
     }
 }
 
-TEST_F(ImageWindows, ThatDoNotMeetAreRefused) {
+TEST_F(ImageWindows, DisjointWindowsAreRefused) {
   EXPECT_FALSE(load(write_window(200, 0, 210, 10, 100, 50, 0)));
   EXPECT_NE(reports_.text().find("outside of its display window"), std::string::npos) << reports_.text();
   EXPECT_FALSE(load(write_window(0, 0, 10, 10, 1 << 20, 1 << 20, 0)));

@@ -140,7 +140,7 @@ class WebpStreams : public ImageStreams {
 };
 
 // OpenImageIO takes six bytes off a block of Exif, however short it is.
-TEST_F(WebpStreams, WhatIsNoPictureIsDropped) {
+TEST_F(WebpStreams, ChunksOtherThanThePictureAreDropped) {
   constexpr uint8_t kExif = 0x08;
   EXPECT_EQ(fault_of("a.webp", riff({extended(kExif, 2, 2), picture(), chunk("EXIF", {1, 2})})), "");
   EXPECT_EQ(texture_->width(), 2);
@@ -184,7 +184,7 @@ class JpegStreams : public ImageStreams {
   }
 };
 
-TEST_F(JpegStreams, WhatApplicationsAddIsDropped) {
+TEST_F(JpegStreams, ApplicationSegmentsAreDropped) {
   ASSERT_EQ(fault_of("a.jpg", whole_), "");
   const Rgb plain = texture_->texel(1, 1);
   EXPECT_EQ(fault_of("a.jpg", with({0xff, 0xe1, 0, 7, 'E', 'x', 'i', 'f', 0})), "");

@@ -190,7 +190,7 @@ class ImageOrientation : public ImageValues {
   }
 };
 
-TEST_F(ImageOrientation, OfRadiance) {
+TEST_F(ImageOrientation, RadianceOrientationIsApplied) {
   for (const Orientation& o : kOrientations) {
     std::array<int, 2> size{};
     std::vector<std::array<uint8_t, 4>> pixels;
@@ -202,18 +202,18 @@ TEST_F(ImageOrientation, OfRadiance) {
   }
 }
 
-TEST_F(ImageOrientation, OfTiff) {
+TEST_F(ImageOrientation, TiffOrientationIsApplied) {
   for (const Orientation& o : kOrientations)
     for (const auto& format : {OIIO::TypeUInt8, OIIO::TypeUInt16, OIIO::TypeFloat})
       expect_upright(write_stored("a.tif", o, format, 1), "TIFF " + std::to_string(o.number));
 }
 
-TEST_F(ImageOrientation, OfExifInJpeg) {
+TEST_F(ImageOrientation, ExifOrientationInJpegIsApplied) {
   for (const Orientation& o : kOrientations)
     expect_upright(write_stored("a.jpg", o, OIIO::TypeUInt8, 16), "JPEG " + std::to_string(o.number));
 }
 
-TEST_F(ImageOrientation, OfExifInPng) {
+TEST_F(ImageOrientation, ExifOrientationInPngIsApplied) {
   for (const Orientation& o : kOrientations) {
     Bytes file = slurp(write_stored("a.png", o, OIIO::TypeUInt8, 1));
     const Bytes data = exif(o.number);
@@ -228,7 +228,7 @@ TEST_F(ImageOrientation, OfExifInPng) {
   }
 }
 
-TEST_F(ImageOrientation, OfExifInWebp) {
+TEST_F(ImageOrientation, ExifOrientationInWebpIsApplied) {
   if (!OIIO::ImageOutput::create("a.webp")) GTEST_SKIP() << "OpenImageIO was built without WebP";
   for (const Orientation& o : kOrientations) {
     const Bytes plain = slurp(write_stored("a.webp", o, OIIO::TypeUInt8, 16));

@@ -178,7 +178,7 @@ TEST_F(DoorCallbacks, VisitsHoldNoLock) {
 }
 
 // No other call may come.
-TEST_F(DoorCallbacks, WhatAReportDestroysGoesWithTheNextDestroy) {
+TEST_F(DoorCallbacks, HandleDestroyedInAReportIsFreedByTheNextDestroy) {
   AlabasterScene *spare = nullptr, *other = nullptr, *reports = nullptr;
   const auto report = [](void* user, const AlabasterDiagnostic*) {
     api().scene_destroy(std::exchange(*static_cast<AlabasterScene**>(user), nullptr));

@@ -79,7 +79,7 @@ std::vector<Pair> DoorCounts::pairs() {
   };
 }
 
-TEST_F(DoorCounts, WithoutTheirArraysAreRefused) {
+TEST_F(DoorCounts, CountsWithoutArraysAreRefused) {
   for (const Pair& pair : pairs()) {
     EXPECT_EQ(pair.call(), ALABASTER_INVALID_ARGUMENT) << pair.where;
     EXPECT_NE(std::string(api().last_error()).find("null"), std::string::npos) << pair.where << api().last_error();
@@ -87,7 +87,7 @@ TEST_F(DoorCounts, WithoutTheirArraysAreRefused) {
 }
 
 // Read in the header, so that a pair that is added there is missed here.
-TEST_F(DoorCounts, AreAllVisited) {
+TEST_F(DoorCounts, AllCountsAreVisited) {
   std::set<std::string> visited = {"AlabasterSetting.choice_count", "AlabasterPick.instance_count"};  // in answers
   for (const Pair& pair : pairs()) visited.insert(pair.where);
   const std::string folder = testing::source_file("delegate/c_api/");
@@ -107,7 +107,7 @@ TEST_F(DoorCounts, AreAllVisited) {
   EXPECT_EQ(found, visited);
 }
 
-TEST_F(DoorCounts, BeyondAnyMemoryAreRefused) {
+TEST_F(DoorCounts, CountsBeyondAnyMemoryAreRefused) {
   const float one[3] = {};
   EXPECT_EQ(set_quad(array(ALABASTER_FLOAT3, one, ~size_t(0) / 8)), ALABASTER_INVALID_ARGUMENT);
   EXPECT_NE(std::string(api().last_error()).find("points"), std::string::npos) << api().last_error();

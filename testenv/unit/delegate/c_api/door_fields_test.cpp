@@ -106,7 +106,7 @@ const Refused kRefusedOfLooks[] = {
     {"/settings", {"products:0:vars:a:dataType", word("uint8")}, "must be one of half, float, int"},
 };
 
-TEST_F(DoorFields, WhatIsRefusedChangesNothing) {
+TEST_F(DoorFields, RefusedEditChangesNothing) {
   const auto before = state();
   std::vector<Refused> all(std::begin(kRefusedOfShapes), std::end(kRefusedOfShapes));
   all.insert(all.end(), std::begin(kRefusedOfLooks), std::end(kRefusedOfLooks));
@@ -156,7 +156,7 @@ TEST_F(DoorFields, AnEditIsAllOrNone) {
   EXPECT_FALSE(is_in_the_middle());
 }
 
-TEST_F(DoorFields, NoneSetsTheDefault) {
+TEST_F(DoorFields, NullSetsTheDefault) {
   const auto before = state();
   const double aside[] = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 50, 0, 0, 1};
   for (const AlabasterParameter& field :

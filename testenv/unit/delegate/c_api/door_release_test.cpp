@@ -122,7 +122,7 @@ class DoorReleases : public Door {
   Fields parameters_, free_camera_;
 };
 
-TEST_F(DoorReleases, ComeFromCallsWithoutASceneAPathOrAKind) {
+TEST_F(DoorReleases, CallsWithoutASceneAPathOrAKindRelease) {
   for (const char* path : {static_cast<const char*>(nullptr), "", "/a"}) {
     AlabasterScene* const scene = path && *path ? nullptr : scene_;
     expect_all_back([&](const Prim& prim) { return set(scene, path, prim.kind, prim.fields); });
@@ -136,7 +136,7 @@ TEST_F(DoorReleases, ComeFromCallsWithoutASceneAPathOrAKind) {
   expect_all_back([&](const Prim& prim) { return edit(scene_, "/missing", prim.fields); });
 }
 
-TEST_F(DoorReleases, ComeFromStructsWithoutASize) {
+TEST_F(DoorReleases, StructsWithoutASizeRelease) {
   auto unsized = frame();
   unsized.size = 0;
   expect_all_back("pass_start", api().pass_start(pass_, &unsized));
@@ -144,7 +144,7 @@ TEST_F(DoorReleases, ComeFromStructsWithoutASize) {
   expect_all_back("delegate_create", api().delegate_create(&options, nullptr, nullptr));
 }
 
-TEST_F(DoorReleases, ComeFromFieldsAtFault) {
+TEST_F(DoorReleases, FaultyFieldsRelease) {
   const float nothing = 0;
   const AlabasterParameter faults[] = {{"unknown", number(nothing)},
                                        {nullptr, number(nothing)},
@@ -165,7 +165,7 @@ TEST_F(DoorReleases, ComeFromFieldsAtFault) {
     }
 }
 
-TEST_F(DoorReleases, ComeFromSamplesAtFault) {
+TEST_F(DoorReleases, FaultySamplesRelease) {
   const auto set_points = [&](AlabasterValue value) {
     return set(scene_, "/a", "mesh", {{"primvars:points", points()}, {"primvars:points:samples", value}});
   };
@@ -180,7 +180,7 @@ TEST_F(DoorReleases, ComeFromSamplesAtFault) {
   expect_all_back("of another type", set(scene_, "/a", "mesh", {{"transform:samples", moving(points(), points())}}));
 }
 
-TEST_F(DoorReleases, ComeFromFramesAtFault) {
+TEST_F(DoorReleases, FaultyFramesRelease) {
   int32_t width = 0, height = 0;
   const auto a = frame();
   expect_all_back("frame_size", api().frame_size(delegate_, &a, &width, &height));
@@ -190,7 +190,7 @@ TEST_F(DoorReleases, ComeFromFramesAtFault) {
   expect_all_back("pass_start", api().pass_start(nullptr, &c));
 }
 
-TEST_F(DoorReleases, ComeFromCallsOfDelegates) {
+TEST_F(DoorReleases, CallsOfDelegatesRelease) {
   const auto hear = [](void*, const char*, const AlabasterValue*) {};
   expect_all_back("command", api().command(nullptr, "dumpScene", parameters(), 2, hear, nullptr));
   expect_all_back("command", api().command(delegate_, nullptr, parameters(), 2, hear, nullptr));
@@ -202,7 +202,7 @@ TEST_F(DoorReleases, ComeFromCallsOfDelegates) {
 }
 
 // Memory that the library keeps comes back once it is replaced; copied memory comes back at once.
-TEST_F(DoorReleases, ComeOnceFromPrimsThatAreReplaced) {
+TEST_F(DoorReleases, ReplacedPrimsReleaseOnce) {
   for (size_t kind = 0; kind < 6; ++kind) {
     std::vector<Prim> all = prims();
     const Prim& prim = all[kind];
@@ -216,7 +216,7 @@ TEST_F(DoorReleases, ComeOnceFromPrimsThatAreReplaced) {
 }
 
 // Once memory suffices, the mesh is there, and its arrays come back with the scene.
-TEST_F(DoorReleases, ComeWhereMemoryRunsOut) {
+TEST_F(DoorReleases, CallsWithoutMemoryRelease) {
   api().delegate_destroy(std::exchange(delegate_, nullptr));
   api().pass_destroy(std::exchange(pass_, nullptr));
   api().buffer_destroy(std::exchange(color_, nullptr));
@@ -237,7 +237,7 @@ TEST_F(DoorReleases, ComeWhereMemoryRunsOut) {
   EXPECT_EQ(released_, given_);
 }
 
-TEST_F(DoorReleases, ComeFromAnEditThatMemoryDoesNotHold) {
+TEST_F(DoorReleases, EditThatMemoryDoesNotHoldReleases) {
   const std::vector<float> before = render();
   const auto aside = at(50);
   for (size_t allowed = 0;; ++allowed) {

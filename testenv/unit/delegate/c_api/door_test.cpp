@@ -100,7 +100,7 @@ TEST_F(Door, WrongCallsSayWhatIsWrong) {
   EXPECT_TRUE(says("4096 bytes"));
 }
 
-TEST_F(Door, WhatHasNoNameIsRefused) {
+TEST_F(Door, EmptyNamesAreRefused) {
   for (const char* none : {static_cast<const char*>(nullptr), ""}) {
     EXPECT_EQ(set(scene_, "/l", "rectLight", {{none, number(1)}}), ALABASTER_INVALID_ARGUMENT);
     EXPECT_STREQ(api().last_error(), "a parameter has no name");
@@ -364,7 +364,7 @@ TEST_F(Door, ThreadsTakeTurns) {
   watcher.join();
 }
 
-TEST_F(Door, SettingsAndPrimsAreTold) {
+TEST_F(Door, SettingsAndPrimsAreListed) {
   std::map<std::string, std::string> prims;
   const auto keep = [](void* user, const char* name, const AlabasterValue* value) {
     (*static_cast<std::map<std::string, std::string>*>(user))[name] = static_cast<const char*>(value->data);

@@ -99,7 +99,7 @@ TEST_F(CheckpointTest, ANoteSetsNoLimits) {
 
 // Parts that do not begin at sample 0 are pictures of their own, and the error of the mean of two is the root of the
 // sum of their squares, divided by two.
-TEST_F(CheckpointTest, TheNoiseOfAllThatIsSavedIsTold) {
+TEST_F(CheckpointTest, CheckpointReportsTheNoiseOfAllItsSamples) {
   const auto noise_of = [&](std::vector<std::string> words) {
     words.insert(words.begin(), {"render", "patch.gltf", "--size", "40x24"});  // in the studio, whose lights are large
     EXPECT_EQ(run(std::move(words)), 0) << said_;
@@ -129,7 +129,7 @@ TEST_F(CheckpointTest, TheNoiseOfAllThatIsSavedIsTold) {
       << said_;
 }
 
-TEST_F(CheckpointTest, AnInterruptedRenderGoesOn) {
+TEST_F(CheckpointTest, InterruptedRenderResumes) {
   const std::vector<std::string> words{"--spp", "60000", "--checkpoint", "c", "-o", "x.exr"};
   std::vector<std::string> first{"render", "lit.gltf", "--size", "40x24"};
   first.insert(first.end(), words.begin(), words.end());
@@ -202,7 +202,7 @@ TEST_F(CheckpointTest, ARenderThatTheTimeLimitEndedGoesOnToTheSameBytes) {
   EXPECT_EQ(pixels("x.exr"), pixels("whole.exr"));
 }
 
-TEST_F(CheckpointTest, FramesHaveOneEach) {
+TEST_F(CheckpointTest, EachFrameHasItsOwnCheckpoint) {
   const std::vector<std::string> words{"--spp", "2", "--frames", "3:4", "-o", "f.#.exr", "--checkpoint", "f.#.ckpt"};
   ASSERT_EQ(render(words), 0) << said_;
   EXPECT_TRUE(exists("f.3.ckpt") && exists("f.4.ckpt"));

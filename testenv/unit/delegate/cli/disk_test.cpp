@@ -143,7 +143,7 @@ TEST_F(DiskTest, AFullDiskKeepsTheOldFileAndTheNewPicture) {
   expect_picture(kept(outcome.err), 256, 256);
 }
 
-TEST_F(DiskTest, WhereNothingCanBeKeptTheErrorPromisesNothing) {
+TEST_F(DiskTest, UnsavedPictureIsNotCalledSaved) {
   fs::create_directory(folder_ / "out");
   const Outcome outcome = render({"-o", "out/a.exr"}, [&] {
     fs::remove(folder_ / "out");

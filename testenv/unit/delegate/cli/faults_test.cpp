@@ -323,7 +323,7 @@ TEST_F(FaultsTest, AnInputIsNeverOverwritten) {
   EXPECT_HAS(read("skin.1001.png"), "RADIANCE");
 }
 
-TEST_F(FaultsTest, WhatIsLeftOutOfAFileIsAWarningThatQuietKeeps) {
+TEST_F(FaultsTest, UnsupportedFeaturesAreWarningsThatQuietKeeps) {
   std::string text = hd::description::patch_gltf(false, false);
   const std::string plain = R"({"name": "skin"})";
   text.replace(text.find(plain), plain.size(), R"({"name": "skin", "extensions": {"EXT_ours": {}}})");
@@ -412,7 +412,7 @@ TEST_F(FaultsTest, EverySignalThatEndsTheProgramKeepsThePicture) {
   }
 }
 
-TEST_F(FaultsTest, MessagesThatNobodyReadsKeepThePicture) {
+TEST_F(FaultsTest, ClosedStandardErrorKeepsThePicture) {
   int ends[2] = {-1, -1};
   ASSERT_EQ(pipe2(ends, O_CLOEXEC), 0);
   Program program(folder_, {"render", "patch.gltf", "--size", "64x48", "--spp", "3000", "-o", "a.exr"},

@@ -40,7 +40,7 @@ class PredictTest : public hd::description::SceneFiles {
   std::string out_, err_;
 };
 
-TEST_F(PredictTest, ForetellsSamplesAndMemory) {
+TEST_F(PredictTest, PredictsSamplesAndMemory) {
   const std::string scene = testing::source_file("testenv/scenes/sample/sample.json");
   ASSERT_EQ(run({"info", scene, "--predict", "0.15", "--size", "120x80"}), 0) << err_;
   const Said samples = said("samples per pixel"), memory = said("peak memory");

@@ -277,7 +277,7 @@ TEST_F(ProgramTest, TheStudioIsSwitched) {
 }
 
 // TBB itself prints where an arena has more threads than the process.
-TEST_F(ProgramTest, MoreThreadsThanCoresAreTakenWithoutAWord) {
+TEST_F(ProgramTest, MoreThreadsThanCoresAreAcceptedSilently) {
   const Outcome done = run(quick({"-o", "a.exr", "--quiet", "--threads", "256"}));
   EXPECT_EQ(done.code, 0);
   EXPECT_EQ(done.out + done.err, "");

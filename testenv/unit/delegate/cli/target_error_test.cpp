@@ -17,7 +17,7 @@ class TargetErrorTest : public hd::description::SceneFiles {
   std::string said_;
 };
 
-TEST_F(TargetErrorTest, ALimitOfSamplesThatMissesItIsToldEverywhere) {
+TEST_F(TargetErrorTest, MissedTargetAtTheSampleLimitIsReportedEverywhere) {
   Program program(folder_, {"render", "patch.gltf", "--size", "48x32", "--target-error", "0.001", "--spp", "16", "-o",
                             "a.exr", "--stats", "s.json", "--quiet"});
   ASSERT_EQ(program.wait(), 0) << program.err();
@@ -39,7 +39,7 @@ TEST_F(TargetErrorTest, ALimitOfSamplesThatMissesItIsToldEverywhere) {
   EXPECT_FLOAT_EQ(exr->spec().get_float_attribute("alabaster/target/samples"), target["samples"].get<float>());
 }
 
-TEST_F(TargetErrorTest, ATimeLimitThatMissesItIsTold) {
+TEST_F(TargetErrorTest, MissedTargetAtTheTimeLimitIsReported) {
   Program program(folder_, {"render", "patch.gltf", "--size", "96x64", "--target-error", "0.0001", "--time-limit",
                             "0.5", "-o", "a.exr", "--stats", "s.json", "--quiet"});
   ASSERT_EQ(program.wait(), 0) << program.err();
@@ -68,7 +68,7 @@ TEST_F(TargetErrorTest, AnIntervalThatEndsAFifthAboveTheTargetIsReported) {
   EXPECT_EQ(said_, "");
 }
 
-TEST_F(TargetErrorTest, OneThatIsReachedNeedsNoWord) {
+TEST_F(TargetErrorTest, ReachedTargetIsNotReported) {
   Program program(folder_, {"render", "patch.gltf", "--size", "48x32", "--target-error", "0.1", "-o", "a.exr",
                             "--stats", "s.json", "--quiet"});
   ASSERT_EQ(program.wait(), 0) << program.err();
@@ -80,7 +80,7 @@ TEST_F(TargetErrorTest, OneThatIsReachedNeedsNoWord) {
 }
 
 // A few bright samples make most of this frame's error: it may be six times what they tell.
-TEST_F(TargetErrorTest, OneThatFewSamplesSayIsReachedMayBeMissed) {
+TEST_F(TargetErrorTest, TargetReachedWithFewSamplesIsCalledUncertain) {
   const std::string scene = testing::source_file("testenv/scenes/dome_high_contrast/dome_high_contrast.json");
   const auto render = [&](const std::vector<std::string>& more) {
     std::vector<std::string> words{"render", scene,   "--size",  "36x24",  "--spp",  "16",

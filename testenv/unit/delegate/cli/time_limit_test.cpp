@@ -14,7 +14,7 @@ namespace {
 using TimeLimitTest = hd::description::SceneFiles;
 
 // The first samples of this frame take longer than the limit.
-TEST_F(TimeLimitTest, ATimeLimitEndsAnyFrameAndWhatItLacksIsTold) {
+TEST_F(TimeLimitTest, FrameEndsAtTheTimeLimitAndReportsMissingSamples) {
   Program program(folder_, {"render", "patch.gltf", "--size", "2000x1600", "--threads", "1", "--time-limit", "0.001",
                             "-o", "a.exr", "--aov", "sampleCount", "--stats", "s.json"});
   EXPECT_EQ(program.wait(), 0) << program.err();
@@ -38,7 +38,7 @@ TEST_F(TimeLimitTest, ATimeLimitEndsAnyFrameAndWhatItLacksIsTold) {
   EXPECT_GT(without, 0);
 }
 
-TEST_F(TimeLimitTest, NoneLeavesTheSamplesAsTheyAre) {
+TEST_F(TimeLimitTest, WithoutALimitAllSamplesAreTaken) {
   for (const char* flag : {"--time-limit", "--target-error"}) {
     const auto done =
         run_program(folder_, {"render", "patch.gltf", "--size", "2x2", flag, "0", "-o", "a.exr", "--stats", "s.json"});

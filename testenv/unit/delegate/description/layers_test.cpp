@@ -178,7 +178,7 @@ TEST_F(Layers, AShutterOfAnOverrideOpensLikeTheFiles) {
   EXPECT_EQ(camera(file).parameters.at("shutterClose"), Value(0.5f));
 }
 
-TEST_F(Layers, WhatIsNoDescriptionTakesNoOptions) {
+TEST_F(Layers, OptionsForAFileThatIsNoDescriptionAreRefused) {
   const auto same = [](const std::string& name) { return name; };
   for (const char* text : {"", "[1]", "3", "{\"settings\": 3}", "{\"models\": 3}", "{\"models\": [{\"file\": 3}]}"})
     WithOptions(text, with_overrides({"samples=3", "camera.fStop=2", "lights/a.intensity=1"}), same);

@@ -18,7 +18,7 @@ void expect_near(const Vec3d& a, const Vec3d& b) {
   for (int i = 0; i < 3; ++i) EXPECT_NEAR(a[i], b[i], 1e-12) << i;
 }
 
-TEST(Transform, ScalesThenRotatesAboutXYZThenTranslates) {
+TEST(PlacementTransform, ScalesThenRotatesAboutXYZThenTranslates) {
   const auto m = to_transform(json{{"scale", {2, 1, 1}}, {"rotate", {90, 0, 90}}, {"translate", {0, 0, 5}}});
   ASSERT_TRUE(m);
   expect_near(moved({1, 0, 0}, *m), {0, 2, 5});  // twice as long, still along x; then x -> y
@@ -26,7 +26,7 @@ TEST(Transform, ScalesThenRotatesAboutXYZThenTranslates) {
   expect_near(moved({0, 0, 1}, *m), {1, 0, 5});  // z -> -y -> x
 }
 
-TEST(Transform, RefusesWhatTheRendererWouldLeaveOut) {
+TEST(PlacementTransform, RefusesWhatTheRendererWouldLeaveOut) {
   const auto scaled = [](double s) { return json{s, 0, 0, 0, 0, s, 0, 0, 0, 0, s, 0, 0, 0, 0, 1}; };
   EXPECT_TRUE(to_transform(scaled(1e-3)));
   EXPECT_FALSE(to_transform(scaled(0))) << "singular";
@@ -80,7 +80,7 @@ struct InstancedSegment {
   }
 };
 
-TEST(EnclosingPoints, AreThoseOfVisibleMeshesInTheWorld) {
+TEST(EnclosingPoints, VisibleMeshesInWorldSpaceCount) {
   host::RetainedSceneDelegate scene;
   EXPECT_TRUE(enclosing_points(scene).empty());
   host::MeshDescription mesh = segment();
@@ -107,7 +107,7 @@ TEST(EnclosingPoints, InstanceRotationsCountByTheirDirectionAlone) {
   }
 }
 
-TEST(EnclosingPoints, AreOfInstancesThatAreDrawn) {
+TEST(EnclosingPoints, HiddenInstancesDoNotCount) {
   const Array<Vec3f> places{{0, 0, 0}, {0, 4, 0}};
   InstancedSegment instanced(instancer({{"hydra:instanceTranslations", places}}, "/segment", {1, 7, -1}));
   const auto [low, high] = bounds(instanced.scene);

@@ -138,7 +138,7 @@ TEST_F(StudioTest, DisplaysAndUnlitSurfacesAreNoLights) {
   }
 }
 
-TEST_F(StudioTest, ItScalesWithTheObjects) {
+TEST_F(StudioTest, StudioScalesWithTheObjects) {
   ASSERT_TRUE(patch("").ok) << errors();
   const Vec3d key = light_place("studio_key");
   const double floor_of_one = floor();

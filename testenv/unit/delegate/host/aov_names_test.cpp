@@ -13,7 +13,7 @@
 namespace alabaster::hd::host {
 namespace {
 
-TEST(AovNames, AreTheDelegates) {
+TEST(AovNames, NamesAreThoseOfTheDelegate) {
   const DelegateOptions options;
   RenderDelegate* delegate = CreateAlabasterRenderDelegate(kAbiVersion, &options);
   ASSERT_TRUE(delegate);
@@ -52,7 +52,7 @@ std::map<std::string, std::string> listed_channels() {
   return listed;
 }
 
-TEST(AovNames, AreTheManuals) {
+TEST(AovNames, NamesAreThoseOfTheManual) {
   std::map<std::string, std::string> expected;
   for (const AovInfo& aov : kAovs) {
     const std::string layer = aov.layer, channels = aov.channels;

@@ -165,7 +165,7 @@ Edits other_edits() {
   };
 }
 
-TEST(EmptyLists, AreRenderedOrRefused) {
+TEST(EmptyLists, EmptyListsAreRenderedOrRefused) {
   EXPECT_EQ(record(Parts()), RecordStatus::done);
   Edits edits = mesh_edits();
   edits.merge(other_edits());

@@ -38,7 +38,7 @@ bool same(const Array<Vec3f>& a, const std::vector<Vec3f>& b) {
   return std::equal(a.begin(), a.end(), b.begin(), b.end());
 }
 
-TEST(InstanceValues, AreThoseOfTheLastEditAndOthersKeepTheirs) {
+TEST(InstanceValues, LastEditWinsAndOtherInstancesAreUnchanged) {
   std::mt19937 random(3);
   std::vector<Vec3f> expected = in_a_row(50);
   Leaves leaves(expected);
@@ -59,7 +59,7 @@ TEST(InstanceValues, AreThoseOfTheLastEditAndOthersKeepTheirs) {
 }
 
 // Copies of large arrays are made beforehand, by a thread.
-TEST(InstanceValues, OfALargeArrayAreThoseOfTheLastEdit) {
+TEST(InstanceValues, LastEditWinsInALargeArray) {
   std::vector<Vec3f> expected = in_a_row(200000);
   Leaves leaves(expected);
   std::vector<Array<Vec3f>> held;
@@ -74,7 +74,7 @@ TEST(InstanceValues, OfALargeArrayAreThoseOfTheLastEdit) {
   EXPECT_TRUE(same(leaves.now(), expected));
 }
 
-TEST(InstanceValues, CopiesTakeTurns) {
+TEST(InstanceValues, CopiesAreReused) {
   Leaves leaves(in_a_row(10));
   std::set<const Vec3f*> copies;
   Array<Vec3f> rendered = leaves.now();
@@ -86,7 +86,7 @@ TEST(InstanceValues, CopiesTakeTurns) {
   EXPECT_EQ(copies.size(), 2u);
 }
 
-TEST(InstanceValues, AreRefusedWhereTheArrayHasNone) {
+TEST(InstanceValues, PrimvarThatTheArrayLacksIsRefused) {
   Leaves leaves(in_a_row(3));
   const Array<Vec3f> one{Vec3f(7)}, two{Vec3f(7), Vec3f(8)};
   EXPECT_FALSE(leaves.scene.SetInstanceValues("/missing", kPlaces, 0, one));
@@ -101,7 +101,7 @@ TEST(InstanceValues, AreRefusedWhereTheArrayHasNone) {
   EXPECT_EQ(leaves.now()[2], Vec3f(8));
 }
 
-TEST(InstanceValues, StandStillWhereTheirPrimvarMoves) {
+TEST(InstanceValues, EditedValuesOfAMovingPrimvarStandStill) {
   Leaves leaves(in_a_row(3));
   InstancerDescription moving = leaves.scene.GetInstancers().at("/leaves");
   const std::vector<Vec3f> up(3, Vec3f(0, 1, 0));
@@ -120,7 +120,7 @@ TEST(InstanceValues, StandStillWhereTheirPrimvarMoves) {
   EXPECT_TRUE(same(leaves.now(), in_a_row(3)));
 }
 
-TEST(InstanceValues, OfSeveralPrimvarsAreSetTogetherOrNotAtAll) {
+TEST(InstanceValues, SeveralPrimvarsAreSetTogetherOrNotAtAll) {
   Leaves leaves(in_a_row(3));
   const Array<Vec3f> two{Vec3f(7), Vec3f(8)};
   const Array<Quatf> turned{Quatf{0, 1, 0, 0}, Quatf{0, 0, 1, 0}}, too_many(std::vector<Quatf>(3));
@@ -140,7 +140,7 @@ TEST(InstanceValues, OfSeveralPrimvarsAreSetTogetherOrNotAtAll) {
   EXPECT_EQ(last_turn(), turned[1]);
 }
 
-TEST(InstanceValues, MarkTheirInstancerAlone) {
+TEST(InstanceValues, EditMarksTheInstancerAlone) {
   FakeDelegate delegate;
   RenderIndex index(&delegate);
   Leaves leaves(in_a_row(3));

@@ -6,7 +6,7 @@
 namespace alabaster::hd::host {
 namespace {
 
-TEST(ListDisplays, DefaultsComeFirst) {
+TEST(ListDisplays, DefaultDisplaysComeFirst) {
   const auto list = ListDisplays({}, {});
   ASSERT_FALSE(list.empty());
   EXPECT_EQ(list[0].name, "sRGB");

@@ -73,7 +73,7 @@ TEST_F(Picker, TheFaceUnderTheCursorComesFirst) {
   EXPECT_EQ(pick({-5, -5, 1000, 1000}).size(), 3u) << "each face once";
 }
 
-TEST_F(Picker, NestedInstancesAreToldFromTheInnermostOutwards) {
+TEST_F(Picker, NestedInstancesAreListedFromTheInnermostOutwards) {
   // Two places of the outer one, three of the inner one. The numbers of points differ from those of instances.
   InstancerDescription outer, inner;
   outer.primvars["hydra:instanceTransforms"] = Array<Matrix4d>{moved(9, 9), moved(0, -1), moved(0, 1)};

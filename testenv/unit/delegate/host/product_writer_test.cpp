@@ -172,7 +172,7 @@ TEST_F(ProductFile, IncompleteImagesHoldTheSamePixelsUncompressed) {
   EXPECT_EQ(Read(hasty[0].file).spec.get_string_attribute("compression"), "none");
 }
 
-TEST_F(ProductFile, OfSeveralProductsTheGoodOnesAreWritten) {
+TEST_F(ProductFile, ValidProductsAreWrittenBesideInvalidOnes) {
   RenderProduct bad = product("none/b.exr");
   EXPECT_EQ(WriteProducts({product("a.exr"), bad, product("c.tif")}, frame(), colors_, sink_),
             (std::vector<std::string>{path("a.exr"), path("c.tif")}));

@@ -155,7 +155,7 @@ std::vector<Row<Mesh>> rows_of_meshes() {
   };
 }
 
-TEST(SceneFields, OfMeshes) {
+TEST(SceneFields, MeshFieldsArriveInTheScene) {
   std::vector<Row<Mesh>> rows = rows_of_faces();
   for (Row<Mesh>& row : rows_of_meshes()) {
     if (row.name == "primvars:points")
@@ -189,7 +189,7 @@ TEST(SceneFields, OptionsOfMeshesAreConstantPrimvars) {
             "a mesh has no field 'holdot'; did you mean 'holdout'?");
 }
 
-TEST(SceneFields, OfInstancers) {
+TEST(SceneFields, InstancerFieldsArriveInTheScene) {
   using T = InstancerDescription;
   const std::vector<Row<T>> rows = {
       {"transform", kMoved, dirty::kTransform, is(&T::transform, kMoved)},
@@ -218,7 +218,7 @@ Row<T> parameter(const char* name, const Value& value) {
           }};
 }
 
-TEST(SceneFields, OfLights) {
+TEST(SceneFields, LightFieldsArriveInTheScene) {
   using T = LightDescription;
   const std::vector<std::pair<const char*, Value>> values = {
       {"intensity", 2.0f},
@@ -258,7 +258,7 @@ TEST(SceneFields, OfLights) {
   }
 }
 
-TEST(SceneFields, OfCameras) {
+TEST(SceneFields, CameraFieldsArriveInTheScene) {
   using T = CameraDescription;
   const std::vector<std::pair<const char*, Value>> values = {
       {"projection", Token("orthographic")},
@@ -299,7 +299,7 @@ Row<Settings> product(const char* name, Member RenderProduct::*member, const Val
           [=](const Settings& it) { return it.products[0].*member == value; }};
 }
 
-TEST(SceneFields, OfRenderSettings) {
+TEST(SceneFields, RenderSettingsFieldsArriveInTheScene) {
   const std::vector<Row<Settings>> rows = {
       {"camera", Path("/camera"), dirty::kParams, is(&Settings::camera, Path("/camera"))},
       {"width", 64, dirty::kParams, is(&Settings::width, 64)},
@@ -318,7 +318,7 @@ TEST(SceneFields, OfRenderSettings) {
   check(Token("renderSettings"), {}, rows, &RetainedSceneDelegate::GetAllRenderSettings);
 }
 
-TEST(SceneFields, OfProducts) {
+TEST(SceneFields, ProductFieldsArriveInTheScene) {
   using P = RenderProduct;
   const Token word = "a";
   std::vector<Row<Settings>> rows = {
@@ -364,7 +364,7 @@ TEST(SceneFields, OfProducts) {
             std::string::npos);
 }
 
-TEST(SceneFields, OfMaterials) {
+TEST(SceneFields, MaterialFieldsArriveInTheScene) {
   using T = MaterialNetwork;
   const DirtyBits marks = dirty::kResource | dirty::kParams;
   const auto node = [](const T& it, const char* name) { return it.nodes.at(Path("/prim").append(name)); };

@@ -60,7 +60,7 @@ TEST_F(Snapshot, WritesWhatTheBuffersShow) {
 }
 
 // Also where no Execute has latched convergence.
-TEST_F(Snapshot, OfARenderThatIsOverIsComplete) {
+TEST_F(Snapshot, SnapshotOfAFinishedRenderIsComplete) {
   RenderPassState state = Stage::state_for(8, 8, "color", stage.add_buffer("/color", 8, 8, Format::float32vec4));
   stage.index->SyncAll();
   pass->Execute(state);

@@ -253,14 +253,14 @@ TEST_F(BlenderShapedHost, WritesItsSceneAsFilesOfTheSamePicture) {
   EXPECT_EQ(picture_of_file(folder.file("held.alab")), picture());
 }
 
-TEST_F(BlenderShapedHost, WaitsBetweenItsQuestions) {
+TEST_F(BlenderShapedHost, PollingHostWaitsBetweenPolls) {
   stage_.delegate->SetRenderSetting("samples", int64_t(1 << 20));
   stage_.delegate->SetRenderSetting("timeLimit", 0.5f);
   ASSERT_FALSE(picture().empty());
   EXPECT_LT(polls_, 200) << "each question of a tight loop waits for a moment";
 }
 
-TEST_F(BlenderShapedHost, GetsAnEndWhereTheRenderFails) {
+TEST_F(BlenderShapedHost, FailedRenderConverges) {
   driver_ = std::make_unique<PassDriver>(stage_.delegate->CreateRenderPass());
   sync();
   hd::RenderPassState state = state_of(buffer_);
@@ -305,7 +305,7 @@ TEST(PassDriver, DoesNotExecuteAgainWithABufferThatIsGone) {
   EXPECT_EQ(executed, 5);
 }
 
-TEST_F(BlenderShapedHost, MayDestroyABufferBeforeItAsksAgain) {
+TEST_F(BlenderShapedHost, BufferDestroyedBetweenPollsIsNotWritten) {
   driver_ = std::make_unique<PassDriver>(stage_.delegate->CreateRenderPass());
   sync();
   auto* const gone = static_cast<hd::RenderBuffer*>(stage_.delegate->CreateBprim("renderBuffer", "/gone"));
@@ -322,7 +322,7 @@ TEST_F(BlenderShapedHost, MayDestroyABufferBeforeItAsksAgain) {
   EXPECT_FALSE(picture().empty()) << "the pass renders again with another buffer";
 }
 
-TEST_F(BlenderShapedHost, AnswersAtOnceToHostsThatExecuteBeforeEachQuestion) {
+TEST_F(BlenderShapedHost, HostThatExecutesBeforeEachPollIsNotDelayed) {
   driver_ = std::make_unique<PassDriver>(stage_.delegate->CreateRenderPass());
   stage_.delegate->SetRenderSetting("samples", int64_t(1 << 20));
   sync();

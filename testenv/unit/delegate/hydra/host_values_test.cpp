@@ -14,7 +14,7 @@ TEST(HydraValues, BitsAreThoseOfTheTable) {
   EXPECT_EQ(TranslateBits(1u << 20, table), hd::dirty::kClean) << "a bit that the table lacks";
 }
 
-class Settings : public ::testing::Test {
+class HydraSettings : public ::testing::Test {
  protected:
   const std::vector<hd::RenderSettingDescriptor> known_ = [] {
     std::vector<hd::RenderSettingDescriptor> all(4);
@@ -26,7 +26,7 @@ class Settings : public ::testing::Test {
   }();
 };
 
-TEST_F(Settings, HaveTheTypeOfTheirDefault) {
+TEST_F(HydraSettings, HaveTheTypeOfTheirDefault) {
   EXPECT_EQ(TranslateSetting("alabaster:samples", int32_t(16), known_).value, hd::Value(int64_t(16)));
   EXPECT_EQ(TranslateSetting("samples", 16.0, known_).value, hd::Value(int64_t(16)));
   EXPECT_EQ(TranslateSetting("targetError", 0.25, known_).value, hd::Value(0.25f)) << "Blender sends double";
@@ -34,12 +34,12 @@ TEST_F(Settings, HaveTheTypeOfTheirDefault) {
   EXPECT_EQ(TranslateSetting("filter", "triangle", known_).value, hd::Value("triangle"));
 }
 
-TEST_F(Settings, WhatDoesNotFitStaysForTheDelegateToReport) {
+TEST_F(HydraSettings, WhatDoesNotFitStaysForTheDelegateToReport) {
   EXPECT_EQ(TranslateSetting("samples", 2.5, known_).value, hd::Value(2.5));
   EXPECT_EQ(TranslateSetting("samples", "many", known_).value, hd::Value("many"));
 }
 
-TEST_F(Settings, HaveNamesOfSeveralHosts) {
+TEST_F(HydraSettings, HaveNamesOfSeveralHosts) {
   EXPECT_EQ(TranslateSetting("alabaster:filter", "box", known_).key, hd::Token("filter"));
   EXPECT_EQ(TranslateSetting("convergedSamplesPerPixel", int32_t(8), known_).key, hd::Token("samples"));
   EXPECT_EQ(TranslateSetting("alabaster:host", "blender", known_).key, hd::Token("host"));

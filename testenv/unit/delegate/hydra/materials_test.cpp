@@ -117,7 +117,7 @@ TEST(StandardSurface, LayersAreThereOnlyWithAWeight) {
   EXPECT_EQ(t.parameter("opacity"), Value(0.5f));
 }
 
-TEST(StandardSurface, WhatIsLeftOutIsReported) {
+TEST(StandardSurface, UnsupportedInputsAreReported) {
   const Translated t(standard({{"diffuse_roughness", 0.5f}, {"coat", 1.0f}, {"coat_color", Vec3f(1, 0, 0)}}));
   ASSERT_EQ(t.warnings.size(), 2u);
   EXPECT_NE((t.warnings[0] + t.warnings[1]).find("diffuse_roughness"), std::string::npos);

@@ -52,7 +52,7 @@ TEST(LostImages, ADirectionTurnsByItsBias) {
 }
 
 // As where a file names no image: the constant, scaled and shifted, in its range.
-TEST(LostImages, CountAsWhite) {
+TEST(LostImages, LostImageCountsAsWhite) {
   const std::map<Token, Value> rough = {{"roughness", 0.25f}}, bright = {{"emission", Vec3f(1, 2, 4)}};
   expect_constant({"roughness", "r", rough, kOne, kZero, "roughness 0.25"});
   expect_constant({"roughness", "b", rough, Vec4f(0.5f), kOne, "roughness 0.375"});
@@ -63,7 +63,7 @@ TEST(LostImages, CountAsWhite) {
 }
 
 // The constant that nobody gave is that of no connection at all.
-TEST(LostImages, ShowBesideAnotherConnection) {
+TEST(LostImages, LostImageBesideAnotherConnectionIsReported) {
   Stage stage;
   MaterialNetwork network;
   network.nodes["/m/surface"] = {"AlabasterDisney", {}, {{"baseColor", {{"/m/map", "rgb"}, {"/m/color", "rgb"}}}}};
@@ -78,7 +78,7 @@ TEST(LostImages, ShowBesideAnotherConnection) {
   EXPECT_NE(text.find("  baseColor (1, 0, 1)\n"), std::string::npos) << text;
 }
 
-TEST(LostImages, ShowInTheBaseColor) {
+TEST(LostImages, LostImageOfTheBaseColorIsVisible) {
   expect_constant({"baseColor", "rgb", {{"baseColor", Vec3f(0.5f)}}, kOne, kZero, "baseColor (1, 0, 1)"});
   expect_constant({"baseColor", "rgb", {}, kOne, kZero, "baseColor (1, 0, 1)"});
 }

@@ -84,7 +84,7 @@ void set_limit(Stage& stage, const char* path, int mib) {
   stage.scene.SetRenderSettings(path, settings);
 }
 
-TEST(MemoryLimit, IsThatOfTheHostElseThatOfTheActiveSettingsPrim) {
+TEST(MemoryLimit, HostsLimitOverridesThatOfTheSettingsPrim) {
   Stage stage;
   const auto limit = [&] { return stage.index->SyncAll(), stage.stat("memoryLimit") / kMiB; };
   const double otherwise = limit();
@@ -117,7 +117,7 @@ TEST(MemoryLimit, IsThatOfTheHostElseThatOfTheActiveSettingsPrim) {
 }
 
 // Arrays of meshes are counted in their Sync.
-TEST(MemoryLimit, OfASettingsPrimCountsForTheMeshesThatComeWithIt) {
+TEST(MemoryLimit, LimitOfASettingsPrimAppliesToMeshesOfTheSameSync) {
   Stage stage;
   stage.add_basic_scene();
   set_limit(stage, "/settings", 16);

@@ -53,7 +53,7 @@ MaterialNetwork scattering() {
   return network;
 }
 
-TEST(MeshSync, SubsurfaceInAnOpenMeshIsToldOnceForEachPrim) {
+TEST(MeshSync, SubsurfaceInAnOpenMeshIsReportedOnceForEachPrim) {
   Stage stage;
   stage.scene.SetMaterial("/wax", scattering());
   host::MeshDescription open = Stage::quad();
@@ -78,7 +78,7 @@ TEST(MeshSync, SubsurfaceInAnOpenMeshIsToldOnceForEachPrim) {
 }
 
 // Panes with an interior are reported. A face within a body has another remedy than a hole in it.
-TEST(MeshSync, OpenMeshesOfClearMaterialsAreToldWithTheirEdges) {
+TEST(MeshSync, OpenMeshesOfClearMaterialsAreReportedWithTheirEdges) {
   Stage stage;
   const auto said = [&](const Dictionary& parameters, const host::MeshDescription& shape) {
     MaterialNetwork network = scattering();
@@ -108,7 +108,7 @@ TEST(MeshSync, OpenMeshesOfClearMaterialsAreToldWithTheirEdges) {
   EXPECT_NE(said({{"diffTrans", 1.0f}, {"attenuationDistance", 1.0f}}, Stage::quad()), "");
 }
 
-TEST(MeshSync, AnisotropyWithoutADirectionIsToldOnceForEachPrim) {
+TEST(MeshSync, AnisotropyWithoutADirectionIsReportedOnceForEachPrim) {
   Stage stage;
   MaterialNetwork brushed;
   MaterialNode node;

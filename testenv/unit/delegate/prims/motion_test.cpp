@@ -76,7 +76,7 @@ void expect_coverage(const std::vector<double>& row, double from, double to) {
   }
 }
 
-TEST(Motion, ATransformWithSamplesIsBlurred) {
+TEST(MotionSync, ATransformWithSamplesIsBlurred) {
   MotionStage stage;
   stage.mesh().transformSamples = sideways(-0.5, 0.5);
   stage.set();
@@ -87,7 +87,7 @@ TEST(Motion, ATransformWithSamplesIsBlurred) {
   expect_coverage(stage.coverage(), -0.5, 0.5);
 }
 
-TEST(Motion, TheShutterOfTheCameraDecidesAndMayChangeByItself) {
+TEST(MotionSync, TheShutterOfTheCameraDecidesAndMayChangeByItself) {
   MotionStage stage;
   stage.mesh().transformSamples = sideways(-1, 1);
   stage.mesh().primvarSamples["points"] = {
@@ -100,7 +100,7 @@ TEST(Motion, TheShutterOfTheCameraDecidesAndMayChangeByItself) {
   }
 }
 
-TEST(Motion, PointsWithSamplesAreBlurred) {
+TEST(MotionSync, PointsWithSamplesAreBlurred) {
   MotionStage stage;
   const auto moved = [](float x) { return Array<Vec3f>{{x - 1, -1, 0}, {x + 1, -1, 0}, {x + 1, 1, 0}, {x - 1, 1, 0}}; };
   stage.mesh().primvarSamples["points"] = {{0, 0.25, 1}, {moved(-0.5f), moved(0.5f), moved(0.5f)}};
@@ -115,7 +115,7 @@ TEST(Motion, PointsWithSamplesAreBlurred) {
   expect_coverage(stage.coverage(), -0.5, 0.5);
 }
 
-TEST(Motion, TheCameraIsBlurredAgainstAStillScene) {
+TEST(MotionSync, TheCameraIsBlurredAgainstAStillScene) {
   MotionStage stage;
   host::CameraDescription camera = stage.scene.GetCameras().at("/camera");
   camera.transformSamples = {{0, 1}, {camera.transform * shifted(0.5), camera.transform * shifted(-0.5)}};
@@ -123,7 +123,7 @@ TEST(Motion, TheCameraIsBlurredAgainstAStillScene) {
   expect_coverage(stage.coverage(), -0.5, 0.5);
 }
 
-TEST(Motion, InstancersMoveWhatTheyPlace) {
+TEST(MotionSync, InstancersMoveWhatTheyPlace) {
   MotionStage stage;
   host::InstancerDescription inner, outer;
   outer.indices["/inner"] = {0};
@@ -139,7 +139,7 @@ TEST(Motion, InstancersMoveWhatTheyPlace) {
   expect_coverage(stage.coverage(), -0.75, 0.75);
 }
 
-TEST(Motion, InstancesMoveByThemselves) {
+TEST(MotionSync, InstancesMoveByThemselves) {
   MotionStage stage;
   host::InstancerDescription instancer;
   instancer.indices["/quad"] = {0, 1};
@@ -156,7 +156,7 @@ TEST(Motion, InstancesMoveByThemselves) {
   EXPECT_EQ(stage.count("motion.instances"), 1u);
 }
 
-TEST(Motion, AShutterWithoutLengthGivesTheBytesOfTheStillScene) {
+TEST(MotionSync, AShutterWithoutLengthGivesTheBytesOfTheStillScene) {
   MotionStage still, moving;
   moving.open(0, 0);
   moving.mesh().transformSamples = {{-1, 0, 1}, {shifted(-1), Matrix4d(), shifted(1)}};
@@ -167,7 +167,7 @@ TEST(Motion, AShutterWithoutLengthGivesTheBytesOfTheStillScene) {
   EXPECT_EQ(moving.picture(), still.picture()) << "an open shutter shows the same of what does not move";
 }
 
-TEST(Motion, PicturesDoNotDependOnThreads) {
+TEST(MotionSync, PicturesDoNotDependOnThreads) {
   std::vector<float> first;
   for (const int64_t threads : {1, 2, 5}) {
     MotionStage stage;
@@ -181,7 +181,7 @@ TEST(Motion, PicturesDoNotDependOnThreads) {
 }
 
 // A fault is reported once, as a warning, and the prim is drawn without blur.
-TEST(Motion, FaultySamplesAreReported) {
+TEST(MotionSync, FaultySamplesAreReported) {
   const double nan = std::numeric_limits<double>::quiet_NaN();
   const auto with = [](const TimeSamples<Matrix4d>& samples) {
     MotionStage stage;
@@ -198,7 +198,7 @@ TEST(Motion, FaultySamplesAreReported) {
   EXPECT_EQ(with({{0}, {shifted(7)}}), 0u) << "a single sample does not move";
 }
 
-TEST(Motion, FaultyPointsAreErrors) {
+TEST(MotionSync, FaultyPointsAreErrors) {
   const auto with = [](const Value& later) {
     MotionStage stage;
     stage.mesh().primvarSamples["points"] = {{0, 1}, {stage.mesh().primvars["points"].value, later}};
@@ -212,7 +212,7 @@ TEST(Motion, FaultyPointsAreErrors) {
   EXPECT_EQ(with(std::string("points")), 1u);
 }
 
-TEST(Motion, AShutterMustNotCloseBeforeItOpens) {
+TEST(MotionSync, AShutterMustNotCloseBeforeItOpens) {
   MotionStage stage;
   stage.mesh().transformSamples = sideways(-1, 1);
   stage.set();

@@ -264,7 +264,7 @@ TEST(Parameters, WrongOnesAreReportedWithARemedy) {
   EXPECT_EQ(stage.count("parameter.type"), 1u);
 }
 
-TEST(Materials, UnknownNodesFallBackWithOneReport) {
+TEST(MaterialSync, UnknownNodesFallBackWithOneReport) {
   Stage stage;
   MaterialNetwork unknown = disney({});
   unknown.nodes["/m/surface"].nodeTypeId = "StandardSurface";
@@ -290,7 +290,7 @@ AssetPath grey_image(const std::string& name) {
   return {name, name, std::make_shared<const std::vector<uint8_t>>(text.begin(), text.end())};
 }
 
-TEST(Materials, ScatterDistanceTakesATexture) {
+TEST(MaterialSync, ScatterDistanceTakesATexture) {
   const auto dump = [](const std::map<Token, Value>& parameters, const AssetPath& file, size_t reports) {
     Stage stage;
     MaterialNetwork network = disney(parameters);
@@ -329,7 +329,7 @@ TEST(Materials, ScatterDistanceTakesATexture) {
 }
 
 // Numbers are read from an output each; an angle has an output of its own.
-TEST(Materials, ADirectionIsAnOutputForAnglesAlone) {
+TEST(MaterialSync, ADirectionIsAnOutputForAnglesAlone) {
   for (const auto& [input, reports] :
        {std::pair{"anisotropicRotation", 0u}, {"opacity", 1u}, {"baseColor", 1u}, {"bump", 1u}}) {
     Stage stage;
@@ -364,7 +364,7 @@ double memory_with_image(Stage& stage, const std::map<Token, Token>& outputs) {
   return stage.stat("totalMemory");
 }
 
-TEST(Materials, TextureMemoryIsWhatTheHostSetsElseWhatASettingsPrimDoes) {
+TEST(MaterialSync, TextureMemoryIsWhatTheHostSetsElseWhatASettingsPrimDoes) {
   const auto memory = [&](const Dictionary& host, const Dictionary& described) {
     Stage stage(host);
     RenderSettingsDescription settings;
@@ -379,13 +379,13 @@ TEST(Materials, TextureMemoryIsWhatTheHostSetsElseWhatASettingsPrimDoes) {
   EXPECT_EQ(memory({{"textureMemory", 64}}, {{"textureMemory", 1}}), held);
 }
 
-TEST(Materials, AlphaComesFromTheImageThatIsReadForColors) {
+TEST(MaterialSync, AlphaComesFromTheImageThatIsReadForColors) {
   Stage one, both;
   EXPECT_LT(memory_with_image(both, {{"baseColor", "rgb"}, {"opacity", "a"}}),
             memory_with_image(one, {{"baseColor", "rgb"}}) + 0x1p20);
 }
 
-TEST(Materials, MayComeAfterAndGoBeforeTheMesh) {
+TEST(MaterialSync, MayComeAfterAndGoBeforeTheMesh) {
   Stage stage;
   host::MeshDescription mesh = Stage::quad();
   mesh.material = "/m";

@@ -271,7 +271,7 @@ TEST_F(Checkpoints, AHeaderThatDescribesNoRenderIsRefusedEarly) {
   EXPECT_EQ(frame.command("resumeCheckpoint", {{"file", file_}}), "");
 }
 
-TEST_F(Checkpoints, ThoseThatNameARemovedSettingSaySo) {
+TEST_F(Checkpoints, RemovedSettingOfACheckpointIsNamed) {
   const std::string all = (written(), bytes());
   for (const std::string& old :
        {std::string(R"("rouletteDepth":"1",)"), std::string(R"("walkWeights":"throughput",)")}) {

@@ -99,7 +99,7 @@ void give_faces(host::RetainedSceneDelegate* scene, Array<int32_t> faces) {
   scene->SetMaterial("/glow", glow);
 }
 
-TEST(Edits, OfSubsetsBuildNoShapeAndLeaveTheBytesOfAFreshDelegate) {
+TEST(Edits, EditedSubsetsBuildNoShapeAndGiveTheBytesOfAFreshDelegate) {
   Drawn edited(4), fresh(4);
   const auto draw = [](Drawn* drawn) {
     drawn->stage.index->SyncAll();
@@ -123,7 +123,7 @@ TEST(Edits, OfSubsetsBuildNoShapeAndLeaveTheBytesOfAFreshDelegate) {
   EXPECT_EQ(draw(&fresh), pictures[2]);
 }
 
-TEST(Edits, OfPointsLeaveTheBytesOfAFreshDelegate) {
+TEST(Edits, EditedPointsGiveTheBytesOfAFreshDelegate) {
   Drawn edited(4), fresh(4);
   const auto draw = [](Drawn* drawn, float size) {
     edit(&drawn->stage.scene, 1);
@@ -146,7 +146,7 @@ TEST(Edits, OfPointsLeaveTheBytesOfAFreshDelegate) {
 }
 
 // The second hierarchy of a mesh is for the next edit alone.
-TEST(Edits, OfPointsKeepMemoryForTwoSecondsAtMost) {
+TEST(Edits, EditedPointsKeepSpareMemoryForTwoSecondsAtMost) {
   Drawn drawn(1 << 20);
   const auto shape = [&](int step) {
     host::MeshDescription body = cube(7, 0.5f + 0.01f * static_cast<float>(step));
@@ -188,7 +188,7 @@ TEST(Edits, CommitAndExecuteDoNotWaitForTheBuild) {
   EXPECT_TRUE(Stage::finish(*drawn.pass, drawn.state));
 }
 
-TEST(Edits, TheOldSceneGoesOnMeanwhile) {
+TEST(Edits, TheOldSceneIsRenderedDuringABuild) {
   Drawn drawn(1 << 20);
   drawn.pass->Execute(drawn.state);
   drawn.stage.wait_for_scene();

@@ -121,7 +121,7 @@ class FailingAllocations : public description::SceneFiles {
   std::string scene_file_;
 };
 
-TEST_F(FailingAllocations, OnTheHostsThread) {
+TEST_F(FailingAllocations, FailuresOnTheHostsThreadAreReportedAndRecovered) {
   run_trials({.allowed_below = 1500, .least_failures = 100}, [](size_t i, size_t allowed, bool* is_told) {
     *is_told = i % 2 == 0;
     return testing::FailingMemory(allowed, *is_told ? 1 : 50);
@@ -130,7 +130,7 @@ TEST_F(FailingAllocations, OnTheHostsThread) {
 
 // Embree allocates in the destructor of a scene whose build has failed: a third refusal in a row may lie there and end
 // the process.
-TEST_F(FailingAllocations, OnAllOtherThreads) {
+TEST_F(FailingAllocations, FailuresOnOtherThreadsAreReportedAndRecovered) {
   run_trials({.allowed_below = 400, .least_failures = 50}, [](size_t i, size_t allowed, bool* is_told) {
     *is_told = i % 2 == 0;
     return testing::FailingMemoryElsewhere(static_cast<int>(1 + i % 2), allowed);

@@ -10,7 +10,7 @@ namespace alabaster {
 namespace {
 
 // All that operator new gives to the session, at the same time.
-TEST(FrameMemory, IsTheMostThatARenderHolds) {
+TEST(FrameMemory, EstimateIsTheMostThatARenderHolds) {
   for (const testing::FrameMemoryCase& c : testing::frame_memory_cases()) {
     const RenderRequest request = testing::frame_memory_request(c.settings);
     testing::render(request);  // what stays, such as threads and tables, is there now

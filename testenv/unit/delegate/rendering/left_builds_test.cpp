@@ -75,7 +75,7 @@ class LeftBuilds : public testing::Test {
   };
 };
 
-TEST_F(LeftBuilds, LeaveNothingBehind) {
+TEST_F(LeftBuilds, AbandonedBuildsLeaveNothing) {
   Host host(4096);
   const double before = host.in_use();
   host.add();
@@ -89,7 +89,7 @@ TEST_F(LeftBuilds, LeaveNothingBehind) {
   EXPECT_EQ(host.errors(), "");
 }
 
-TEST_F(LeftBuilds, TheirMemoryIsWaitedFor) {
+TEST_F(LeftBuilds, MemoryOfAbandonedBuildsIsWaitedFor) {
   int mib = 0;  // that one build needs
   for (mib = 64; mib < 4096; mib += mib / 8) {
     Host host(mib);
@@ -108,7 +108,7 @@ TEST_F(LeftBuilds, TheirMemoryIsWaitedFor) {
   }
 }
 
-TEST_F(LeftBuilds, EndWithTheDelegate) {
+TEST_F(LeftBuilds, AbandonedBuildsEndWithTheDelegate) {
   for (int i = 0; i < 6; ++i) {
     Host host(4096);
     host.add_for(milliseconds(10 + 30 * i));

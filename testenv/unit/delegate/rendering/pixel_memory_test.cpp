@@ -91,7 +91,7 @@ TEST(PixelMemory, NothingIsWrittenThatIsShownAlready) {
   EXPECT_NE(whole, pixels);
 }
 
-TEST(PixelMemory, AnotherSizeIsToldAndNothingWritten) {
+TEST(PixelMemory, ChangedSizeIsReportedAndNothingWritten) {
   Shown s(40);
   std::vector<float> pixels(50 * 200, -7.0f);
   s.memory.size = {50, 50};
@@ -112,7 +112,7 @@ TEST(PixelMemory, AnotherSizeIsToldAndNothingWritten) {
   EXPECT_TRUE(s.show(&pixels, 200));
 }
 
-TEST(PixelMemory, WhatCannotBeWrittenIsReported) {
+TEST(PixelMemory, UnwritablePixelsAreReported) {
   Shown s(40);
   ASSERT_TRUE(s.finish());
   std::vector<float> pixels(40 * 160);

@@ -99,7 +99,7 @@ TEST(RenderPass, NothingThatStaysTheSameRestarts) {
   EXPECT_FALSE(s.restarts());
 }
 
-TEST(RenderPass, WhatIsDrawnDifferentlyRestarts) {
+TEST(RenderPass, ChangedBindingsRestart) {
   Shot s;
   const auto expect_restart = [&](const char* what) {
     s.stage.index->SyncAll();
@@ -286,7 +286,7 @@ TEST(RenderPass, TheSettingsPrimGivesCameraAndSettingsAndTheHostOverrides) {
   EXPECT_EQ(s.pass->GetState(), PassState::converged);
 }
 
-TEST(RenderPass, AFailureIsToldOnceItHasBeenWaitedFor) {
+TEST(RenderPass, FailureIsReportedAfterWaiting) {
   Shot s;
   host::CameraDescription away = s.stage.scene.GetCameras().at("/camera");
   away.transform[3][0] = 1e30;
@@ -301,7 +301,7 @@ TEST(RenderPass, AFailureIsToldOnceItHasBeenWaitedFor) {
   EXPECT_NE(stats.at("error").text_or("").find("no ray of the camera"), std::string::npos);
 }
 
-TEST(BackgroundControl, WhatWasStoppedStaysSoUntilItIsExecutedAgain) {
+TEST(BackgroundControl, StoppedPassStaysStoppedUntilExecute) {
   Shot s(kEndless);
   s.pass->Execute(s.state);
   s.stage.delegate->Stop();

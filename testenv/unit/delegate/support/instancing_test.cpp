@@ -8,7 +8,7 @@ namespace alabaster::hd::support {
 namespace {
 
 // A million points must cost neither a copy nor a matrix each.
-TEST(Instancing, PointsStayInTheHostsArrays) {
+TEST(InstancePlacement, PointsStayInTheHostsArrays) {
   const auto own = std::make_shared<const std::vector<Vec3f>>(std::vector<Vec3f>{{1, 2, 3}, {4, 5, 6}});
   host::InstancerDescription instancer;
   instancer.primvars["hydra:instanceTranslations"] = Array<Vec3f>(own, own->data(), own->size());

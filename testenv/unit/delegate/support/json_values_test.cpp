@@ -11,7 +11,7 @@ namespace {
 
 using nlohmann::json;
 
-TEST(JsonValues, ComeBack) {
+TEST(JsonValues, ValuesSurviveARoundTrip) {
   for (const Value& value :
        {Value(true), Value(int32_t(-3)), Value(int64_t(1) << 40), Value(0.1f), Value(1e-40f), Value(0.1234567890123),
         Value("text"), Value(Vec2f(1, 0.3f)), Value(Vec3f(0.1f, 2, -3)), Value(Array<int32_t>{1, 2, 3, 4}),
@@ -32,7 +32,7 @@ TEST(JsonValues, HaveTheirFormsInFiles) {
   EXPECT_EQ(json_of(std::make_shared<const Dictionary>(inner)), (json{{"x", 1}}));
 }
 
-TEST(JsonValues, WhatIsNoValueIsEmpty) {
+TEST(JsonValues, TextThatIsNoValueIsEmpty) {
   for (const char* text : {"null", "{}", "[]", "[1, \"a\"]", "[[1]]", "[null]", "[true]"})
     EXPECT_TRUE(value_of(json::parse(text)).empty()) << text;
   EXPECT_EQ(value_of(json::parse("1e300")), Value(1e300));

@@ -154,7 +154,7 @@ TEST_F(OutputFile, ADeviceIsWrittenIntoAndStaysOne) {
   EXPECT_TRUE(S_ISBLK(mode("block")));
 }
 
-TEST_F(OutputFile, WhatCannotBeWrittenIsSaidBefore) {
+TEST_F(OutputFile, UnwritableFileIsReportedBeforeWriting) {
   EXPECT_EQ(OutputFault(path("fine")), "");
   EXPECT_EQ(OutputFault(path(std::string(250, 'n') + ".exr")), "");
   EXPECT_EQ(write(std::string(250, 'n') + ".ex", "text"), "");

@@ -110,7 +110,7 @@ TEST(PreviewSurface, CoordinatesArePlacedAsSpecified) {
   }
 }
 
-TEST(PreviewSurface, WhatCannotBeReadIsWarnedOfOnce) {
+TEST(PreviewSurface, UnreadableInputsAreWarnedOfOnce) {
   MaterialNetwork network = preview({{"displacement", 0.1f}});
   network.nodes["/m/noise"] = {"UsdNoise", {}, {}};
   network.nodes["/m/reader"] = {"UsdPrimvarReader_float", {{"varname", "wetness"}}, {}};

@@ -56,7 +56,7 @@ TEST(Configurations, EachDiffersFromTheBaseInOneThing) {
   }
 }
 
-TEST(Configurations, WhatASceneLacksIsSkippedAndSaid) {
+TEST(Configurations, FeaturesThatASceneLacksAreSkippedAndReported) {
   const ConfigurationList list = make_configurations({false, false, 1}, {}, known(), ".");
   const auto all = names(list);
   EXPECT_FALSE(all.count("lambert"));

@@ -60,7 +60,7 @@ TEST(Flip, EqualPicturesDoNotDiffer) {
   EXPECT_EQ(difference.map, std::vector<float>(64 * 48, 0.0f));
 }
 
-TEST(Flip, DoesNotAskWhichPictureComesFirst) {
+TEST(Flip, IsSymmetric) {
   const Image a = noisy(0.2, 1), b = noisy(0.2, 2);
   const FlipDifference there = flip_difference(a, b), back = flip_difference(b, a);
   EXPECT_GT(there.mean, 0.1);
@@ -138,7 +138,7 @@ TEST(Flip, SmallestPicturesHaveADifference) {
                 kRounding);
 }
 
-TEST(Flip, WhatCannotBeComparedHasNoDifference) {
+TEST(Flip, IncomparablePicturesHaveNoDifference) {
   const Image image = uniform(4, 3, {0, 0, 0});
   Image torn = image;
   torn.rgb.pop_back();

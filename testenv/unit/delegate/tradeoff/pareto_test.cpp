@@ -19,7 +19,7 @@ Estimate bias(double value, double low) {
   return {value, low, 2 * value - low, (value - low) / 1.96};
 }
 
-TEST(Front, OfEqualCurvesTheBaseAloneIsOnIt) {
+TEST(Front, EqualCurvesLeaveTheBaseAlone) {
   // The other is one per cent cheaper, which no interval tells.
   EXPECT_EQ(on_front(std::vector{point(0, 1, 1), point(0, 4, 1), point(1, 0.99, 1), point(1, 3.96, 1)}),
             (Flags{true, true, false, false}));
@@ -39,7 +39,7 @@ TEST(Front, ABiasCountsWhereItIsCertain) {
   EXPECT_EQ(flags(bias(0.04, 0.03)), (Flags{false, true, true, false})) << "0.2 of error however long it takes";
 }
 
-TEST(Front, OfTwoThatAreBetterAlikeTheFirstIsOnIt) {
+TEST(Front, FirstOfTwoEquallyBetterCurvesIsChosen) {
   EXPECT_EQ(on_front(std::vector{point(0, 1, 1), point(1, 1, 0.5), point(2, 1, 0.49), point(3, 1, 0.3)}),
             (Flags{false, false, false, true}));
   EXPECT_EQ(on_front(std::vector{point(0, 1, 1), point(1, 1, 0.5), point(2, 1, 0.49)}), (Flags{false, true, false}));
@@ -62,7 +62,7 @@ TEST(Front, CurvesAreNotFollowedFar) {
   EXPECT_EQ(on_front(std::vector{point(0, 1, 1), point(1, 3, 2)}), (Flags{true, false}));
 }
 
-TEST(Front, NothingAndNonsense) {
+TEST(Front, EmptyAndNonFinitePointsAreLeftOut) {
   EXPECT_EQ(on_front({}), Flags{});
   EXPECT_EQ(on_front(std::vector{point(0, NAN, 1), point(0, 0, 1), point(1, 1, NAN), point(2, 5, 5)}),
             (Flags{false, false, false, true}));

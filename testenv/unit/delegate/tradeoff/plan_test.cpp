@@ -59,7 +59,7 @@ TEST(Plan, TheReferenceGetsItsShare) {
   EXPECT_GE(replicas(jobs).at({kReference, samples}), kReferenceReplicas - 1);
 }
 
-TEST(Plan, NoneGetsAThirdRungBeforeAllHaveTwo) {
+TEST(Plan, AllConfigurationsGetTwoRungsBeforeAnyGetsThree) {
   std::set<std::pair<int, uint64_t>> seen;
   for (const FinishedJob& finished : simulate(8, 0.02, 60)) {
     const Job& job = finished.job;
@@ -92,7 +92,7 @@ TEST(Plan, NothingIsBegunThatCannotBeCompleted) {
   }
 }
 
-TEST(Plan, WhatIsLeftGoesToStragglersBeforeItGoesToTheReference) {
+TEST(Plan, RemainingTimeGoesToStragglersBeforeTheReference) {
   // The reference has used its share. One of three configurations takes a little more than its fair share for the third
   // rung.
   std::vector<FinishedJob> finished;

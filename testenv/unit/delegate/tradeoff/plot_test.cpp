@@ -131,7 +131,7 @@ TEST_F(PlotFile, NamesThePackageThatIsMissing) {
   EXPECT_EQ(files(), 1u);
 }
 
-TEST_F(PlotFile, AFailureOfGnuplotIsToldInItsWords) {
+TEST_F(PlotFile, FailureOfGnuplotIsReportedWithItsMessage) {
   const std::string fake = path("gnuplot");
   std::ofstream(fake) << "#!/bin/sh\necho out of ink >&2\nexit 3\n";
   fs::permissions(fake, fs::perms::owner_all);

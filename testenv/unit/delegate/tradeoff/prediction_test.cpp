@@ -87,7 +87,7 @@ TEST(Prediction, TheRangeHoldsWhatItPromises) {
 }
 
 // Where stratification dominates, all probes of a scene share an error, and more probes do not narrow the range.
-TEST(Prediction, WhatAllProbesGetWrongIsNotAveragedAway) {
+TEST(Prediction, ErrorsCommonToAllProbesAreKept) {
   const auto [inside, widest] = ranges_that_hold(0.5);
   EXPECT_GE(inside, 950);
   EXPECT_LT(widest, 20);

@@ -88,7 +88,7 @@ class Study : public ::testing::Test {
   size_t rendered_ = 0;
 };
 
-TEST_F(Study, ToldApartNoiseAndBias) {
+TEST_F(Study, NoiseAndBiasAreSeparated) {
   StudyStore store = open("a");
   ASSERT_EQ(run(&store), StudyOutcome::finished);
   const auto result = results(store);
@@ -232,7 +232,7 @@ TEST_F(Study, TheLeastBudgetIsNeededAndSuffices) {
   EXPECT_EQ(measured(), 2u);
 }
 
-TEST_F(Study, WhatIsExpectedIsToldOnceTheCostIsKnown) {
+TEST_F(Study, ForecastIsReportedOnceTheCostIsKnown) {
   StudyStore store = open("a");
   std::vector<StudyProgress> told;
   ASSERT_EQ(run(&store, 1000000, 1e-3, &told), StudyOutcome::finished);  // ends while costs are being measured
@@ -299,7 +299,7 @@ TEST_F(Study, CsvJsonAndMarkdownAgree) {
 }
 
 // A configuration that changes nothing shares a line; one whose bias is certain is not recommended for long.
-TEST_F(Study, WhatHasNoEffectIsFoldedAndWhatIsBestIsRecommended) {
+TEST_F(Study, IneffectiveSettingsAreFoldedAndTheBestRecommended) {
   list_.measured.push_back(configuration("same", "same", 0));
   list_.measured[1].flags = "--subsurface lambert";
   StudyStore store = open("a");
@@ -327,7 +327,7 @@ TEST_F(Study, WhatHasNoEffectIsFoldedAndWhatIsBestIsRecommended) {
 }
 
 // Where another configuration beats the base, one that is like the base may be unbeaten by chance.
-TEST_F(Study, WhatHasNoEffectIsNotOnTheFront) {
+TEST_F(Study, IneffectiveSettingsAreNotOnTheFront) {
   list_.measured[1] = configuration("alike", "alike", 0, 0.46);
   list_.measured.push_back(configuration("better", "better", 0, 0.42));
   StudyStore store = open("a");

@@ -74,7 +74,7 @@ TEST_F(TradeoffProgram, MeasuresWritesAndGoesOn) {
   EXPECT_HAS(second.err, "resuming with");
 }
 
-TEST_F(TradeoffProgram, WhatDoesNotFitTheFolderIsRefused) {
+TEST_F(TradeoffProgram, StudyOfAnotherSceneInTheFolderIsRefused) {
   write_sky("ABC\x80");
   run(hasty({}));
   EXPECT_HAS(run(hasty({})).err, "resuming with");
