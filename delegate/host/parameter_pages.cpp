@@ -196,7 +196,7 @@ void AddParameterPages(std::map<std::string, std::string>* files) {
   std::vector<Row> product;
   add_fields(kProductFields, &product);
   (*files)[folder + "product.md"] = page_text("products:N", product);
-  (*files)["delegate/python/alabaster/_fields.pyi"] = stub;
+  (*files)["delegate/python/hdalabaster/_fields.pyi"] = stub;
 }
 
 }  // namespace alabaster::hd::host

@@ -9,7 +9,7 @@
 namespace alabaster::hd::host {
 
 /// The texts of these files, by their paths in the sources: the schemas disney_material, mesh, lights, camera and
-/// render_settings, delegate/manual/parameters and delegate/python/alabaster/_fields.pyi.
+/// render_settings, delegate/manual/parameters and delegate/python/hdalabaster/_fields.pyi.
 ALABASTER_API std::map<std::string, std::string> TableFiles();
 
 /// `text`, a schema that is written by hand, with its list of AOVs, and with all parameters of each table that it

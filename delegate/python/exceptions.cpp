@@ -3,7 +3,7 @@
 namespace alabaster::python {
 namespace {
 
-/// Exceptions by status; all derive from alabaster.Error.
+/// Exceptions by status; all derive from hdalabaster.Error.
 struct Exceptions {
   py::object error, argument, missing, scene, render, output, cancelled;
 };
@@ -13,7 +13,7 @@ Exceptions& exceptions() {
 }
 
 py::object make_exception(py::module_& module, const char* name, const char* documentation, const py::tuple& bases) {
-  const std::string full = std::string("alabaster.") + name;
+  const std::string full = std::string("hdalabaster.") + name;
   auto made =
       py::reinterpret_steal<py::object>(PyErr_NewExceptionWithDoc(full.c_str(), documentation, bases.ptr(), nullptr));
   module.attr(name) = made;

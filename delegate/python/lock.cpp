@@ -75,7 +75,7 @@ Unlocked::Unlocked() : state_(nullptr) {
   if (!ends) return;
   wait_for_finalization();
   take_lock(state_);
-  throw std::runtime_error("the interpreter ends: only the thread that ends it may use alabaster");
+  throw std::runtime_error("the interpreter ends: only the thread that ends it may use hdalabaster");
 }
 
 Unlocked::~Unlocked() {

@@ -1,4 +1,4 @@
-// The module's names as Python sees them. delegate/python/alabaster/__init__.pyi has their types.
+// The module's names as Python sees them. delegate/python/hdalabaster/__init__.pyi has their types.
 #include "delegate/python/fields.h"
 
 namespace alabaster::python {
@@ -26,10 +26,10 @@ py::class_<Scene> add_files(py::module_& module) {
                           "the scene. Arrays of float32 and int32 (float64 for matrices) that are contiguous are not "
                           "copied: leave them unchanged. Matrices have the translation in their last row.");
   scene
-      .def(
-          py::init([](const py::object& report) { return make_object<Scene>(report); }), py::kw_only(),
-          py::arg("report") = py::none(),
-          "report(severity, code, where, text) hears of faults in files; by default they are logged under 'alabaster'.")
+      .def(py::init([](const py::object& report) { return make_object<Scene>(report); }), py::kw_only(),
+           py::arg("report") = py::none(),
+           "report(severity, code, where, text) hears of faults in files; by default they are logged under "
+           "'hdalabaster'.")
       .def(
           "load", [](Scene& s, const py::object& file, const py::kwargs& options) { return s.load(file, options); },
           py::arg("file"),
@@ -115,7 +115,7 @@ newfunc make_pybind11_object = nullptr;
 PyObject* refuse_the_base(PyTypeObject* type, PyObject* arguments, PyObject* keywords) {
   if (type != reinterpret_cast<PyTypeObject*>(pybind11::detail::get_internals().instance_base))
     return make_pybind11_object(type, arguments, keywords);
-  PyErr_SetString(PyExc_TypeError, "objects of alabaster cannot be pickled, copied or made from their base class");
+  PyErr_SetString(PyExc_TypeError, "objects of hdalabaster cannot be pickled, copied or made from their base class");
   return nullptr;
 }
 
@@ -126,15 +126,15 @@ void guard_the_base() {
   base->tp_new = &refuse_the_base;
 }
 
-constexpr const char* kNotMain = "alabaster runs in Python's main interpreter alone, and this is a sub-interpreter";
+constexpr const char* kNotMain = "hdalabaster runs in Python's main interpreter alone, and this is a sub-interpreter";
 
 bool is_main_interpreter() {
   return PyInterpreterState_Get() == PyInterpreterState_Main();
 }
 }  // namespace
 
-#define PyInit__alabaster init_by_pybind11  // the function that PYBIND11_MODULE defines, and that Python looks for
-PYBIND11_MODULE(_alabaster, module) {
+#define PyInit__hdalabaster init_by_pybind11  // the function that PYBIND11_MODULE defines, and that Python looks for
+PYBIND11_MODULE(_hdalabaster, module) {
   using namespace alabaster::python;
   // CPython copies a module of the main interpreter into others without a call of this: __init__.py checks.
   module.def("_check_interpreter", [] {
@@ -149,10 +149,10 @@ PYBIND11_MODULE(_alabaster, module) {
   module.attr("__version__") = versions.substr(0, versions.find('\n'));
   module.attr("versions") = versions;
 }
-#undef PyInit__alabaster
+#undef PyInit__hdalabaster
 
 // pybind11 waits without end in an interpreter that is not the main one.
-extern "C" PYBIND11_EXPORT PyObject* PyInit__alabaster() {  // NOLINT(bugprone-reserved-identifier): Python's name
+extern "C" PYBIND11_EXPORT PyObject* PyInit__hdalabaster() {  // NOLINT(bugprone-reserved-identifier): Python's name
   if (is_main_interpreter()) return init_by_pybind11();
   PyErr_SetString(PyExc_ImportError, kNotMain);
   return nullptr;

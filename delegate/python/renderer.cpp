@@ -67,7 +67,7 @@ void Messages::deliver() {
         listener_(kSeverities[std::clamp(m->severity, 0, 2)], message_to_python(m->code), where, what);
       else
         py::module_::import("logging")
-            .attr("getLogger")("alabaster")
+            .attr("getLogger")("hdalabaster")
             .attr("log")(20 + 10 * m->severity, "%s: %s", where, what);
     });
   }
@@ -339,7 +339,7 @@ bool Render::Shown::is_of(const Shown& other) const {
 
 bool Render::show(const Text& aov, const py::buffer& into, const py::object& display, bool top_down) {
   const Display* converts =
-      display.is_none() ? nullptr : &object_of<Display>(display, "display", "an alabaster.Display or None");
+      display.is_none() ? nullptr : &object_of<Display>(display, "display", "an hdalabaster.Display or None");
   const py::buffer_info info = contiguous(into);
   Shown now{into, display, converts ? converts->exposure() : 0, memory_of(info)};
   now.memory.y_up = !top_down;

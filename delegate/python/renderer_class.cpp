@@ -110,7 +110,7 @@ class Renderer : public NeverImplicit {
 
  private:
   static Scene& scene_of(const py::object& scene) {
-    return object_of<Scene>(scene, "scene", "an alabaster.Scene or None");
+    return object_of<Scene>(scene, "scene", "an hdalabaster.Scene or None");
   }
   static py::object last_of(const Answers& told) { return told.empty() ? py::none() : told.back().second.to_python(); }
   std::shared_ptr<Engine> engine_;
@@ -375,7 +375,7 @@ py::class_<Renderer> renderer_class(py::module_& module) {
              return make_object<Renderer>(scene, report, settings);
            }),
            py::arg("scene") = py::none(), py::kw_only(), py::arg("report") = py::none(), py::call_guard<FreeReturned>(),
-           "report(severity, code, where, text) hears of faults; by default they are logged under 'alabaster'. A "
+           "report(severity, code, where, text) hears of faults; by default they are logged under 'hdalabaster'. A "
            "report that "
            "holds the renderer keeps it for good: Python's collector does not see this circle.")
       .def("show", &Renderer::show, py::arg("scene"), "Draws another scene; None: none.")

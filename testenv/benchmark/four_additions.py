@@ -67,7 +67,7 @@ def written():
     print("| existing row | files written | lines that name it |\n| --- | --- | --- |")
     for name, pattern in (("setting glossyFilter", '[`" ]glossyFilter["`:]'), ("mesh option holdout", '[`" ]holdout["`:]'),
                           ("light parameter shaping:focus", '[`"]shaping:focus[`"]'), ("AOV Neye", '^ *"Neye",?$')):
-        found = grep(pattern, "HEAD", "schemas", "delegate/manual/parameters", "delegate/python/alabaster/_fields.pyi")
+        found = grep(pattern, "HEAD", "schemas", "delegate/manual/parameters", "delegate/python/hdalabaster/_fields.pyi")
         print(f"| {name} | {len(files_of(found))} | {len(found)} |")
 
 

@@ -10,7 +10,7 @@ import pathlib
 import random
 import sys
 
-import alabaster
+import hdalabaster
 import numpy as np
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1] / "matrix"))
@@ -21,20 +21,20 @@ def scene_of(count, united):
     numbers, radius = random.Random(1), 1.12 / count ** (1 / 3)
     points, quads = box()
     points = np.float32(points)
-    scene = alabaster.Scene()
+    scene = hdalabaster.Scene()
     scene.set_material("/wax", baseColor=(0.9, 0.6, 0.4), scatterDistance=(radius / 2,) * 3, roughness=0.4)
     scene.set_light("/sky", "domeLight")
     for i in range(count):
         place = np.eye(4)
         place[3, :3] = [numbers.uniform(-0.8, 0.8) for _ in range(3)]
-        given = {"primvars": {"subsurfaceSet": alabaster.Primvar("balls", "constant")}} if united else {}
+        given = {"primvars": {"subsurfaceSet": hdalabaster.Primvar("balls", "constant")}} if united else {}
         scene.set_mesh(f"/ball{i}", points * radius, quads, material="/wax", scheme="catmullClark", refine_level=1, transform=place, **given)
     return scene
 
 
 def seconds(scene):
     camera = {"transform": look_at((0, 0, 1), 5.0), "focalLength": 0.05, "horizontalAperture": 0.036, "verticalAperture": 0.036}
-    renderer, least = alabaster.Renderer(scene, threads=1), []
+    renderer, least = hdalabaster.Renderer(scene, threads=1), []
     for turn in range(3):
         spent = []
         for samples in (1, 9):

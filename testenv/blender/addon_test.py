@@ -45,19 +45,19 @@ class Widths(unittest.TestCase):
 
 class Installation(unittest.TestCase):
     def test_another_package_of_this_name_is_passed_over(self):
-        """The theme of Sphinx is called alabaster, too."""
+        """A package that is called hdalabaster but has no Renderer."""
         with tempfile.TemporaryDirectory() as folder, unittest.mock.patch.dict(sys.modules), \
                 unittest.mock.patch.object(sys, "path", [folder + "/theme", *sys.path]), \
                 unittest.mock.patch.object(library, "HERE", pathlib.Path(folder)):
             for name, text in (("theme", ""), ("ours", "Renderer = object")):
-                package = pathlib.Path(folder) / name / "alabaster"
+                package = pathlib.Path(folder) / name / "hdalabaster"
                 package.mkdir(parents=True)
                 (package / "__init__.py").write_text(text)
-            for name in [one for one in sys.modules if one.split(".")[0] == "alabaster"]:
+            for name in [one for one in sys.modules if one.split(".")[0] == "hdalabaster"]:
                 del sys.modules[name]
             with self.assertRaisesRegex(ImportError, "another package"):
                 library.load()
-            sys.modules["alabaster"] = types.ModuleType("alabaster")
+            sys.modules["hdalabaster"] = types.ModuleType("hdalabaster")
             (pathlib.Path(folder) / "module_folder.txt").write_text(folder + "/ours")
             self.assertIn("/ours/", library.load().__file__)
 

@@ -1,7 +1,7 @@
 """Tests of the calls that edits make. addon_test.py runs them."""
 import bpy
 
-import alabaster
+import hdalabaster
 import scenes
 from alabaster_render import motion, sync, world
 from synced_scene import SyncedScene, dump

@@ -13,7 +13,7 @@ import weakref
 import bpy
 import numpy
 
-import alabaster
+import hdalabaster
 import scenes
 from alabaster_render import engine, images, materials, passes, settings, world
 from synced_scene import fresh
@@ -166,9 +166,9 @@ class Frames(unittest.TestCase):
             engine.AlabasterRenderEngine.check(None, types.SimpleNamespace(state="running"), renderer)
 
     def test_cancel_is_prompt(self):
-        scene = alabaster.Scene()
+        scene = hdalabaster.Scene()
         scene.set_light("/dome", "domeLight", intensity=1)
-        renderer = alabaster.Renderer(scene, samples=1 << 20)
+        renderer = hdalabaster.Renderer(scene, samples=1 << 20)
         render = renderer.start(width=256, height=256, camera={"focalLength": 1.0})
         pressed = time.monotonic() + 0.5
         shown = []
@@ -217,10 +217,10 @@ class Frames(unittest.TestCase):
         self.assertFalse(frames.closed)
 
     def test_noise_is_told_while_a_picture_refines(self):
-        scene = alabaster.Scene()
+        scene = hdalabaster.Scene()
         scene.set_light("/dome", "domeLight", intensity=1)
         scene.set_mesh("/floor", [(-1, -1, -3), (1, -1, -3), (0, 1, -3)], [[0, 1, 2]])
-        renderer = alabaster.Renderer(scene, samples=1 << 20)
+        renderer = hdalabaster.Renderer(scene, samples=1 << 20)
         render = renderer.start(width=64, height=64, camera={"focalLength": 1.0})
         end = time.monotonic() + 60
         while "Noise" not in engine.status(renderer)[0] and time.monotonic() < end:

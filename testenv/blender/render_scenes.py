@@ -1,6 +1,6 @@
 """Renders scenes of scenes.py with Alabaster and with Cycles. Runs inside Blender (blender -b -P) or with the module bpy.
 
-Arguments: a JSON file with addon (folder that holds alabaster_render), module (folder that holds alabaster), scenes (names; none:
+Arguments: a JSON file with addon (folder that holds alabaster_render), module (folder that holds hdalabaster), scenes (names; none:
 all), width, height, samples, out (folder). Prints a line "SCENE {json}" for each: mean colours, RMS differences of blocks of colour and of alpha.
 """
 import json

@@ -3,16 +3,16 @@ import unittest
 
 import bpy
 
-import alabaster
+import hdalabaster
 import scenes
 from alabaster_render import sync
 
 
 class Watched:
-    """An alabaster.Scene that remembers its calls."""
+    """An hdalabaster.Scene that remembers its calls."""
 
     def __init__(self):
-        self.scene, self.calls = alabaster.Scene(), []
+        self.scene, self.calls = hdalabaster.Scene(), []
 
     def __getattr__(self, name):
         method = getattr(self.scene, name)
@@ -30,7 +30,7 @@ def fresh():
 
 
 def dump(scene):
-    renderer = alabaster.Renderer(scene, samples=1)
+    renderer = hdalabaster.Renderer(scene, samples=1)
     renderer.start(width=8, height=8, camera={"focalLength": 1.0})
     text = renderer.command("dumpScene")
     renderer.stop()

@@ -26,7 +26,7 @@ import threading
 import time
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1] / "unit/python"))
-import alabaster  # noqa: E402
+import hdalabaster  # noqa: E402
 from square_scene import BACK, CORNERS, square  # noqa: E402
 
 try:
@@ -41,7 +41,7 @@ NUMBERS = [0, 1, 2, 3, 7, -1, -5, 255, 1 << 20, 1 << 31, -1 << 31, 1 << 32, 1 <<
            float("nan"), float("inf"), float("-inf"), True, False, None, complex(1, 2)]
 FILES = ["scene.json", "image.exr", "image.png", "gone.json", "gone.glb", "image", b"image\xff.exr", pathlib.Path("image.exr"), "a\0.json"]
 FORMATS = ["f4", "f8", "f2", "i4", "i8", "u1", "u8", "?", ">f4", ">i4", "c8", "S3", "U2", "O", "V0", "S0", "M8[s]", "f4,i2", "longdouble"]
-ALLOWED = (alabaster.Error, TypeError, ValueError, LookupError, ArithmeticError, MemoryError, BufferError, OSError, AttributeError)
+ALLOWED = (hdalabaster.Error, TypeError, ValueError, LookupError, ArithmeticError, MemoryError, BufferError, OSError, AttributeError)
 
 
 class Hostile:
@@ -97,9 +97,9 @@ class RandomCalls:
         self.scenes[0].set_render_settings("/settings", camera="/camera", width=8, height=8, samples=1)
         self.scenes[0].set_mesh("/part", CORNERS, [[0, 1, 2, 3]], instancer="/many")
         self.scenes[0].set_instancer("/many", {"/part": [0, 1]}, translations=[(0, 0, 0), (1, 0, 0)])
-        self.renderers = [alabaster.Renderer(self.scenes[0], samples=2, report=lambda *_: None), alabaster.Renderer(report=lambda *_: self.act())]
+        self.renderers = [hdalabaster.Renderer(self.scenes[0], samples=2, report=lambda *_: None), hdalabaster.Renderer(report=lambda *_: self.act())]
         self.renders = [self.renderers[0].start(width=8, height=8, camera="/camera", aovs=["color", "depth"])]
-        self.displays = [alabaster.Display()]
+        self.displays = [hdalabaster.Display()]
         self.others = [self.renders[0].pixels()] if self.renders[0].wait() else []
         self.ticks = itertools.count()
 
@@ -180,7 +180,7 @@ class RandomCalls:
 
     def primvar(self):
         try:
-            return alabaster.Primvar(self.usual(self.anything, self.points), self.usual(self.text, lambda: "vertex"),
+            return hdalabaster.Primvar(self.usual(self.anything, self.points), self.usual(self.text, lambda: "vertex"),
                                      motion=self.usual(self.anything, lambda: self.motion(self.points)))
         except ALLOWED:
             return None
@@ -248,8 +248,8 @@ class RandomCalls:
             (s.set_render_settings, [w(self.path)], lambda: self.named(
                 camera=self.path, width=lambda: 8, height=lambda: 8, pixel_aspect=self.real, crop=lambda: (0, 0, 4, 4), frame=self.real,
                 samples=lambda: 1, subsurface=self.text)),
-            (s.set_parameter, [w(self.path), w(self.text), w(self.real)], dict), (alabaster.Scene, [], lambda: self.named(report=lambda: lambda *_: self.act())),
-            (alabaster.Primvar, [self.anything()], lambda: self.named(interpolation=self.text, indices=self.indices, role=self.text))]
+            (s.set_parameter, [w(self.path), w(self.text), w(self.real)], dict), (hdalabaster.Scene, [], lambda: self.named(report=lambda: lambda *_: self.act())),
+            (hdalabaster.Primvar, [self.anything()], lambda: self.named(interpolation=self.text, indices=self.indices, role=self.text))]
 
     def renderer_calls(self):
         r, w = self.random.choice(self.renderers), lambda tame: self.usual(self.anything, tame)
@@ -262,8 +262,8 @@ class RandomCalls:
             (r.record, [self.random.choice(FILES)], lambda: {"progress": self.progress(), **self.named(
                 settings=self.path, aovs=lambda: ["normal"], keep_going=lambda: True)}),
             (r.stop, [], dict), (r.restart, [], dict), (r.pause, [], dict), (r.resume, [], dict),
-            (alabaster.Renderer, [self.usual(self.anything, alabaster.Scene)], lambda: self.named(samples=lambda: 1, ocio=self.text)),
-            (alabaster.Display, [self.random.choice([None, "gone.ocio", 5])], lambda: self.named(display=self.text, exposure=self.real))]
+            (hdalabaster.Renderer, [self.usual(self.anything, hdalabaster.Scene)], lambda: self.named(samples=lambda: 1, ocio=self.text)),
+            (hdalabaster.Display, [self.random.choice([None, "gone.ocio", 5])], lambda: self.named(display=self.text, exposure=self.real))]
 
     def render_calls(self):
         r, w = self.random.choice(self.renders), lambda tame: self.usual(self.anything, tame)
@@ -273,8 +273,8 @@ class RandomCalls:
             (r.cancel, [], dict), (r.pixels, [w(lambda: "color")], dict), (r.__getitem__, [w(lambda: "depth")], dict),
             (r.read, ["color", self.memory()], dict), (r.show, ["color", self.memory()], lambda: self.named(display=lambda: display, top_down=bool)),
             (setattr, [display, "exposure", w(self.real)], dict),
-            (copy.copy, [self.anything()], dict), (copy.deepcopy, [r], dict), (lambda kind: kind.__new__(kind), [alabaster.Scene], dict),
-            (lambda: self.others.append(alabaster.Pixels.__new__(alabaster.Pixels)), [], dict), (self.others.clear, [], dict)]
+            (copy.copy, [self.anything()], dict), (copy.deepcopy, [r], dict), (lambda kind: kind.__new__(kind), [hdalabaster.Scene], dict),
+            (lambda: self.others.append(hdalabaster.Pixels.__new__(hdalabaster.Pixels)), [], dict), (self.others.clear, [], dict)]
 
     def one(self, note):
         function, arguments, options = self.random.choice(self.random.choice([self.scene_calls, self.renderer_calls, self.render_calls])())
@@ -287,8 +287,8 @@ class RandomCalls:
                 raise AssertionError(str(error)) from error
 
     def keep(self, made):
-        for kind, held in [(alabaster.Scene, self.scenes), (alabaster.Renderer, self.renderers), (alabaster.Render, self.renders),
-                           (alabaster.Display, self.displays), (alabaster.Pixels, self.others)]:
+        for kind, held in [(hdalabaster.Scene, self.scenes), (hdalabaster.Renderer, self.renderers), (hdalabaster.Render, self.renders),
+                           (hdalabaster.Display, self.displays), (hdalabaster.Pixels, self.others)]:
             if isinstance(made, kind):
                 held.append(made)
                 if len(held) > 3:

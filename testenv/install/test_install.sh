@@ -10,7 +10,7 @@ told=$(cmake --install "$1" --prefix "$scratch/prefix")
 written=$(find "$1/blender" -newer "$scratch/begin" 2>/dev/null || true)
 [ -z "$written" ] || { echo "error: the installation wrote outside of its prefix: $written" >&2; exit 1; }
 # Each optional part is installed, or the installation says why not.
-for part in "Python module:_alabaster*.so" "Blender add-on:alabaster_render.zip" "Window:alabaster-view" "Denoiser:libOpenImageDenoise.so.2" "Hydra plug-in:hdAlabasterPlugin.so"; do
+for part in "Python module:_hdalabaster*.so" "Blender add-on:alabaster_render.zip" "Window:alabaster-view" "Denoiser:libOpenImageDenoise.so.2" "Hydra plug-in:hdAlabasterPlugin.so"; do
   found=$(find "$scratch/prefix" -name "${part#*:}")
   left_out=$(echo "$told" | grep "^-- ${part%%:*}.*: not installed, because " || true)
   if [ -n "$found" ] && [ -n "$left_out" ] || [ -z "$found$left_out" ]; then
@@ -65,7 +65,7 @@ oiiotool "$scratch/program.exr" --ch R,G,B "$scratch/host_c.pfm" --fail 0 --warn
 make_host cpp17 CXX host.cpp ""
 "$scratch/cpp17/build/host" "$scratch/written.alab"
 "$scratch/prefix/bin/alabaster" check "$scratch/written.alab" --quiet
-module=$(find "$scratch/prefix" -name '_alabaster*.so')
+module=$(find "$scratch/prefix" -name '_hdalabaster*.so')
 if [ -n "$module" ]; then
   python=$(sed -n 's/^_Python_EXECUTABLE:INTERNAL=//p' "$1/CMakeCache.txt")
   PYTHONPATH=$(dirname "$(dirname "$module")") "${python:-python3}" "$here/../unit/python/alabaster_test.py" \

@@ -7,7 +7,7 @@ import sys
 import tempfile
 from typing import NamedTuple
 
-import alabaster
+import hdalabaster
 import numpy as np
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1] / "scenes"))
@@ -266,13 +266,13 @@ def add_body(scene, body, draft, look):
         primvars = {}
     else:
         points, quads, normals, uvs = ball(8 if body.displaced else 32, body.hollow)
-        primvars = {"st": alabaster.Primvar(uvs, "faceVarying", role="textureCoordinate")}
+        primvars = {"st": hdalabaster.Primvar(uvs, "faceVarying", role="textureCoordinate")}
         if body.displaced:
             given.update(scheme="catmullClark", refine_level=3)
         else:
             primvars["normals"] = normals
     if body.set:
-        primvars["subsurfaceSet"] = alabaster.Primvar(body.set, "constant")
+        primvars["subsurfaceSet"] = hdalabaster.Primvar(body.set, "constant")
     if draft.shear:
         instancer = body.path + "_instances"
         scene.set_instancer(instancer, {body.path: [0]}, transforms=np.array([body.place @ SHEAR]))
@@ -306,7 +306,7 @@ def bounds(draft):
 
 def scene_of(scenery, look):
     """A scene without lights, and its camera as render() takes it."""
-    draft, scene = scenery.draft(), alabaster.Scene()
+    draft, scene = scenery.draft(), hdalabaster.Scene()
     for body in draft.bodies:
         if look.flat:
             body.place = body.place @ SQUASH

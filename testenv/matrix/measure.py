@@ -4,7 +4,7 @@ import os
 from statistics import NormalDist
 from typing import NamedTuple
 
-import alabaster
+import hdalabaster
 import numpy as np
 
 SEEDS = (12, 24, 48, 192)  # of a mean, until it is decided
@@ -31,7 +31,7 @@ def picture(renderer, camera, size=16, aov="color", window=None):
 
 
 def renderer_of(scene, **settings):
-    return alabaster.Renderer(scene, **{**SETTINGS, **settings})
+    return hdalabaster.Renderer(scene, **{**SETTINGS, **settings})
 
 
 def same_bytes(make):

@@ -2,7 +2,7 @@
 import math
 from typing import NamedTuple
 
-import alabaster
+import hdalabaster
 import numpy as np
 
 from body_checks import CEILING, FURNACE, SKY, LayersAddUp
@@ -64,9 +64,9 @@ def at(degrees, azimuth=0.3, side=1):
 
 
 def scene_of(material):
-    scene = alabaster.Scene()
+    scene = hdalabaster.Scene()
     scene.set_material("/look", **material)
-    st = alabaster.Primvar(ST, "vertex", role="textureCoordinate")
+    st = hdalabaster.Primvar(ST, "vertex", role="textureCoordinate")
     scene.set_mesh("/sheet", CORNERS, np.int32([[0, 1, 2, 3]]), material="/look", primvars={"st": st}, categories=["sheet"])
     return scene
 
@@ -237,7 +237,7 @@ class Turning:
 
     @staticmethod
     def draw(sheet, turn):
-        scene = alabaster.Scene()
+        scene = hdalabaster.Scene()
         scene.set_material("/look", **sheet.material(white=False))
         points, quads = box()
         scene.set_mesh("/box", points, quads, material="/look", transform=turn)

@@ -12,7 +12,7 @@ import sys
 import tempfile
 from typing import Callable, NamedTuple
 
-import alabaster
+import hdalabaster
 from small_scene import CAMERA, HEIGHT, KEY, WIDTH, at, set_ball, small_scene
 from shapes import cube_sphere
 
@@ -83,7 +83,7 @@ def linked(scene):
 def overlapping(scene):
     """Two balls of wax, one of them in a set."""
     mesh(material="/wax", place=at(-1.2, 0.5, 0.4, 0.5))(scene)
-    scene.set_primvar("/wax_ball", "subsurfaceSet", alabaster.Primvar("set", "constant"))
+    scene.set_primvar("/wax_ball", "subsurfaceSet", hdalabaster.Primvar("set", "constant"))
 
 
 def lens(**parameters):
@@ -107,11 +107,11 @@ SHARP = {"corner_indices": list(range(20)), "corner_weights": [9.0] * 20}
 TABLE = {  # rows, or why there is none
     "kPrimId": "the renderer numbers prims",
     "kPoints": [primvar("points", scaled(1.5), mesh()),
-                primvar("points", alabaster.Primvar(scaled(1), motion=[(-0.5, scaled(0.5)), (0.5, scaled(1.5))]), with_shutter(mesh()))],
+                primvar("points", hdalabaster.Primvar(scaled(1), motion=[(-0.5, scaled(0.5)), (0.5, scaled(1.5))]), with_shutter(mesh()))],
     "kPrimvar": [primvar("displayColor", each((0.1, 0.1, 0.9)), painted),
-                 primvar("holdout", alabaster.Primvar(True, "constant"), mesh()),
-                 primvar("visibleToCamera", alabaster.Primvar(False, "constant"), mesh()),
-                 primvar("subsurfaceSet", alabaster.Primvar("set", "constant"), overlapping),
+                 primvar("holdout", hdalabaster.Primvar(True, "constant"), mesh()),
+                 primvar("visibleToCamera", hdalabaster.Primvar(False, "constant"), mesh()),
+                 primvar("subsurfaceSet", hdalabaster.Primvar("set", "constant"), overlapping),
                  Row("values of instances", lambda scene: scene.set_instance_values("/many", 1, translations=[(0, 0, 0.5)]), instanced(LEFT, RIGHT)),
                  Row("translations", instanced(LEFT, (0, 0, 0.5)), instanced(LEFT, RIGHT))],
     "kMaterialId": [Row("material", lambda scene: scene.bind_material("/probe", "/wax"), mesh())],
@@ -165,14 +165,14 @@ def pixels(render, aovs):
 def fault_of(row):
     frame = {"aovs": list(row.aovs), "settings": "/settings"}
     scene = complete(row)
-    render = alabaster.Renderer(scene).start(**frame)
+    render = hdalabaster.Renderer(scene).start(**frame)
     before = pixels(render, row.aovs)
     row.edit(scene)
     render.update(**row.frame)
     after = pixels(render, row.aovs)
     other = complete(row)
     row.edit(other)
-    whole = pixels(alabaster.Renderer(other).start(**{**frame, **row.frame}), row.aovs)
+    whole = pixels(hdalabaster.Renderer(other).start(**{**frame, **row.frame}), row.aovs)
     if whole == before:
         return "the edit changes nothing"
     if after == before:

@@ -7,7 +7,7 @@ import pathlib
 import tempfile
 import unittest
 
-import alabaster
+import hdalabaster
 import numpy as np
 from feature_scenes import ball
 from small_scene import HEIGHT, KEY, WIDTH, small_scene
@@ -33,7 +33,7 @@ class PictureNumbers(unittest.TestCase):
 
     def test_error_is_the_deviation_over_seeds(self):
         """The estimate takes a pixel's samples as independent. They are better than that: the deviation is 0.78 of it here."""
-        renderer = alabaster.Renderer(small_scene(self.folder), samples=16)
+        renderer = hdalabaster.Renderer(small_scene(self.folder), samples=16)
         pictures = []
         for seed in range(100):
             renderer.set(seed=seed)
@@ -56,7 +56,7 @@ class PictureNumbers(unittest.TestCase):
             scene = small_scene(self.folder)
             scene.set_light("/sky", "domeLight", intensity=0.3, visibleToCamera=True)
             scene.set_parameter("/camera", "exposure", stops)
-            pictures.append(render(alabaster.Renderer(scene, samples=4), LAYERS, camera="/camera"))
+            pictures.append(render(hdalabaster.Renderer(scene, samples=4), LAYERS, camera="/camera"))
             self.check_sums(pictures[-1])
         for layer in LAYERS[:-1]:
             self.assertTrue((8 * pictures[0][layer] == pictures[1][layer]).all(), layer)
@@ -65,7 +65,7 @@ class PictureNumbers(unittest.TestCase):
         scene = small_scene(self.folder)
         scene.set_parameter("/camera", "exposure", 64.0)
         scene.set_light("/key", "rectLight", KEY, width=0.6, height=0.6, intensity=1e22)
-        found = render(alabaster.Renderer(scene, samples=4), LAYERS, camera="/camera")
+        found = render(hdalabaster.Renderer(scene, samples=4), LAYERS, camera="/camera")
         bad = found["nonfiniteSamples"]
         self.assertTrue((bad > 0).any() and (bad < 4).any())
         self.assertTrue(((0 < bad) & (bad < 4) & (found["color"].max(axis=-1) > 0)).any())  # the others of the pixel remain
@@ -77,9 +77,9 @@ class PictureNumbers(unittest.TestCase):
         doc.add_node("ball", doc.add_mesh("ball", ball(1.0, 4), doc.add_material("ball", material)))
         doc.write_glb(self.folder / "ball.glb")
         (self.folder / "ball.json").write_text(json.dumps({"gltf": [{"file": "ball.glb"}], "settings": {"studio": studio}}))
-        scene = alabaster.Scene()
+        scene = hdalabaster.Scene()
         loaded = scene.load(str(self.folder / "ball.json"))
-        return render(alabaster.Renderer(scene, samples=samples), ["color"], settings=loaded["settings"], width=48, height=32)["color"]
+        return render(hdalabaster.Renderer(scene, samples=samples), ["color"], settings=loaded["settings"], width=48, height=32)["color"]
 
     def white_ball(self, studio):
         """Mean radiance of the parts of a white ball to the upper left and to the lower right."""
@@ -101,13 +101,13 @@ class PictureNumbers(unittest.TestCase):
     def test_a_pole_of_a_dome_shows_its_own_row(self):
         rows = [3.0, 1.0, 1.0, 0.25]
         write_hdr(self.folder / "sky.hdr", 8, 4, lambda y, x: (rows[y], rows[y] / 2, 0.125))
-        scene = alabaster.Scene()
+        scene = hdalabaster.Scene()
         scene.set_light("/sky", "domeLight", **{"texture:file": str(self.folder / "sky.hdr"), "visibleToCamera": True})
         for row, up in ((0, 1), (3, -1)):
             # The camera looks along -z.
             scene.set_camera("/camera", [[1, 0, 0, 0], [0, 0, up, 0], [0, -up, 0, 0], [0, 0, 0, 1]], focalLength=0.5, horizontalAperture=0.036,
                              verticalAperture=0.024)
-            color = render(alabaster.Renderer(scene, samples=4), ["color"], camera="/camera")["color"]
+            color = render(hdalabaster.Renderer(scene, samples=4), ["color"], camera="/camera")["color"]
             self.assertTrue(np.allclose(color[..., 0], rows[row], rtol=0.02), (up, color[..., 0].min(), color[..., 0].max()))
 
 

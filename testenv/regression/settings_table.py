@@ -14,7 +14,7 @@ import tempfile
 import zlib
 from typing import Callable, NamedTuple
 
-import alabaster
+import hdalabaster
 from small_scene import HEIGHT, KEY, WIDTH, at, draw, set_ball, small_scene
 
 BASIC = {"samples": 4}
@@ -114,7 +114,7 @@ def renderer_of(row, settings):
     scene = small_scene(FOLDER)
     row.scene(scene)
     scene.set_render_settings("/settings", camera="/camera", width=WIDTH, height=HEIGHT)
-    return alabaster.Renderer(scene, report=lambda *_: None, **settings)
+    return hdalabaster.Renderer(scene, report=lambda *_: None, **settings)
 
 
 def render(row, settings):
@@ -135,7 +135,7 @@ def fault_of_resuming(row):
         return fault
     try:
         renderer.render(**frame)
-    except alabaster.RenderError as error:
+    except hdalabaster.RenderError as error:
         return str(error)
     return ""
 
@@ -173,7 +173,7 @@ def faults_of_threads():
 
 def main():
     chosen, found = sys.argv[1:], list(faults_of_threads())
-    known = alabaster.Renderer().describe_settings()
+    known = hdalabaster.Renderer().describe_settings()
     found += [f"{name}: there is no row for this setting" for name in sorted(known.keys() - TABLE.keys())]
     found += [f"{name}: there is no such setting" for name in sorted(TABLE.keys() - known.keys())]
     for name in sorted(known.keys() & TABLE.keys()):

@@ -2,7 +2,7 @@
 import pathlib
 import sys
 
-import alabaster
+import hdalabaster
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1] / "scenes"))
 from gltf_writer import png  # noqa: E402
@@ -27,7 +27,7 @@ def small_scene(folder, report=None):
     image = pathlib.Path(folder) / "checks.png"
     if not image.exists():
         image.write_bytes(png(64, 64, lambda x, y: ((x // 2 + y // 2) % 2, 0.4, 0.3)))
-    scene = alabaster.Scene(report=report)
+    scene = hdalabaster.Scene(report=report)
     scene.set_camera("/camera", CAMERA, focalLength=0.05, horizontalAperture=0.036, verticalAperture=0.024)
     scene.set_light("/key", "rectLight", KEY, width=0.6, height=0.6, intensity=20)
     scene.set_light("/sky", "domeLight", intensity=0.3)
@@ -40,7 +40,7 @@ def small_scene(folder, report=None):
     set_ball(scene, "/glass_ball", at(0, 0.5, 0.2, 0.5), material="/glass")
     set_ball(scene, "/metal_ball", at(1.2, 0.5, 0, 0.5), material="/metal")
     scene.set_mesh("/ground", [(-3, 0, 2), (3, 0, 2), (3, 0, -3), (-3, 0, -3)], [[0, 1, 2, 3]], material="/floor",
-                   primvars={"st": alabaster.Primvar([(0, 0), (4, 0), (4, 4), (0, 4)], role="textureCoordinate")})
+                   primvars={"st": hdalabaster.Primvar([(0, 0), (4, 0), (4, 4), (0, 4)], role="textureCoordinate")})
     return scene
 
 

@@ -25,10 +25,10 @@ def blenders_file():
 
 @functools.lru_cache(maxsize=None)
 def _is_readable(file):
-    alabaster = library.load()
+    hdalabaster = library.load()
     try:
-        alabaster.Display(file)
-    except alabaster.Error:
+        hdalabaster.Display(file)
+    except hdalabaster.Error:
         return False
     return True
 

@@ -80,7 +80,7 @@ frames = Frames()
 class Notes:
     """Tells the info panel of each thing once.
 
-    An alabaster.Scene holds its Notes, a viewport's engine holds the scene, and Python's collector does not see through the
+    An hdalabaster.Scene holds its Notes, a viewport's engine holds the scene, and Python's collector does not see through the
     scene. So the engine is held weakly.
     """
 
@@ -99,7 +99,7 @@ class Notes:
                 engine.report({severity}, f"Alabaster: {text}")
 
     def hear(self, severity, _code, where, text):
-        """As alabaster.Renderer reports. Blender drops a frame for which an ERROR is reported, but the renderer draws the frame
+        """As hdalabaster.Renderer reports. Blender drops a frame for which an ERROR is reported, but the renderer draws the frame
         without the faulty part. A render that fails raises an exception, too."""
         if denoiser.is_missing(text):
             return  # draw_frame says what it does about it
@@ -129,16 +129,16 @@ class AlabasterRenderEngine(bpy.types.RenderEngine):
         except Exception as error:  # Blender shows a traceback in the console alone
             self.error_set(f"Alabaster: {error}")
             self.report({"ERROR"}, f"Alabaster: {error}")
-            if not isinstance(error, ImportError) and type(error).__module__ != "alabaster._alabaster":
+            if not isinstance(error, ImportError) and type(error).__module__ != "hdalabaster._hdalabaster":
                 raise
 
-    def render_frame(self, depsgraph, alabaster):
+    def render_frame(self, depsgraph, hdalabaster):
         scene, layer = depsgraph.scene, depsgraph.view_layer
         if scene.camera is None:
             raise ValueError("the scene has no camera")
         notes = Notes(self)
         self.update_stats("", "Alabaster: reading the scene")
-        held = alabaster.Scene(report=notes.hear)
+        held = hdalabaster.Scene(report=notes.hear)
         exporter = sync.SceneSync(held, False, notes.note)
         shutter = motion.Shutter(depsgraph.scene_eval)
         if shutter.moves:
@@ -146,7 +146,7 @@ class AlabasterRenderEngine(bpy.types.RenderEngine):
         exporter.sync(depsgraph)
         frame = self.frame_of(depsgraph, shutter, exporter)
         values = settings.delegate_settings(depsgraph.scene_eval, self.is_preview)
-        renderer = alabaster.Renderer(held, report=notes.hear, **values)
+        renderer = hdalabaster.Renderer(held, report=notes.hear, **values)
         self.draw_frame(renderer, frame, layer, notes)
 
     def draw_frame(self, renderer, frame, layer, notes):

@@ -42,7 +42,7 @@ def _find(tree, maps, colors, seen):
 
 @dataclasses.dataclass
 class Network:
-    """nodes of alabaster.Scene.set_material, and the one that displaces. Properties of meshes: holdout, where the surface is a
+    """nodes of hdalabaster.Scene.set_material, and the one that displaces. Properties of meshes: holdout, where the surface is a
     Holdout shader, and left_out, where there is a volume alone."""
     nodes: dict = dataclasses.field(default_factory=lambda: {"surface": {}})
     displacement: str = ""

@@ -1,4 +1,4 @@
-"""Blender's meshes, curves, texts and metaballs as arguments of alabaster.Scene.set_mesh."""
+"""Blender's meshes, curves, texts and metaballs as arguments of hdalabaster.Scene.set_mesh."""
 from typing import NamedTuple
 
 import bpy
@@ -18,7 +18,7 @@ UV_SMOOTHING = {"NONE": "all", "PRESERVE_CORNERS": "cornersOnly", "PRESERVE_CORN
 
 
 class Primvar(NamedTuple):
-    """Arguments of alabaster.Primvar, which can be compared."""
+    """Arguments of hdalabaster.Primvar, which can be compared."""
     values: numpy.ndarray
     interpolation: str
     role: str = ""

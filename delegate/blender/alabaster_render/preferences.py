@@ -13,7 +13,7 @@ class AlabasterPreferences(bpy.types.AddonPreferences):
     bl_idname = __package__
     module_folder: bpy.props.StringProperty(
         name="Module Folder", subtype="DIR_PATH", update=_changed,
-        description="The folder that holds the Python module alabaster; empty: the one that the add-on was installed with")
+        description="The folder that holds the Python module hdalabaster; empty: the one that the add-on was installed with")
     denoiser_folder: bpy.props.StringProperty(
         name="Denoiser Folder", subtype="DIR_PATH", update=_changed,
         description="The folder that holds Open Image Denoise 2; empty: the renderer looks beside itself, in the system and in Blender (from 4.0 on)")
@@ -22,7 +22,7 @@ class AlabasterPreferences(bpy.types.AddonPreferences):
         self.layout.prop(self, "module_folder")
         self.layout.prop(self, "denoiser_folder")
         try:
-            self.layout.label(text=f"alabaster {library.load().__version__}", icon="CHECKMARK")
+            self.layout.label(text=f"hdalabaster {library.load().__version__}", icon="CHECKMARK")
         except ImportError as error:
             self.layout.label(text=str(error), icon="ERROR")
 

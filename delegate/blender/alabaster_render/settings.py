@@ -77,7 +77,7 @@ class AlabasterCollectionSettings(bpy.types.PropertyGroup):
 
 
 def delegate_settings(scene, viewport):
-    """For alabaster.Renderer."""
+    """For hdalabaster.Renderer."""
     group = scene.alabaster
     values = {name: getattr(group, name) for name in SETTINGS}
     for name, value in values.items():

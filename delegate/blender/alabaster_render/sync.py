@@ -1,4 +1,4 @@
-"""A depsgraph as prims of an alabaster.Scene: all of it once, then what an update names."""
+"""A depsgraph as prims of an hdalabaster.Scene: all of it once, then what an update names."""
 import bpy
 import numpy
 
@@ -195,9 +195,9 @@ class SceneSync:
         if not all(meshes.same_topology(mesh, pose) for _, pose in poses):
             self.note(f"'{key[1]}': its faces change while the shutter is open, so its points stand still")
             return {}
-        alabaster = library.load()
+        hdalabaster = library.load()
         motion = [(time, pose["points"]) for time, pose in poses]
-        changed = {"points": alabaster.Primvar(mesh["points"], "vertex", role="point", motion=motion)}
+        changed = {"points": hdalabaster.Primvar(mesh["points"], "vertex", role="point", motion=motion)}
         normals = mesh["primvars"].get("normals")
         if normals and all(pose["normals"] and len(pose["normals"].values) == len(normals.values) for _, pose in poses):
             moved = normals._replace(motion=[(time, pose["normals"].values) for time, pose in poses])
@@ -283,7 +283,7 @@ def instancer_of(path):
 
 def instances(matrices, motions):
     """Transforms of instances, with those at other times where any moves."""
-    alabaster = library.load()
+    hdalabaster = library.load()
     rest = meshes.frozen(numpy.array(matrices, numpy.float64))
     moving = next((motion for motion in motions if motion), None)
     if not moving:
@@ -291,21 +291,21 @@ def instances(matrices, motions):
     poses = [(time, meshes.frozen(numpy.array([motion[i][1] if motion else own for motion, own in zip(motions, matrices)],
                                               numpy.float64)))
              for i, (time, _) in enumerate(moving)]
-    return alabaster.Primvar(rest, "instance", motion=poses)
+    return hdalabaster.Primvar(rest, "instance", motion=poses)
 
 
 def set_mesh(scene, group, mesh, placement):
-    alabaster = library.load()
+    hdalabaster = library.load()
     arguments = dict(mesh)
     index = arguments.pop("material_index")
-    primvars = {name: alabaster.Primvar(one.values, one.interpolation, role=one.role, motion=one.motion)
+    primvars = {name: hdalabaster.Primvar(one.values, one.interpolation, role=one.role, motion=one.motion)
                 for name, one in arguments.pop("primvars").items()}
     if group.role.body:
-        primvars["subsurfaceSet"] = alabaster.Primvar(group.role.body, "constant")
+        primvars["subsurfaceSet"] = hdalabaster.Primvar(group.role.body, "constant")
     if group.role.holdout:
-        primvars["holdout"] = alabaster.Primvar(True, "constant")
+        primvars["holdout"] = hdalabaster.Primvar(True, "constant")
     if not group.role.seen:
-        primvars["visibleToCamera"] = alabaster.Primvar(False, "constant")
+        primvars["visibleToCamera"] = hdalabaster.Primvar(False, "constant")
     subsets = {}
     for number, material in enumerate(group.slots[1:], 1):
         faces = numpy.flatnonzero(index == number if number + 1 < len(group.slots) else index >= number).astype(numpy.int32)

@@ -47,11 +47,11 @@ class Viewport:
         self.engine().tag_redraw()
 
     def begin(self, depsgraph, space):
-        alabaster = library.load()
-        self.scene = alabaster.Scene(report=self.notes.hear)
+        hdalabaster = library.load()
+        self.scene = hdalabaster.Scene(report=self.notes.hear)
         self.exporter = sync.SceneSync(self.scene, True, self.notes.note)
         self.exporter.sync(depsgraph, space)
-        self.renderer = alabaster.Renderer(self.scene, report=self.notes.hear,
+        self.renderer = hdalabaster.Renderer(self.scene, report=self.notes.hear,
                                            **settings.delegate_settings(depsgraph.scene_eval, True))
 
     # Pictures -------------------------------------------------------------------------------------

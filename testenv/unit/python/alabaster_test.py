@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Tests of the Python module, with whatever alabaster is first in PYTHONPATH.
+"""Tests of the Python module, with the hdalabaster that is first in PYTHONPATH.
 
   alabaster_test.py PROGRAM [unittest's arguments]
 """
@@ -19,7 +19,7 @@ import threading
 import time
 import unittest
 
-import alabaster
+import hdalabaster
 from arguments_test import Arguments, KeptArrays  # noqa: F401, unittest runs them
 from edits_test import Edits  # noqa: F401
 from ends_test import Ends  # noqa: F401
@@ -34,15 +34,15 @@ SCENE = str(TOP / "testenv/scenes/thick_thin/thick_thin.json")
 
 class Renders(unittest.TestCase):
     def test_square(self):
-        red, green, blue, alpha = pixel(draw(alabaster.Renderer(square(), samples=4)), 8, 8)
+        red, green, blue, alpha = pixel(draw(hdalabaster.Renderer(square(), samples=4)), 8, 8)
         self.assertEqual(alpha, 1)
         self.assertTrue(red > green > blue > 0)
 
     @unittest.skipUnless(PROGRAM, "no program to compare with")
     def test_pixels_are_those_of_the_program(self):
-        scene = alabaster.Scene()
+        scene = hdalabaster.Scene()
         loaded = scene.load(SCENE, overrides=["samples=4", "resolution=[48,32]"])
-        render = alabaster.Renderer(scene).render(settings=loaded["settings"])
+        render = hdalabaster.Renderer(scene).render(settings=loaded["settings"])
         pixels = render["color"]
         self.assertEqual((pixels.width, pixels.height), (48, 32))
         with tempfile.TemporaryDirectory() as name:
@@ -67,22 +67,22 @@ class Renders(unittest.TestCase):
         with tempfile.TemporaryDirectory() as folder:
             file = pathlib.Path(folder) / "copy.alab"
             scene.write(file, overrides={"samples": 4}, **frame)
-            copy = alabaster.Scene()
+            copy = hdalabaster.Scene()
             loaded = copy.load(file)
             self.assertEqual(loaded["notes"], [])
-            pixels = [bytes(alabaster.Renderer(s, **given).render(**how)["color"])
+            pixels = [bytes(hdalabaster.Renderer(s, **given).render(**how)["color"])
                       for s, given, how in [(scene, {"samples": 4}, frame), (copy, {}, {"settings": loaded["settings"]})]]
             self.assertEqual(pixels[0], pixels[1])
-            with self.assertRaisesRegex(alabaster.OutputError, "copy.txt' must end in .alab"):
+            with self.assertRaisesRegex(hdalabaster.OutputError, "copy.txt' must end in .alab"):
                 scene.write(file.with_suffix(".txt"), **frame)
             with self.assertRaisesRegex(TypeError, "aovs"):
                 scene.write(file, aovs=["depth"])
-            with self.assertRaisesRegex(alabaster.OutputError, "/gone is no camera"):
+            with self.assertRaisesRegex(hdalabaster.OutputError, "/gone is no camera"):
                 scene.write(file, camera="/gone")
 
     def test_edits(self):
         scene = square()
-        renderer = alabaster.Renderer(scene, samples=4)
+        renderer = hdalabaster.Renderer(scene, samples=4)
         render = draw(renderer)
         before = bytes(memoryview(render.pixels()))
         scene.set_transform("/square", moved(50))
@@ -103,7 +103,7 @@ class Renders(unittest.TestCase):
         self.assertEqual(pixel(render, 8, 8)[3], 0)
 
     def test_layers_and_windows(self):
-        render = draw(alabaster.Renderer(square(), samples=4), aovs=["color", "cameraDepth", "primId"], window=(4, 4, 12, 10))
+        render = draw(hdalabaster.Renderer(square(), samples=4), aovs=["color", "cameraDepth", "primId"], window=(4, 4, 12, 10))
         self.assertEqual(memoryview(render["color"]).shape, (6, 8, 4))
         self.assertAlmostEqual(pixel(render, 4, 3, "cameraDepth"), 6, places=4)
         self.assertEqual(memoryview(render["primId"]).format, "i")
@@ -114,7 +114,7 @@ class Renders(unittest.TestCase):
         scene = square()
         scene.set_mesh("/square", CORNERS, [[0, 1, 2, 3]], instancer="/many", transform=None)
         scene.set_instancer("/many", {"/square": [0, 1]}, translations=[(-9, 0, 0), (0, 0, 0)])
-        render = draw(alabaster.Renderer(scene, samples=4), aovs=["instanceId"])
+        render = draw(hdalabaster.Renderer(scene, samples=4), aovs=["instanceId"])
         self.assertEqual(pixel(render, 8, 8, "instanceId"), 1)
         scene.set_instance_values("/many", 0, translations=[(0, 0, 1)])
         render.update()
@@ -127,18 +127,18 @@ class Renders(unittest.TestCase):
         scene = square()
         scene.set_mesh("/square", CORNERS, [0, 1, 2, 3], counts=[4], scheme="catmullClark", refine_level=2, material="/wax",
                        subdiv_tags={"corner_indices": [0], "corner_weights": [2.0]},
-                       primvars={"st": alabaster.Primvar([(0, 0), (1, 0), (1, 1), (0, 1)], "faceVarying", role="textureCoordinate")})
+                       primvars={"st": hdalabaster.Primvar([(0, 0), (1, 0), (1, 1), (0, 1)], "faceVarying", role="textureCoordinate")})
         scene.set_material("/wax", nodes={"surface": {"baseColor": ("colors", "rgb"), "roughness": 0.4},
                                           "colors": {"type": "AlabasterPrimvar"}})
         scene.set_primvar("/square", "displayColor", [(0.1, 0.1, 0.9)] * 4)
-        red, _, blue, alpha = pixel(draw(alabaster.Renderer(scene, samples=4)), 8, 8)
+        red, _, blue, alpha = pixel(draw(hdalabaster.Renderer(scene, samples=4)), 8, 8)
         self.assertEqual(alpha, 1)
         self.assertGreater(blue, 2 * red)
 
     def test_a_free_camera_and_other_arguments_of_update(self):
         scene = square()
         scene.remove("/camera")
-        render = alabaster.Renderer(scene, samples=4).render(width=16, height=16, camera={"transform": BACK, "focalLength": 1.0,
+        render = hdalabaster.Renderer(scene, samples=4).render(width=16, height=16, camera={"transform": BACK, "focalLength": 1.0,
                                                              "horizontalAperture": 0.5, "verticalAperture": 0.5})
         self.assertEqual(pixel(render, 8, 8)[3], 1)
         render.update(camera={"transform": moved(50, 0, 6), "focalLength": 1.0})
@@ -154,7 +154,7 @@ class Renders(unittest.TestCase):
         scene = square()
         scene.set_mesh("/a/guide", CORNERS, [[0, 1, 2, 3]], render_tag="guide")
         scene.remove("/square")
-        render = draw(alabaster.Renderer(scene, samples=1))
+        render = draw(hdalabaster.Renderer(scene, samples=1))
         alphas = []
         for selection in [{}, {"render_tags": ["guide"]}, {"excluded": ["/a"]}, {"excluded": [], "roots": ["/b"]}]:
             render.update(**selection)
@@ -170,24 +170,24 @@ class Renders(unittest.TestCase):
         shutter = {"shutterOpen": 0.0, "shutterClose": 1.0}
         scene.set_camera("/camera", BACK, focalLength=0.05, horizontalAperture=0.036, verticalAperture=0.036, **shutter)
         scene.set_mesh("/square", CORNERS, [[0, 1, 2, 3]], material="/wax", motion=far)
-        moving = [pixel(draw(alabaster.Renderer(scene, samples=256)), 8, 8)[3]]
+        moving = [pixel(draw(hdalabaster.Renderer(scene, samples=256)), 8, 8)[3]]
         points = [(time, [(x + by, y, z) for x, y, z in CORNERS]) for time, by in ((0, -20), (1, 20))]
         deforming = square()
         deforming.set_camera("/camera", BACK, focalLength=0.05, horizontalAperture=0.036, verticalAperture=0.036, **shutter)
-        deforming.set_mesh("/square", alabaster.Primvar(CORNERS, motion=points), [[0, 1, 2, 3]], material="/wax")
-        moving.append(pixel(draw(alabaster.Renderer(deforming, samples=256)), 8, 8)[3])
+        deforming.set_mesh("/square", hdalabaster.Primvar(CORNERS, motion=points), [[0, 1, 2, 3]], material="/wax")
+        moving.append(pixel(draw(hdalabaster.Renderer(deforming, samples=256)), 8, 8)[3])
         still = square()
         still.set_camera("/camera", BACK, motion=[(time, matrix) for time, matrix in far], focalLength=0.05,
                          horizontalAperture=0.036, verticalAperture=0.036, **shutter)
-        moving.append(pixel(draw(alabaster.Renderer(still, samples=256)), 8, 8)[3])
+        moving.append(pixel(draw(hdalabaster.Renderer(still, samples=256)), 8, 8)[3])
         for alpha in moving:
             self.assertAlmostEqual(alpha, 0.05, delta=0.02)  # 2 of 40 units
 
     def test_a_loaded_animation_is_sampled_over_the_shutter(self):
         def poses(**options):
-            scene = alabaster.Scene()
+            scene = hdalabaster.Scene()
             scene.load(str(TOP / "testenv/scenes/motion/motion.json"), time=0.5, **options)
-            renderer = alabaster.Renderer(scene, samples=1)
+            renderer = hdalabaster.Renderer(scene, samples=1)
             draw(renderer)
             return [line for line in renderer.command("dumpScene").splitlines() if line.startswith("  pose")]
         self.assertEqual(poses(shutter=(0, 0)), [])
@@ -197,29 +197,29 @@ class Renders(unittest.TestCase):
         self.assertEqual(poses(shutter=(-0.5, 0.5)), poses(shutter=[-0.5, 0.5], frames_per_second=24))
         with self.assertRaisesRegex(ValueError, "two times"):
             poses(shutter=(1,))
-        with self.assertRaisesRegex(alabaster.ArgumentError, "frames_per_second"):
+        with self.assertRaisesRegex(hdalabaster.ArgumentError, "frames_per_second"):
             poses(frames_per_second=-1)
 
     def test_primvars_of_text_and_products_of_textures(self):
         scene = square()
         scene.set_mesh("/square", CORNERS, [0, 1, 2, 3], counts=[4], material="/wax", primvars={
-            "subsurfaceSet": alabaster.Primvar("skin", "constant"), "displayColor": [(0.5, 0.5, 0.5)] * 4})
+            "subsurfaceSet": hdalabaster.Primvar("skin", "constant"), "displayColor": [(0.5, 0.5, 0.5)] * 4})
         scene.set_material("/wax", nodes={"surface": {"baseColor": [("colors", "rgb"), ("again", "rgb")], "scatterDistance": (1, 1, 1)},
                                           "colors": {"type": "AlabasterPrimvar"}, "again": {"type": "AlabasterPrimvar"}})
         heard = []
-        renderer = alabaster.Renderer(scene, report=lambda *message: heard.append(message), samples=1)
+        renderer = hdalabaster.Renderer(scene, report=lambda *message: heard.append(message), samples=1)
         render = draw(renderer, aovs=["color", "albedo"])
         self.assertAlmostEqual(pixel(render, 8, 8, "albedo")[0], 0.25, delta=0.05)
         self.assertIn("subsurfaceSet named skin", renderer.command("dumpScene"))
 
     def test_flags_of_a_mesh(self):
         scene = square()
-        renderer = alabaster.Renderer(scene, samples=1)
+        renderer = hdalabaster.Renderer(scene, samples=1)
         ids = pixel(draw(renderer, aovs=["color", "primId"]), 8, 8, "primId")
         scene.set_primvar("/square", "holdout", True, "constant")
         render = draw(renderer, aovs=["color", "primId"])
         self.assertEqual((pixel(render, 8, 8), pixel(render, 8, 8, "primId")), ([0, 0, 0, 0], ids))
-        scene.set_primvar("/square", "holdout", alabaster.Primvar(False, "constant"))
+        scene.set_primvar("/square", "holdout", hdalabaster.Primvar(False, "constant"))
         self.assertEqual(pixel(draw(renderer), 8, 8)[3], 1)
         scene.set_primvar("/square", "visibleToCamera", False, "constant")
         self.assertEqual(pixel(draw(renderer, aovs=["color", "primId"]), 8, 8, "primId"), -1)
@@ -227,19 +227,19 @@ class Renders(unittest.TestCase):
     def test_records_files(self):
         scene = square()
         scene.set_render_settings("/settings", camera="/camera", width=16, height=16, samples=2)
-        renderer = alabaster.Renderer(scene)
+        renderer = hdalabaster.Renderer(scene)
         seen = []
         with tempfile.TemporaryDirectory() as name:
             file = pathlib.Path(name) / "a.exr"
             self.assertEqual(renderer.record(file, aovs=["normal"], progress=lambda p: seen.append(p["fraction"])), [str(file)])
             self.assertGreater(file.stat().st_size, 500)
-            with self.assertRaisesRegex(alabaster.OutputError, "nowhere"):
+            with self.assertRaisesRegex(hdalabaster.OutputError, "nowhere"):
                 renderer.record("/nowhere/a.exr")
             scene.set_render_settings("/wide", camera="/camera", width=65501, height=1, samples=1)
-            with self.assertRaisesRegex(alabaster.OutputError, "65500 x 65500"):
+            with self.assertRaisesRegex(hdalabaster.OutputError, "65500 x 65500"):
                 renderer.record(pathlib.Path(name) / "a.jpg", settings="/wide")
             renderer.set(samples=1 << 20)
-            with self.assertRaises(alabaster.Cancelled):
+            with self.assertRaises(hdalabaster.Cancelled):
                 renderer.record(file, progress=lambda p: False)
             with self.assertRaises(ZeroDivisionError):
                 renderer.record(file, progress=lambda p: 1 / 0)
@@ -248,21 +248,21 @@ class Renders(unittest.TestCase):
 
 class Control(unittest.TestCase):
     def test_progress_and_cancel(self):
-        renderer = alabaster.Renderer(square(), samples=1 << 20)
+        renderer = hdalabaster.Renderer(square(), samples=1 << 20)
         seen = []
 
         def progress(now):
             seen.append(now["samples_total"])
             return len(seen) < 2
 
-        with self.assertRaises(alabaster.Cancelled):
+        with self.assertRaises(hdalabaster.Cancelled):
             draw(renderer, progress=progress)
         self.assertEqual(seen, [1 << 20] * 2)
         renderer.set(samples=1)
         self.assertEqual(draw(renderer).state, "converged")
 
     def test_wait_lets_other_threads_run(self):
-        renderer = alabaster.Renderer(square(), samples=1 << 20)
+        renderer = hdalabaster.Renderer(square(), samples=1 << 20)
         render = renderer.start(width=16, height=16, camera="/camera")
         counted = [0]
 
@@ -283,7 +283,7 @@ class Control(unittest.TestCase):
     def test_calls_from_two_threads_during_a_recording(self):
         scene = square()
         scene.set_render_settings("/settings", camera="/camera", width=16, height=16, samples=1 << 20)
-        renderer = alabaster.Renderer(scene)
+        renderer = hdalabaster.Renderer(scene)
         started = threading.Event()
         end = time.monotonic() + 1
 
@@ -298,13 +298,13 @@ class Control(unittest.TestCase):
 
         thread = threading.Thread(target=others)
         thread.start()
-        with tempfile.TemporaryDirectory() as name, self.assertRaises(alabaster.Cancelled):
+        with tempfile.TemporaryDirectory() as name, self.assertRaises(hdalabaster.Cancelled):
             renderer.record(name + "/a.exr", progress=progress)
         thread.join()
 
     def test_ctrl_c_and_an_exit_in_the_middle_of_a_render(self):
         start = ("import alabaster_test\n"
-                 "r = alabaster_test.alabaster.Renderer(alabaster_test.square(), samples=1 << 20)\n"
+                 "r = alabaster_test.hdalabaster.Renderer(alabaster_test.square(), samples=1 << 20)\n"
                  "held = r.start(width=64, height=64, camera='/camera')\n"
                  "print('started', flush=True)\n")
         for code, signal_sent, expected in [("try:\n  held.wait()\nexcept KeyboardInterrupt:\n  print(held.state)\n", signal.SIGINT, "stopped\n"),
@@ -320,7 +320,7 @@ class Control(unittest.TestCase):
     def test_ctrl_c_in_a_callback_cancels(self):
         def interrupt(*_):
             raise KeyboardInterrupt
-        renderer = alabaster.Renderer(square(), samples=1 << 20)
+        renderer = hdalabaster.Renderer(square(), samples=1 << 20)
         held = renderer.start(width=64, height=64, camera="/camera")
         self.assertRaises(KeyboardInterrupt, held.wait, progress=interrupt)
         self.assertEqual(held.state, "stopped")
@@ -336,7 +336,7 @@ class Control(unittest.TestCase):
         inputs = ["roughness", "metallic", "sheen", "specular"]
         scene.set_material("/wax", nodes={"surface": {name: (name, "r") for name in inputs}, **{name: {
             "type": "AlabasterTexture", "file": f"/nowhere/{name}.png"} for name in inputs}})
-        renderer = alabaster.Renderer(scene, samples=1 << 20, report=listen)
+        renderer = hdalabaster.Renderer(scene, samples=1 << 20, report=listen)
         held = None
         with self.assertRaises(KeyboardInterrupt):
             held = renderer.start(width=64, height=64, camera="/camera")  # the images may be missed before it returns
@@ -350,10 +350,10 @@ class Control(unittest.TestCase):
         scene = square()
         scene.set_render_settings("/settings", camera="/camera", width=16, height=16)
         for cancel in [lambda r: draw(r, progress=lambda now: False), lambda r: r.stop(), lambda r: r.start(camera="/camera").cancel()]:
-            renderer = alabaster.Renderer(scene, samples=1 << 20)
+            renderer = hdalabaster.Renderer(scene, samples=1 << 20)
             try:
                 cancel(renderer)
-            except alabaster.Cancelled:
+            except hdalabaster.Cancelled:
                 pass
             renderer.set(samples=1)
             with tempfile.TemporaryDirectory() as name:
@@ -362,7 +362,7 @@ class Control(unittest.TestCase):
 
     def test_a_render_that_is_only_polled(self):
         scene = square()
-        render = alabaster.Renderer(scene, samples=4).start(width=16, height=16, camera="/camera")
+        render = hdalabaster.Renderer(scene, samples=4).start(width=16, height=16, camera="/camera")
         memory = memoryview(bytearray(16 * 16 * 16)).cast("f", (16, 16, 4))
         polls = {"show": lambda: render.show("color", memory) and memory[8, 8, 3], "pixels": lambda: pixel(render, 8, 8)[3],
                  "state": lambda: float(render.state == "converged")}
@@ -379,7 +379,7 @@ class Control(unittest.TestCase):
             render.update()
 
     def test_pause(self):
-        renderer = alabaster.Renderer(square(), samples=1 << 20)
+        renderer = hdalabaster.Renderer(square(), samples=1 << 20)
         render = renderer.start(width=16, height=16, camera="/camera")
         renderer.pause()
         self.assertFalse(render.wait(0.05))
@@ -390,7 +390,7 @@ class Control(unittest.TestCase):
 
     def test_waiting_no_time_takes_an_edit_up(self):
         scene = square()
-        render = draw(alabaster.Renderer(scene, samples=1))
+        render = draw(hdalabaster.Renderer(scene, samples=1))
         scene.set_transform("/square", moved(50))
         render.update()
         end = time.monotonic() + 30
@@ -398,7 +398,7 @@ class Control(unittest.TestCase):
             self.assertLess(time.monotonic(), end)
 
     def test_settings(self):
-        renderer = alabaster.Renderer(samples=7)
+        renderer = hdalabaster.Renderer(samples=7)
         self.assertEqual(renderer.get("samples"), 7)
         renderer.set(samples=9, subsurface="lambert")
         self.assertEqual((renderer.get("samples"), renderer.get("subsurface")), (9, "lambert"))
@@ -414,7 +414,7 @@ class Control(unittest.TestCase):
 
     def test_statistics_tell_the_end_and_outlive_the_render(self):
         scene = square()
-        renderer = alabaster.Renderer(scene, samples=4)
+        renderer = hdalabaster.Renderer(scene, samples=4)
         render = draw(renderer)
         at_end = renderer.stats()
         self.assertEqual(at_end["state"], "converged")
@@ -432,10 +432,10 @@ class Control(unittest.TestCase):
     def test_removed_settings_are_errors(self):
         scene = square()
         scene.set_render_settings("/settings", samples=1)
-        renderer = alabaster.Renderer(scene)
+        renderer = hdalabaster.Renderer(scene)
         for name, value, instead in (("subsurface", "auto", "use 'walk'"), ("inversion", "vanDeHulst", "use 'exact'"),
                                      ("walkWeights", "throughput", "leave it out"), ("rouletteDepth", 3, "leave it out")):
-            for what in (lambda: alabaster.Renderer(**{name: value}), lambda: renderer.set(**{name: value}),
+            for what in (lambda: hdalabaster.Renderer(**{name: value}), lambda: renderer.set(**{name: value}),
                          lambda: scene.set_render_settings("/settings", **{name: value}),
                          lambda: scene.set_parameter("/settings", name, value)):
                 with self.assertRaisesRegex(ValueError, f"'{name}' has been removed; {instead}"):
@@ -444,9 +444,9 @@ class Control(unittest.TestCase):
 
 class Pickling(unittest.TestCase):
     def test_objects_are_neither_pickled_nor_made_from_their_base(self):
-        renderer = alabaster.Renderer(square(), samples=1)
+        renderer = hdalabaster.Renderer(square(), samples=1)
         render = draw(renderer)
-        for made in [square(), renderer, render, render["color"], alabaster.Primvar([1.0])]:
+        for made in [square(), renderer, render, render["color"], hdalabaster.Primvar([1.0])]:
             for protocol in range(pickle.HIGHEST_PROTOCOL + 1):
                 with self.assertRaises(TypeError):
                     pickle.dumps(made, protocol)
@@ -458,7 +458,7 @@ class Pickling(unittest.TestCase):
 
 class TargetError(unittest.TestCase):
     def test_a_miss_is_told(self):
-        renderer = alabaster.Renderer(square(), samples=16, targetError=1e-5)
+        renderer = hdalabaster.Renderer(square(), samples=16, targetError=1e-5)
         render = draw(renderer)
         stats = renderer.stats()
         self.assertEqual(stats["endedBy"], "samples")
@@ -470,32 +470,32 @@ class TargetError(unittest.TestCase):
 
 class Errors(unittest.TestCase):
     def test_messages_are_the_library_s(self):
-        with self.assertRaisesRegex(alabaster.SceneError, "missing.json.*no such file"):
-            alabaster.Scene().load("missing.json")
-        with self.assertRaisesRegex(alabaster.NotFoundError, "/missing"):
-            alabaster.Scene().remove("/missing")
-        with self.assertRaisesRegex(alabaster.SceneError, "nothing.ocio"):
-            alabaster.Renderer(ocio="/nothing.ocio")
-        with self.assertRaisesRegex(alabaster.Error, "camera"):
-            alabaster.Renderer(square()).render(width=8, height=8, camera="/missing")
-        self.assertTrue(issubclass(alabaster.SceneError, alabaster.Error))
+        with self.assertRaisesRegex(hdalabaster.SceneError, "missing.json.*no such file"):
+            hdalabaster.Scene().load("missing.json")
+        with self.assertRaisesRegex(hdalabaster.NotFoundError, "/missing"):
+            hdalabaster.Scene().remove("/missing")
+        with self.assertRaisesRegex(hdalabaster.SceneError, "nothing.ocio"):
+            hdalabaster.Renderer(ocio="/nothing.ocio")
+        with self.assertRaisesRegex(hdalabaster.Error, "camera"):
+            hdalabaster.Renderer(square()).render(width=8, height=8, camera="/missing")
+        self.assertTrue(issubclass(hdalabaster.SceneError, hdalabaster.Error))
 
     def test_messages_of_load_name_its_arguments(self):
         with tempfile.TemporaryDirectory() as folder:
             file = pathlib.Path(folder) / "a.json"
             file.write_text("{}")
             for argument, value in {"camera": "nope", "dome": "nope.hdr", "shutter": (1, 0), "time": float("nan")}.items():
-                with self.assertRaisesRegex(alabaster.SceneError, f"^{argument}") as caught:
-                    alabaster.Scene().load(file, **{argument: value})
+                with self.assertRaisesRegex(hdalabaster.SceneError, f"^{argument}") as caught:
+                    hdalabaster.Scene().load(file, **{argument: value})
                 self.assertNotIn("--", str(caught.exception))
             model = TOP / "testenv/scenes/hard_light/hard_light.glb"
-            notes = "".join(alabaster.Scene().load(model, overrides=["studio=on"])["notes"])
+            notes = "".join(hdalabaster.Scene().load(model, overrides=["studio=on"])["notes"])
             self.assertIn("studio=on", notes)
             self.assertNotIn("--", notes)
             for override, nearest in {"settings.samples=4": "'samples'", "Camera.fStop=1": "'camera.fStop'",
                                       "lights.key.intensity=2": "'lights/key.intensity'", "renderer.x=1": "cannot be set"}.items():
-                with self.assertRaisesRegex(alabaster.SceneError, nearest):
-                    alabaster.Scene().load(file, overrides=[override])
+                with self.assertRaisesRegex(hdalabaster.SceneError, nearest):
+                    hdalabaster.Scene().load(file, overrides=[override])
 
     def test_arguments(self):
         scene = square()
@@ -503,38 +503,38 @@ class Errors(unittest.TestCase):
                       lambda: scene.set_mesh("/a", CORNERS, [0, 1, 2], transform=[1, 2]),
                       lambda: scene.set_primvar("/square", "st", [[[1]]]),
                       lambda: scene.set_primvar("/square", "st", [(0, 0)] * 4, "everywhere"),
-                      lambda: alabaster.Renderer(square()).render(width=-1, height=8, aovs=["nothing"])]:
+                      lambda: hdalabaster.Renderer(square()).render(width=-1, height=8, aovs=["nothing"])]:
             with self.assertRaises((ValueError, LookupError)):
                 wrong()
-        with self.assertRaisesRegex(alabaster.ArgumentError, "no field 'sise'"):
+        with self.assertRaisesRegex(hdalabaster.ArgumentError, "no field 'sise'"):
             scene.set_mesh("/a", CORNERS, [0, 1, 2], sise=3)
-        with self.assertRaisesRegex(alabaster.ArgumentError, "another delegate"):
-            first, second = alabaster.Renderer(scene), alabaster.Renderer(scene)
+        with self.assertRaisesRegex(hdalabaster.ArgumentError, "another delegate"):
+            first, second = hdalabaster.Renderer(scene), hdalabaster.Renderer(scene)
             self.fail((first, second))
 
     def test_reports(self):
         heard = []
         scene = square()
         scene.remove("/wax")
-        draw(alabaster.Renderer(scene, report=lambda *message: heard.append(message), samples=1))
+        draw(hdalabaster.Renderer(scene, report=lambda *message: heard.append(message), samples=1))
         self.assertEqual([message[:3] for message in heard], [("warning", "mesh.material", "/square")])
-        with self.assertLogs("alabaster", "WARNING") as logged:
+        with self.assertLogs("hdalabaster", "WARNING") as logged:
             scene = square()
             scene.remove("/wax")
-            draw(alabaster.Renderer(scene, samples=1))
+            draw(hdalabaster.Renderer(scene, samples=1))
         self.assertIn("/square", logged.output[0])
 
 
 class Documentation(unittest.TestCase):
     def test_everything_is_documented_and_typed(self):
-        stub = ast.parse(pathlib.Path(alabaster.__file__).with_name("__init__.pyi").read_text())
+        stub = ast.parse(pathlib.Path(hdalabaster.__file__).with_name("__init__.pyi").read_text())
         typed = {node.name: {f.name if isinstance(f, ast.FunctionDef) else f.target.id for f in node.body
                              if isinstance(f, (ast.FunctionDef, ast.AnnAssign))}
                  for node in stub.body if isinstance(node, ast.ClassDef)}
-        self.assertEqual(set(alabaster.__all__) - {"versions"}, set(typed) - {"Frame", "Progress", "Loaded", "Setting", "_Buffer"})
-        typed["Scene"] |= set(vars(alabaster._SceneMethods))
+        self.assertEqual(set(hdalabaster.__all__) - {"versions"}, set(typed) - {"Frame", "Progress", "Loaded", "Setting", "_Buffer"})
+        typed["Scene"] |= set(vars(hdalabaster._SceneMethods))
         for name in ["Display", "Pixels", "Render", "Renderer", "Scene"]:
-            kind = getattr(alabaster, name)
+            kind = getattr(hdalabaster, name)
             members = {m for m in vars(kind) if not m.startswith("_")}
             self.assertEqual(members, {m for m in typed[name] if not m.startswith("_")}, name)
             self.assertTrue(inspect.getdoc(kind))
@@ -543,7 +543,7 @@ class Documentation(unittest.TestCase):
 
     def test_example_of_the_readme(self):
         text = (TOP / "README.md").read_text()
-        example = re.search(r"```python\n(import alabaster.*?)```", text, re.S).group(1)
+        example = re.search(r"```python\n(import hdalabaster.*?)```", text, re.S).group(1)
         self.assertLessEqual(len(example.splitlines()), 20)
         with tempfile.TemporaryDirectory() as folder:
             subprocess.run([sys.executable, "-c", example], check=True, cwd=folder)
@@ -567,7 +567,7 @@ class Documentation(unittest.TestCase):
                 shutil.copy(TOP / "testenv/scenes/hard_light/hard_light.glb", pathlib.Path(folder) / "model.glb")
                 (pathlib.Path(folder) / "scene.json").write_text(text)
                 faults = []
-                alabaster.Scene(report=lambda *fault: faults.append(fault)).load(pathlib.Path(folder) / "scene.json")
+                hdalabaster.Scene(report=lambda *fault: faults.append(fault)).load(pathlib.Path(folder) / "scene.json")
                 self.assertEqual([], [fault for fault in faults if fault[0] != "info"])
 
 

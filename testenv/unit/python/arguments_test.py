@@ -7,7 +7,7 @@ import sys
 import tempfile
 import unittest
 
-import alabaster
+import hdalabaster
 from square_scene import BACK, CORNERS, draw, pixel, square
 
 try:
@@ -75,7 +75,7 @@ def places(scene, renderer):
         ("holes", lambda v: scene.set_mesh("/n", points=CORNERS, indices=[0, 1, 2], holes=v)),
         ("subsets", lambda v: scene.set_mesh("/n", points=CORNERS, indices=[0, 1, 2], subsets={"/wax": v})),
         ("crease_weights", lambda v: scene.set_mesh("/n", points=CORNERS, indices=[0, 1, 2], subdiv_tags={"crease_weights": v})),
-        ("indices of points", lambda v: scene.set_mesh("/n", points=alabaster.Primvar(CORNERS, indices=v), indices=[0, 1, 2])),
+        ("indices of points", lambda v: scene.set_mesh("/n", points=hdalabaster.Primvar(CORNERS, indices=v), indices=[0, 1, 2])),
         ("normals", lambda v: scene.set_primvar("/square", "normals", v)),
         ("st", lambda v: scene.set_primvar("/square", "st", [v, v])),
         ("prototypes", lambda v: scene.set_instancer("/i", {"/square": v})),
@@ -88,7 +88,7 @@ def places(scene, renderer):
 class Arguments(unittest.TestCase):
     def setUp(self):
         self.scene = square()
-        self.renderer = alabaster.Renderer(self.scene, samples=1)
+        self.renderer = hdalabaster.Renderer(self.scene, samples=1)
 
     def test_text_is_never_a_sequence_of_numbers(self):
         for text in TEXTS:
@@ -108,13 +108,13 @@ class Arguments(unittest.TestCase):
             self.renderer.record("a.exr", aovs="color")
 
     def test_fields_of_any_name(self):
-        scene = alabaster.Scene()
+        scene = hdalabaster.Scene()
         quad = dict(points=CORNERS, indices=[[0, 1, 2, 3]])
-        maps = {name: alabaster.Primvar([(0.0, 0.0)] * 4, "faceVarying") for name in ["uv:Faces", "leafCounts", "uv:indices:"]}
+        maps = {name: hdalabaster.Primvar([(0.0, 0.0)] * 4, "faceVarying") for name in ["uv:Faces", "leafCounts", "uv:indices:"]}
         scene.set_mesh("/m", primvars=maps, categories=("near", "far"), **quad)
         scene.set("/c", "camera", clip_planes=[(0, 0, 1, 0), (0, 1, 0, 0)], shutter_close=0.5)
         scene.edit("/m", {"transform:samples": [(0, None), (1, None)]}, transform=None)
-        with self.assertRaisesRegex(alabaster.ArgumentError, "did you mean 'invisibleFaces'"):
+        with self.assertRaisesRegex(hdalabaster.ArgumentError, "did you mean 'invisibleFaces'"):
             scene.set_mesh("/m", invisible_face=[0] * 9, **quad)
 
     def test_a_text_in_a_list_of_numbers(self):
@@ -150,7 +150,7 @@ class Arguments(unittest.TestCase):
                    [Number(real=fail, whole=fail)], Number(real=fail, whole=fail), [Number(real=lambda: "1", whole=lambda: "1")],
                    [Number(real=lambda: None, whole=lambda: 1 << 80)], shrinking, [1 << 5000], [None], [[]] * 3, {1, 2}, iter([1.0]),
                    [float("nan")], [complex(1, 2)], object(), Exception, [lambda: 1], type]
-        allowed = (TypeError, ValueError, ArithmeticError, LookupError, alabaster.Error)
+        allowed = (TypeError, ValueError, ArithmeticError, LookupError, hdalabaster.Error)
         for value in hostile + [growing]:
             for name, call in places(self.scene, self.renderer):
                 try:
@@ -219,7 +219,7 @@ class Arguments(unittest.TestCase):
                 (lambda: self.renderer.set(samples=1 << 80), ValueError, "samples"),
                 (lambda: self.renderer.set(samples=[1, 2, 3, 4, 5]), ValueError, "samples"),
                 (lambda: self.renderer.set(samples={}), TypeError, "samples.*dict"),
-                (lambda: alabaster.Renderer(5), TypeError, "scene.*int"),
+                (lambda: hdalabaster.Renderer(5), TypeError, "scene.*int"),
                 (lambda: self.renderer.show(5), TypeError, "scene.*int"),
                 (lambda: self.scene.set_mesh("/m", CORNERS, [0, 1, 2], refine_level="2"), TypeError, "refine_level.*str"),
                 (lambda: self.scene.set_mesh("/m", CORNERS, [0, 1, 2], visible="no"), TypeError, "visible.*str"),
@@ -229,7 +229,7 @@ class Arguments(unittest.TestCase):
                 (lambda: self.scene.load(5), TypeError, "file.*int"),
                 (lambda: self.scene.load(None), TypeError, "file.*None"),
                 (lambda: self.renderer.record(5), TypeError, "file.*int"),
-                (lambda: alabaster.Display(5), TypeError, "color_config.*int"),
+                (lambda: hdalabaster.Display(5), TypeError, "color_config.*int"),
         ]:
             with self.assertRaisesRegex(kind, says):
                 call()
@@ -275,20 +275,20 @@ class Arguments(unittest.TestCase):
                      lambda t: self.scene.set_mesh("/m", CORNERS, [0, 1, 2], material=t), lambda t: self.scene.load(t),
                      lambda t: self.scene.load(pathlib.Path(t)), lambda t: self.renderer.set(subsurface=t),
                      lambda t: self.renderer.start(aovs=[t]), lambda t: self.renderer.record(t),
-                     lambda t: self.scene.set_material("/m", nodes={t: {}}), lambda t: alabaster.Primvar([1.0], t)]:
+                     lambda t: self.scene.set_material("/m", nodes={t: {}}), lambda t: hdalabaster.Primvar([1.0], t)]:
             with self.assertRaisesRegex(ValueError, "zero character|null"):
                 call("/a\0b")
         odd = "/\udcff"
         self.scene.set_mesh(odd, CORNERS, [0, 1, 2])
         self.assertIn(odd, self.scene.prims)
-        with self.assertRaisesRegex(alabaster.NotFoundError, "ff"):
+        with self.assertRaisesRegex(hdalabaster.NotFoundError, "ff"):
             self.scene.remove("/gone\udcff")
-        with self.assertRaisesRegex(alabaster.SceneError, "ff"):
+        with self.assertRaisesRegex(hdalabaster.SceneError, "ff"):
             self.scene.load(b"/gone\xff.json")
-        with self.assertRaises(alabaster.Error):
+        with self.assertRaises(hdalabaster.Error):
             self.scene.remove("/" + "é" * 5000)
         heard = []
-        renderer = alabaster.Renderer(report=lambda *message: heard.append(message), samples=1)
+        renderer = hdalabaster.Renderer(report=lambda *message: heard.append(message), samples=1)
         scene = square()
         renderer.show(scene)
         scene.set_mesh(odd, CORNERS, [[0, 1, 2, 3]], material="/gone\udcff")
@@ -301,7 +301,7 @@ class Arguments(unittest.TestCase):
             self.assertEqual(renderer.record(file), [file])
 
     def test_objects_that_were_not_initialised(self):
-        for kind in [alabaster.Scene, alabaster.Renderer, alabaster.Render, alabaster.Pixels, alabaster.Display, alabaster.Primvar]:
+        for kind in [hdalabaster.Scene, hdalabaster.Renderer, hdalabaster.Render, hdalabaster.Pixels, hdalabaster.Display, hdalabaster.Primvar]:
             bare = kind.__new__(kind)
             for name in dir(kind):
                 if name.startswith("__") or name == "numpy":
@@ -314,15 +314,15 @@ class Arguments(unittest.TestCase):
             with self.assertRaises((TypeError, BufferError)):  # by version of pybind11
                 memoryview(bare)
             with self.assertRaises(TypeError):
-                alabaster.Renderer(bare)
-        scene = alabaster.Scene.__new__(alabaster.Scene)
+                hdalabaster.Renderer(bare)
+        scene = hdalabaster.Scene.__new__(hdalabaster.Scene)
         scene.__init__()
         self.assertEqual(scene.prims, {})
 
     def test_a_failed_update_leaves_the_render_as_it_was(self):
         render = draw(self.renderer)
         for wrong in [{"aovs": ["color", "nothing"]}, {"width": -1}, {"width": 1 << 30, "height": 1 << 30}, {"camera": "/camera", "aovs": [5]}]:
-            with self.assertRaises((alabaster.Error, TypeError, ValueError)):
+            with self.assertRaises((hdalabaster.Error, TypeError, ValueError)):
                 render.update(**wrong)
         render.update()
         self.assertTrue(render.wait())
@@ -350,7 +350,7 @@ class Arguments(unittest.TestCase):
     def test_memory_for_pixels(self):
         render = draw(self.renderer)
         for wrong in [b"abc", bytearray(16), memoryview(bytearray(1024)), array.array("f", [0] * 1024)]:
-            with self.assertRaises((ValueError, BufferError, TypeError, alabaster.Error)):
+            with self.assertRaises((ValueError, BufferError, TypeError, hdalabaster.Error)):
                 render.show("color", wrong)
         for wrong in [5, None, "abc", [1.0]]:
             with self.assertRaises(TypeError):
@@ -362,7 +362,7 @@ class Arguments(unittest.TestCase):
         if numpy:
             for wrong in [numpy.zeros((16, 16, 0)), numpy.zeros(()), numpy.zeros((16, 16, 4, 1)), numpy.zeros((16, 16), "V0"),
                           numpy.zeros((16, 16, 4), ">f4")]:
-                with self.assertRaises((ValueError, alabaster.Error)):
+                with self.assertRaises((ValueError, hdalabaster.Error)):
                     render.show("color", wrong)
             for wrong in [numpy.empty((8, 8, 8), object), numpy.zeros((16, 16), "f4,f4,f4,f4"), numpy.zeros((16, 16), "S16")]:
                 self.assertEqual(wrong.nbytes, 16 * 16 * 16)
@@ -375,7 +375,7 @@ class KeptArrays(unittest.TestCase):
 
     def setUp(self):
         self.scene = square()
-        self.renderer = alabaster.Renderer(self.scene, samples=1)
+        self.renderer = hdalabaster.Renderer(self.scene, samples=1)
         self.floats = array.array("f", [c for corner in CORNERS for c in corner])
         self.ints = array.array("i", [0, 1, 2, 3])
 
@@ -391,18 +391,18 @@ class KeptArrays(unittest.TestCase):
 
     def test_after_every_failure(self):
         floats, ints, scene = self.floats, self.ints, self.scene
-        gone = alabaster.Scene()
-        points = alabaster.Primvar(floats, "vertex", indices=ints, motion=[(0, floats), (1, floats)])
+        gone = hdalabaster.Scene()
+        points = hdalabaster.Primvar(floats, "vertex", indices=ints, motion=[(0, floats), (1, floats)])
         failures = {
             "an empty path": lambda: scene.set_mesh("", floats, ints),
             "an unknown cull style": lambda: scene.set_mesh("/m", floats, ints, cull_style="x"),
             "an unknown option": lambda: scene.set_mesh("/m", floats, ints, colour=1),
             "a wrong transform": lambda: scene.set_mesh("/m", floats, ints, transform=[1]),
             "wrong counts": lambda: scene.set_mesh("/m", floats, ints, counts="4"),
-            "a wrong interpolation": lambda: scene.set_mesh("/m", alabaster.Primvar(floats, "x"), ints),
+            "a wrong interpolation": lambda: scene.set_mesh("/m", hdalabaster.Primvar(floats, "x"), ints),
             "wrong holes": lambda: scene.set_mesh("/m", floats, ints, holes=[.5]),
             "wrong primvars": lambda: scene.set_mesh("/m", points, ints, primvars={"st": "no", "a": b""}),
-            "motion of what has none": lambda: scene.set_primvar("/square", "x", alabaster.Primvar(floats, motion=[(0, floats)])),
+            "motion of what has none": lambda: scene.set_primvar("/square", "x", hdalabaster.Primvar(floats, motion=[(0, floats)])),
             "no such mesh": lambda: scene.set_primvar("/gone", "x", floats),
             "no path of a primvar": lambda: scene.set_primvar("", "x", floats),
             "no name": lambda: scene.set_primvar("/square", "", floats),
@@ -431,7 +431,7 @@ class KeptArrays(unittest.TestCase):
         """The scene holds them until it holds others; then a call gives them back."""
         for replace in [lambda: self.scene.remove("/square"), lambda: self.scene.clear(),
                         lambda: self.scene.set_mesh("/square", CORNERS, [[0, 1, 2, 3]])]:
-            self.scene.set_mesh("/square", alabaster.Primvar(self.floats, motion=[(0, self.floats), (1, self.floats)]), self.ints,
+            self.scene.set_mesh("/square", hdalabaster.Primvar(self.floats, motion=[(0, self.floats), (1, self.floats)]), self.ints,
                                 counts=[4], subsets={"/wax": self.ints})
             self.scene.set_primvar("/square", "x", self.floats, "constant")
             self.scene.set_camera("/camera", BACK)
@@ -447,7 +447,7 @@ class KeptArrays(unittest.TestCase):
         draw(self.renderer)
         del self.renderer, self.scene
         gc.collect()
-        alabaster.Scene().prims
+        hdalabaster.Scene().prims
         self.assert_released("without the scene")
 
     def test_objects_are_released(self):

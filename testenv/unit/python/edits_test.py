@@ -1,7 +1,7 @@
 """Tests of edits of several values, which are all made or none."""
 import unittest
 
-import alabaster
+import hdalabaster
 from square_scene import CORNERS, draw, pixel, square
 
 
@@ -13,15 +13,15 @@ class Edits(unittest.TestCase):
         away, here = [(70, 0, 0), (70, 0, 0)], [(0, 0, 0), (0, 0, 0)]
         small, far = [(.1, .1, .1)] * 2, [(0, 90, 0)]
         cases = {
-            "motion": dict(translations=alabaster.Primvar(away, motion=[(0, here), (1, here)])),
-            "indices": dict(translations=alabaster.Primvar(away, indices=[0, 1])),
+            "motion": dict(translations=hdalabaster.Primvar(away, motion=[(0, here), (1, here)])),
+            "indices": dict(translations=hdalabaster.Primvar(away, indices=[0, 1])),
             "one is beyond the end": dict(translations=away, scales=small + small),
             "one is not there": dict(translations=away, rotations=[(1, 0, 0, 0)]),
             "one is of another type": dict(translations=away, scales=[(1, 0, 0, 0)] * 2),
         }
-        renderer = alabaster.Renderer(scene, samples=4)
+        renderer = hdalabaster.Renderer(scene, samples=4)
         for what, values in cases.items():
-            with self.assertRaises((ValueError, TypeError, alabaster.Error), msg=what):
+            with self.assertRaises((ValueError, TypeError, hdalabaster.Error), msg=what):
                 scene.set_instance_values("/many", 0, **values)
             self.assertEqual(pixel(draw(renderer, aovs=["instanceId"]), 8, 8, "instanceId"), 1, what)
         scene.set_instance_values("/many", 1, translations=far, scales=[(1, 1, 1)])
@@ -29,7 +29,7 @@ class Edits(unittest.TestCase):
         self.assertNotEqual(pixel(render, 8, 8, "instanceId"), 1)
 
     def test_settings_are_all_set_or_none(self):
-        renderer = alabaster.Renderer(square(), samples=4)
+        renderer = hdalabaster.Renderer(square(), samples=4)
         for wrong in [{"samples": 9, "subsurface": "x"}, {"samples": 9, "sampels": 3}, {"seed": 1, "maxDepth": -1}]:
             with self.assertRaises(ValueError):
                 renderer.set(**wrong)

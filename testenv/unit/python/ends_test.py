@@ -7,16 +7,16 @@ import sys
 import textwrap
 import unittest
 
-import alabaster
+import hdalabaster
 from square_scene import draw, square
 
 START = """
 import atexit, gc, os, sys, threading, time
 import square_scene
-from square_scene import alabaster, square, draw
+from square_scene import hdalabaster, square, draw
 scene = square()
 scene.set_render_settings("/settings", camera="/camera", width=256, height=256)
-renderer = alabaster.Renderer(scene, samples=1 << 20)
+renderer = hdalabaster.Renderer(scene, samples=1 << 20)
 frame = dict(width=256, height=256, camera="/camera")
 """
 
@@ -28,7 +28,7 @@ def run(code, start=START):
 
 
 def picture_in_a_child(_):
-    return bytes(draw(alabaster.Renderer(square(), samples=2, report=lambda *_: None))["color"])
+    return bytes(draw(hdalabaster.Renderer(square(), samples=2, report=lambda *_: None))["color"])
 
 
 class Ends(unittest.TestCase):
@@ -47,8 +47,8 @@ class Ends(unittest.TestCase):
                 "r = renderer.start(**frame)\n    while True: r.wait(.01)",
                 "r = renderer.start(**frame)\n    while True: r.update(); r.state",
                 "while True: scene.set_transform('/square', None); scene.prims",
-                "while True: alabaster.Renderer(square(), samples=1)",
-                "while True: draw(alabaster.Renderer(square(), samples=1)).pixels()"]:
+                "while True: hdalabaster.Renderer(square(), samples=1)",
+                "while True: draw(hdalabaster.Renderer(square(), samples=1)).pixels()"]:
             code = f"def work():\n    {work}\nthreading.Thread(target=work, daemon=True).start()\ntime.sleep(.3)\n"
             for _ in range(2):
                 done = run(code)
@@ -81,7 +81,7 @@ class Ends(unittest.TestCase):
     def test_exit_functions_may_join_threads_that_use_the_library(self):
         """Functions that were registered before the import run after the module's own."""
         for work in ["renderer.render(**frame)", "while True: renderer.stats()", "while True: scene.prims",
-                     "while True: draw(alabaster.Renderer(square(), samples=1))"]:
+                     "while True: draw(hdalabaster.Renderer(square(), samples=1))"]:
             self.assert_ends(f"""
                 def work():
                     try:
@@ -97,11 +97,11 @@ class Ends(unittest.TestCase):
         self.assert_ends("""
             class Cycle: pass
             cycle = Cycle()
-            cycle.itself, cycle.scene, cycle.renderer = cycle, scene, alabaster.Renderer(square(), report=lambda *_: cycle)
+            cycle.itself, cycle.scene, cycle.renderer = cycle, scene, hdalabaster.Renderer(square(), report=lambda *_: cycle)
             cycle.render = cycle.renderer.start(**frame)
             cycle.render.wait(.1)
             cycle.pixels = cycle.render.pixels()
-            alabaster.kept = cycle.render
+            hdalabaster.kept = cycle.render
             sys.modules["kept"] = cycle
             """)
 
@@ -125,9 +125,9 @@ class Ends(unittest.TestCase):
             child = os.fork()
             if child == 0:
                 try:
-                    own = alabaster.Renderer(square(), samples=1, report=lambda *_: None)
+                    own = hdalabaster.Renderer(square(), samples=1, report=lambda *_: None)
                     print(draw(own).state, end=" ", flush=True)
-                except alabaster.Error as error:
+                except hdalabaster.Error as error:
                     print(str(error)[-8:], end=" ", flush=True)
                 sys.exit(7)
             print(os.waitstatus_to_exitcode(os.waitpid(child, 0)[1]))
@@ -140,7 +140,7 @@ class Ends(unittest.TestCase):
         for use in ["draw(renderer)", "kept.update()", "kept.wait(1)", "kept.state", "kept.show('color', memory)", "kept.pixels()",
                     "renderer.stop()", "renderer.record('a.exr')", "renderer.get('samples')", "renderer.stats()", "scene.prims",
                     "scene.clear()", "scene.set_visible('/square', True)", "scene.load('a.alab')", "scene.write('a.alab')",
-                    "alabaster.Renderer(scene)", "renderer.show(None)"]:
+                    "hdalabaster.Renderer(scene)", "renderer.show(None)"]:
             self.assert_ends(f"""
                 kept = renderer.start(**frame)
                 kept.wait(.2)
@@ -149,7 +149,7 @@ class Ends(unittest.TestCase):
                 if child == 0:
                     try:
                         {use}
-                    except alabaster.Error as error:
+                    except hdalabaster.Error as error:
                         print(type(error).__name__, flush=True)
                     sys.exit(0)
                 print(os.waitstatus_to_exitcode(os.waitpid(child, 0)[1]))
@@ -163,7 +163,7 @@ class Ends(unittest.TestCase):
                 if child == 0:
                     try:
                         {use}
-                    except alabaster.ArgumentError:
+                    except hdalabaster.ArgumentError:
                         held.release()  # BufferError where it is lent
                         sys.exit(7)
                 print(os.waitstatus_to_exitcode(os.waitpid(child, 0)[1]))
@@ -221,7 +221,7 @@ class Ends(unittest.TestCase):
                     idle.set_visible("/square", True)
                     try:
                         busy.set_visible("/square", True)
-                    except alabaster.ArgumentError as error:
+                    except hdalabaster.ArgumentError as error:
                         assert "forked" in str(error)
                     os._exit(7)
                 end = os.waitstatus_to_exitcode(os.waitpid(child, 0)[1])
@@ -242,19 +242,19 @@ class Ends(unittest.TestCase):
             folder = __import__("tempfile").mkdtemp()
             try:
                 renderer.record(folder + "/a.exr", progress=progress)
-            except alabaster.Cancelled:
+            except hdalabaster.Cancelled:
                 print("cancelled")
             """)
         self.assertEqual((done.returncode, done.stdout), (0, "7\ncancelled\n"), done.stderr)
 
     def test_multiprocessing(self):
-        renderer = alabaster.Renderer(square(), samples=2)
+        renderer = hdalabaster.Renderer(square(), samples=2)
         expected = bytes(draw(renderer)["color"])
         for method in ["forkserver", "spawn"]:
             with multiprocessing.get_context(method).Pool(2) as pool:
                 self.assertEqual(pool.map(picture_in_a_child, range(3)), [expected] * 3, method)
         with multiprocessing.get_context("fork").Pool(2) as pool:
-            with self.assertRaisesRegex(alabaster.Error, "spawn or forkserver"):
+            with self.assertRaisesRegex(hdalabaster.Error, "spawn or forkserver"):
                 pool.map(picture_in_a_child, range(3))
         self.assertEqual(draw(renderer).state, "converged")
 
@@ -263,13 +263,13 @@ class Ends(unittest.TestCase):
             import _xxsubinterpreters  # noqa: F401
         except ImportError:
             self.skipTest("Python has no module for sub-interpreters")
-        code = "try:\n  import alabaster\nexcept ImportError as error:\n  print(error, flush=True)\nelse:\n  print('imported', flush=True)\n"
-        for start in ["", "import alabaster\n"]:
+        code = "try:\n  import hdalabaster\nexcept ImportError as error:\n  print(error, flush=True)\nelse:\n  print('imported', flush=True)\n"
+        for start in ["", "import hdalabaster\n"]:
             done = run(f"""
                 import _xxsubinterpreters as interpreters
                 interpreter = interpreters.create()
                 interpreters.run_string(interpreter, {code!r})
                 interpreters.destroy(interpreter)
-                """, "import sys\nsys.path.insert(0, %r)\n" % str(pathlib.Path(alabaster.__file__).parents[1]) + start)
+                """, "import sys\nsys.path.insert(0, %r)\n" % str(pathlib.Path(hdalabaster.__file__).parents[1]) + start)
             self.assertEqual(done.returncode, 0, done.stderr)
             self.assertIn("sub-interpreter", done.stdout)

@@ -3,7 +3,7 @@ import ctypes
 import gc
 import unittest
 
-import alabaster
+import hdalabaster
 from square_scene import CORNERS, draw, moved, square
 
 try:
@@ -29,7 +29,7 @@ def allocated():
 class Memory(unittest.TestCase):
     @unittest.skipUnless(numpy, "numpy is missing")
     def test_arrays_are_not_copied(self):
-        render = draw(alabaster.Renderer(square(), samples=4))
+        render = draw(hdalabaster.Renderer(square(), samples=4))
         first, second = render.pixels().numpy(), numpy.asarray(render.pixels())
         self.assertEqual((first.shape, first.dtype), ((16, 16, 4), numpy.float32))
         self.assertEqual(first.ctypes.data, second.ctypes.data)
@@ -37,7 +37,7 @@ class Memory(unittest.TestCase):
         into = numpy.empty((16, 16, 4), numpy.float32)
         render.read("color", into)
         self.assertTrue((into == first).all())
-        with self.assertRaises(alabaster.ArgumentError):
+        with self.assertRaises(hdalabaster.ArgumentError):
             render.read("color", into[:8].copy())
         with self.assertRaises(ValueError):
             render.read("color", into[:, ::-1])
@@ -45,14 +45,14 @@ class Memory(unittest.TestCase):
     @unittest.skipUnless(numpy, "numpy is missing")
     def test_shows_pixels_in_an_array_of_the_host(self):
         scene = square()
-        render = draw(alabaster.Renderer(scene, samples=4))
+        render = draw(hdalabaster.Renderer(scene, samples=4))
         linear = numpy.zeros((16, 16, 4), numpy.float32)
         self.assertTrue(render.show("color", linear, top_down=False))
         self.assertTrue((linear[::-1] == render.pixels().numpy()).all())
         linear[:] = 7
         self.assertTrue(render.show("color", linear, top_down=False))
         self.assertTrue((linear == 7).all())  # it was up to date
-        display = alabaster.Display()
+        display = hdalabaster.Display()
         shown = numpy.zeros((16, 16, 4), numpy.uint8)
         self.assertTrue(render.show("color", shown, display))
         middle = int(shown[8, 8, 0])
@@ -65,12 +65,12 @@ class Memory(unittest.TestCase):
 
     @unittest.skipUnless(numpy, "numpy is missing")
     def test_arrays_outlive_everything(self):
-        render = draw(alabaster.Renderer(square(), samples=4))
+        render = draw(hdalabaster.Renderer(square(), samples=4))
         pixels = render.pixels().numpy()
         before = pixels.copy()
         del render
         gc.collect()
-        draw(alabaster.Renderer(square(), samples=1))
+        draw(hdalabaster.Renderer(square(), samples=1))
         self.assertTrue((pixels == before).all())
 
     @unittest.skipUnless(numpy, "numpy is missing")
@@ -80,7 +80,7 @@ class Memory(unittest.TestCase):
         scene.set_mesh("/square", points, numpy.array([[0, 1, 2, 3]], numpy.int32), material="/wax")
         with self.assertRaises(ValueError):
             points.resize((5, 3))  # it is exported
-        renderer = alabaster.Renderer(scene, samples=4)
+        renderer = hdalabaster.Renderer(scene, samples=4)
         picture = draw(renderer).pixels().numpy().copy()
         strided = numpy.asfortranarray(numpy.array(CORNERS, numpy.float64))
         scene.set_mesh("/square", strided, [[0, 1, 2, 3]], material="/wax")  # converted
@@ -90,7 +90,7 @@ class Memory(unittest.TestCase):
 
     def test_a_thousand_renders(self):
         scene = square()
-        renderer = alabaster.Renderer(scene, samples=1)
+        renderer = hdalabaster.Renderer(scene, samples=1)
 
         def render_thousand():
             for i in range(1000):
@@ -103,7 +103,7 @@ class Memory(unittest.TestCase):
 
     def test_a_hundred_renderers(self):
         for i in range(100):
-            draw(alabaster.Renderer(square(), samples=1))
+            draw(hdalabaster.Renderer(square(), samples=1))
             if i == 19:
                 settled = allocated()
         # Malloc keeps up to 42 kB more for threads on a busy machine.

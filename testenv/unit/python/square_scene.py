@@ -1,5 +1,5 @@
 """A scene of one square, and how the tests of the Python module draw and read it."""
-import alabaster
+import hdalabaster
 
 CORNERS = [(-1, -1, 0), (1, -1, 0), (1, 1, 0), (-1, 1, 0)]
 BACK = [[1, 0, 0, 0], [0, 1, 0, 0], [0, 0, 1, 0], [0, 0, 6, 1]]
@@ -11,7 +11,7 @@ def moved(x, y=0, z=0):
 
 def square(**options):
     """A square under a dome, seen from the front."""
-    scene = alabaster.Scene(**options)
+    scene = hdalabaster.Scene(**options)
     scene.set_mesh("/square", CORNERS, [[0, 1, 2, 3]], material="/wax")
     scene.set_material("/wax", baseColor=(0.9, 0.6, 0.3))
     scene.set_light("/dome", "domeLight", intensity=1)

@@ -9,12 +9,12 @@ import threading
 import time
 import unittest
 
-import alabaster
+import hdalabaster
 from square_scene import BACK, CORNERS, draw, moved, square
 
 AOVS = ["color", "cameraDepth", "primId", "normal", "albedo", "primvars:" + "a" * 32, "primvars:" + "b" * 28]
 SECONDS_PER_PAIR = 0.006
-ALLOWED = (alabaster.Error, KeyError, ValueError)
+ALLOWED = (hdalabaster.Error, KeyError, ValueError)
 
 
 def in_threads(calls, seconds):
@@ -50,9 +50,9 @@ class Objects:
         self.file = folder + "/scene.alab"
         self.scene.write(self.file)
         self.other = square()
-        self.renderer = alabaster.Renderer(self.scene, samples=2, report=lambda *_: None)
+        self.renderer = hdalabaster.Renderer(self.scene, samples=2, report=lambda *_: None)
         self.render = self.renderer.render(width=8, height=8, aovs=["color", "cameraDepth"])
-        self.display = alabaster.Display()
+        self.display = hdalabaster.Display()
         self.pixels = self.render.pixels()
         self.points = array.array("f", [c for corner in CORNERS for c in corner])
         self.into = array.array("f", bytes(8 * 8 * 16))
@@ -108,7 +108,7 @@ class Objects:
             "show displayed": lambda: render.show("color", self.bytes, self.display),
             "exposure": lambda: setattr(self.display, "exposure", self.random.random()),
             "look": lambda: memoryview(self.pixels).tobytes(),
-            "new display": lambda: alabaster.Display(exposure=1.0),
+            "new display": lambda: hdalabaster.Display(exposure=1.0),
         }
 
 
@@ -119,7 +119,7 @@ class Threads(unittest.TestCase):
 
     def test_two_threads_update_one_render(self):
         for aovs in [lambda r: ["color"], lambda r: r.sample(AOVS, r.randrange(1, 7))]:
-            renderer = alabaster.Renderer(square(), samples=2, report=lambda *_: None)
+            renderer = hdalabaster.Renderer(square(), samples=2, report=lambda *_: None)
             render = renderer.start(width=4, height=4, camera="/camera")
             chance = random.Random(2)
             self.assertEqual(in_threads([lambda: render.update(aovs=aovs(chance), width=4, height=4)] * 2, 2), [])
@@ -130,7 +130,7 @@ class Threads(unittest.TestCase):
     def test_every_pair_of_methods(self):
         with tempfile.TemporaryDirectory() as folder:
             calls = Objects(folder).calls()
-            documented = {name for kind in [alabaster.Scene, alabaster.Renderer, alabaster.Render] for name in vars(kind)
+            documented = {name for kind in [hdalabaster.Scene, hdalabaster.Renderer, hdalabaster.Render] for name in vars(kind)
                           if not name.startswith("_")}
             missing = documented - {word for name in calls for word in name.split()} - {"describe_settings", "clear"}
             self.assertEqual(missing, set())
@@ -173,7 +173,7 @@ class Threads(unittest.TestCase):
                 scene.set_render_settings("/settings", camera="/camera", width=8, height=8)
                 os.makedirs(folder + name)
                 scene.write(folder + name + "/scene.alab")
-            scene, wrong = alabaster.Scene(report=lambda *_: None), []
+            scene, wrong = hdalabaster.Scene(report=lambda *_: None), []
 
             def load(name):
                 scene.clear()

@@ -41,7 +41,7 @@ TEST(Schemas, EveryKindHasAPage) {
   EXPECT_NE(page("render_settings").find("| `width` | int | 1 to 1048576 | `1280` | pixels |"), std::string::npos);
   EXPECT_NE(page("render_settings").find("| `samples` | int | 1 to 1048576 |"), std::string::npos);
   EXPECT_NE(page("product").find("| `exposure` | float | -64 to 64 | `0` | stops |"), std::string::npos);
-  EXPECT_NE(files.at("delegate/python/alabaster/_fields.pyi").find("    double_sided: Optional[bool]\n"),
+  EXPECT_NE(files.at("delegate/python/hdalabaster/_fields.pyi").find("    double_sided: Optional[bool]\n"),
             std::string::npos);
 }
 

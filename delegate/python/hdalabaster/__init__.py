@@ -1,9 +1,9 @@
-"""Alabaster: path-traced subsurface scattering. See help(alabaster.Scene) and help(alabaster.Renderer)."""
-from ._alabaster import _check_interpreter
+"""Alabaster: path-traced subsurface scattering. See help(hdalabaster.Scene) and help(hdalabaster.Renderer)."""
+from ._hdalabaster import _check_interpreter
 
 _check_interpreter()
 
-from ._alabaster import (ArgumentError, Cancelled, Display, Error, NotFoundError, OutputError, Pixels, Primvar, Render, Renderer,
+from ._hdalabaster import (ArgumentError, Cancelled, Display, Error, NotFoundError, OutputError, Pixels, Primvar, Render, Renderer,
                          RenderError, Scene, SceneError, __version__, versions)
 from ._scene import SceneMethods as _SceneMethods
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 import array
 from typing import TYPE_CHECKING, Any, Mapping, Optional, Tuple, Union
 
-from ._alabaster import Primvar, _shape_of
+from ._hdalabaster import Primvar, _shape_of
 
 if TYPE_CHECKING:
     from typing_extensions import Unpack
