@@ -115,6 +115,7 @@ TEST(Buffers, ImpossibleSizesAreRefusedAndChangeNothing) {
 }
 
 // OpenUSD#1236: the old picture stays until the new one is usable. Every picture on the way is whole, if coarse.
+// promise: embedding.viewport.old_picture
 TEST(Buffers, TheOldPictureStaysUntilTheNewOneCovers) {
   Host host(24, 24, {{"samples", 16}});
   add_halves(host);

@@ -49,6 +49,7 @@ TEST(Control, IsLegalWhenNothingRenders) {
   EXPECT_TRUE(host.render() == picture);
 }
 
+// promise: embedding.stop
 TEST(Control, StopLatchesUntilRestart) {
   Host host;
   add_noisy_scene(host);
@@ -149,6 +150,7 @@ TEST(Control, TenThousandStopsAndStarts) {
   EXPECT_TRUE(host.render() == plain.render());
 }
 
+// promise: embedding.stop
 TEST(Control, AHoldUndoesNoStop) {
   Host host(16, 16, kEndless);
   add_halves(host);

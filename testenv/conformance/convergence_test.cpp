@@ -76,6 +76,7 @@ TEST(Convergence, BuffersAndPassAgree) {
 }
 
 // A host's loop must end (OpenUSD#971, arnold#4, rpr#224), and say why.
+// promise: embedding.errors
 TEST(Convergence, AFailureConverges) {
   Host host;
   add_halves(host);

@@ -16,6 +16,7 @@ std::set<int32_t> integers(const Picture& picture) {
 }
 
 // rpr#295. Three meshes whose ids are far apart lie behind each other as gratings, finer than pixels.
+// promise: pipeline.aov.ids
 TEST(Ids, AreNeverAveraged) {
   Host host(16, 16, {{"samples", 16}});
   std::set<int32_t> known = {-1};
@@ -31,6 +32,7 @@ TEST(Ids, AreNeverAveraged) {
   EXPECT_EQ(seen, known);
 }
 
+// promise: pipeline.aov.ids
 TEST(Ids, ZeroIsAnIdAndTheBackgroundIsMinusOne) {
   Host host;
   host.mesh("/left") = rectangle(-1, -1, 0, 1);
@@ -66,6 +68,7 @@ TEST(Ids, ANewPrimIdIsSeen) {
 }
 
 // arnold#385: tumble pivots read depth and ids.
+// promise: pipeline.aov.depth
 TEST(Depth, IsOneWhereNothingIsAndThatOfTheClosestSample) {
   Host host(16, 16, {{"samples", 64}});
   host.camera().parameters["clippingRange"] = Vec2f(1, 5);

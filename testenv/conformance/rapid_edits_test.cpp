@@ -110,6 +110,7 @@ TEST(RapidEdits, TheLastOfTwoEditsIsDrawn) {
 }
 
 // Everything that any thread may call at any time, from two threads, while a third edits and executes.
+// promise: embedding.threads.cpp
 TEST(RapidEdits, ControlFromOtherThreadsLosesNoEdit) {
   Host host(16, 16, {{"samples", 32}}), fresh(16, 16, {{"samples", 32}});
   add_noisy_scene(host), add_noisy_scene(fresh);

@@ -15,6 +15,7 @@ from slurm_test import HOSTILE, LOOK, SCENE, SKIPPED, check, run
 TASKS = 4
 
 
+# promise: farm.engine.openjd
 def main():
     if not shutil.which("openjd"):
         print("skipped: openjd not found: pip install openjd-cli")

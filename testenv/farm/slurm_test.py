@@ -69,6 +69,7 @@ def lose_a_task(cluster, folder):
     check(cluster.state(merge) == "CANCELLED", "a merge that lacks a part is cancelled")
 
 
+# promise: farm.engine.slurm
 def main():
     if reason := missing():
         print(f"skipped: {reason}")

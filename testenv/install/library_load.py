@@ -40,6 +40,7 @@ def exported(library):
     return [(binding, name) for (binding, _), name in zip(symbols, names)]
 
 
+# promise: embedding.process
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("probe")

@@ -104,6 +104,7 @@ def fault_of_host(text, kind, program):
     return ""
 
 
+# promise: pipeline.archive.convert
 def main():
     if sys.argv[1:2] == ["--as"]:
         return subprocess.run([sys.argv[2], *reduced(sys.argv[3:])]).returncode

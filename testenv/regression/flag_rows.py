@@ -120,16 +120,21 @@ RENDER_ROWS = {
     "--set": [Row(("--set", "samples=3"), samples(3), ("render", *RENDER[1:6], *RENDER[8:]))],
     "--allow-outside": [Row(("--allow-outside",), codes(3, 0), ("render", "inner/outside.json", *RENDER[2:]))],
     "--output": [Row(("-o", "a.png", "-o", "a.jpg", "-o", "a.tif"), writes("a.png", "a.jpg", "a.tif"))],
+    # promise: pipeline.animation
     "--frames": [frame_row(12)],  # of 24 in a second, unless --fps is given
     "--fps": [frame_row(10, "--fps", "20"), Row(("--fps", "12"), picture, (*LATER, "--shutter", "-3:3"))],
+    # promise: pipeline.animation
     "--shutter": [Row(("--shutter", "-6:6"), picture, LATER)],
     "--size": [Row(("--size", "20x10"), window(0, 0, 19, 9))],
     "--crop": [Row(("--crop", "4,3,20,12"), window(4, 3, 19, 11))],
     "--quality": [Row(("--quality", "draft"), both(setting("maxDepth", 16), setting("targetError", 0.055)))],
+    # promise: trade_off.ends.samples
     "--spp": [Row(("--spp", "3"), samples(3))],
+    # promise: pipeline.stats.target, trade_off.ends.error
     "--target-error": [Row(("--target-error", "0.9", "--spp", "256"), lambda a, b: b.stats["target"]["endedBy"] == "targetError" and
                            b.stats["samples"]["total"] < 24 * 16 * 256)],
     "--time-limit": [Row(("--time-limit", "0.05"), lambda a, b: b.stats["delegate"][0]["endedBy"] == "timeLimit", ("render", *RENDER[1:6], *RENDER[8:]))],
+    # promise: pipeline.stats.settings
     "--seed": [Row(("--seed", "5"), both(picture, setting("seed", 5)))],
     "--threads": [Row(("--threads", "2"), both(same_picture, setting("threads", 2)))],
     "--max-depth": [Row(("--max-depth", "0"), both(picture, setting("maxDepth", 0)))],
@@ -145,15 +150,19 @@ RENDER_ROWS = {
     "--aov": [Row(("--aov", "normal", "--aov", "error"), channels("N.X", "N.Y", "N.Z", "error.X"))],
     "--denoise": [Row(("--denoise",), both(channels("denoised.R"), lambda a, b: a.pixels() != b.pixels()), (*RENDER, "-o", "a.png"))],
     "--pixel": [Row(("--pixel", "12,8"), lambda a, b: len(b.out) > len(a.out) and not b.file("a.exr").exists())],
+    # promise: pipeline.stats.rays, pipeline.stats.walks, pipeline.stats.samples, pipeline.stats.error
+    # promise: pipeline.stats.delegate
     "--stats": [Row(("--stats", "s.json", "--spp", "8"), consistent, ("render", "open.json", *RENDER[2:8], "--threads", "1")),
                 Row(("--stats", "s.json", "--subsurface", "diffusion"), lambda a, b: b.stats["rays"]["probe"] == b.stats["delegate"][0]["rays.probe"] > 0,
                     RENDER[:8])],
+    # promise: pipeline.exit.degraded
     "--keep-going": [Row(("--keep-going",), both(codes(3, 6), lambda a, b: b"missing.png" in b.attributes()["alabaster/sceneFaults"]),
                          ("render", "gap.json", *RENDER[2:]))],
     "--quiet": [Row(("--quiet",), lambda a, b: len(a.err + a.out) > 0 == len(b.err + b.out))],
     "--checkpoint": [Row(("--checkpoint", "c.checkpoint"), writes("c.checkpoint"))],
     "--checkpoint-interval": [Row(("--checkpoint-interval", "0.05"), lambda a, b: b.stats["delegate"][0]["checkpoint.count"] >
                                   a.stats["delegate"][0]["checkpoint.count"] == 1, (*CHECKPOINT, "--set", "samples=300"))],
+    # promise: farm.resume.samples, farm.resume.not_overwritten
     "--resume": [Row(("--resume",), like_the_whole, MORE, (CHECKPOINT,), (*MORE, "--checkpoint", "c.checkpoint", "--resume")),
                  Row(("--resume",), codes(2, 0), (*MORE, "--checkpoint", "c.checkpoint"), (CHECKPOINT,))],
     "--samples": [Row(("--samples", "1:3", "--checkpoint", "c.checkpoint"), both(picture, lambda a, b: b.stats["samples"]["total"] == 24 * 16 * 2),
@@ -171,6 +180,7 @@ MERGE_ROWS = {
 }
 CHECK_ROWS = {
     "--set": [Row(("--set", "memoryLimit=1"), codes(0, 4), ("check", "heavy.json"))],
+    # promise: pipeline.check
     "--time-limit": [Row(("--time-limit", "0.001"), codes(0, 4), ("check", "heavy.json"))],
     "--memory-limit": [Row(("--memory-limit", "1"), codes(0, 4), ("check", "heavy.json"))],
     "--allow-outside": [Row(("--allow-outside",), codes(3, 0), ("check", "inner/outside.json"))],
@@ -197,5 +207,6 @@ INFO_ROWS = {
 }
 TABLES = {"render": RENDER_ROWS, "merge": MERGE_ROWS, "check": CHECK_ROWS, "info": INFO_ROWS}
 # Exit codes that depend on the scene file alone, not on a flag: (command line, exit code).
+# promise: pipeline.check
 CODES = [(("check", "model.glb"), 0), (("check", "gap.json"), 3), (("check", "broken.json"), 3), (("check", "bad_view.json"), 3),
          (("render", "broken.json", "-o", "a.exr"), 3), (("info", "gap.json"), 3)]

@@ -31,6 +31,7 @@ class PictureNumbers(unittest.TestCase):
     def setUp(self):
         self.folder = pathlib.Path(self.enterContext(tempfile.TemporaryDirectory()))
 
+    # promise: pipeline.aov.error
     def test_error_is_the_deviation_over_seeds(self):
         """The estimate takes a pixel's samples as independent. They are better than that: the deviation is 0.78 of it here."""
         renderer = hdalabaster.Renderer(small_scene(self.folder), samples=16)
@@ -50,6 +51,7 @@ class PictureNumbers(unittest.TestCase):
             self.assertLess(off.max(), 1e-5, whole)
             self.assertGreater(min(np.abs(found[part]).max() for part in parts if part != "emission"), 0)
 
+    # promise: pipeline.aov.sums
     def test_layers_add_up_under_exposure(self):
         pictures = []
         for stops in (0.0, 3.0):
@@ -61,6 +63,7 @@ class PictureNumbers(unittest.TestCase):
         for layer in LAYERS[:-1]:
             self.assertTrue((8 * pictures[0][layer] == pictures[1][layer]).all(), layer)
 
+    # promise: pipeline.aov.nonfinite
     def test_layers_add_up_where_samples_are_not_finite(self):
         scene = small_scene(self.folder)
         scene.set_parameter("/camera", "exposure", 64.0)

@@ -91,6 +91,7 @@ TABLE = {
     "seed": [Row({"seed": 1}, color)],
     "frame": [Row({"frame": 1}, color)],
     "maxDepth": [Row({"maxDepth": 1}, color), Row({"maxDepth": 0}, color, {"maxDepth": 1})],
+    # promise: farm.resume.settings
     "threads": [Row({"threads": 2}, same_color, {"threads": 1}, refused="")],  # and test_threads
     "subsurface": [Row({"subsurface": "reference"}, color, scene=caustic),  # light paths are a shortcut
                    Row({"subsurface": "reference"}, color, {"walkGuiding": False, "walkSphereSteps": False}, scene=matt)],  # and so are twins
@@ -99,6 +100,7 @@ TABLE = {
     "walkSphereSteps": [Row({"walkSphereSteps": False}, color, scene=thick_body),
                         Row({"walkSphereSteps": False}, same_color, {"subsurface": "reference"}, thick_body)],
     "energy": [Row({"energy": "conserving"}, color)],
+    # promise: farm.resume.settings
     "textureMemory": [Row({"textureMemory": 1}, memory, scene=large_image, refused="")],
     "memoryLimit": [Row({"memoryLimit": 64}, lambda a, b: same_color(a, b) and b.stats["memoryLimit"] == 64 << 20 != a.stats["memoryLimit"],
                         refused="")],
@@ -106,6 +108,7 @@ TABLE = {
     "glossyFilter": [Row({"glossyFilter": 0.5}, color), Row({"glossyFilter": 0.5}, same_color, {"subsurface": "reference"})],
     "refineEdgeLength": [Row({"refineEdgeLength": 0.5}, color, refused="mesh")],
     "filter": [Row({"filter": "box"}, color)],
+    # promise: farm.resume.denoise
     "denoise": [Row({"denoise": True}, lambda a, b: color(a, b) and "denoiser" in b.stats and "denoiser" not in a.stats, refused="the AOVs")],
 }
 

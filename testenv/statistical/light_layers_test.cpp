@@ -125,6 +125,7 @@ INSTANTIATE_TEST_SUITE_P(Modes, LightLayersInMode,
                          ::testing::Values(SubsurfaceMode::walk, SubsurfaceMode::reference, SubsurfaceMode::diffusion));
 
 // A diffusion profile does not distinguish numbers of events.
+// promise: pipeline.aov.diffusion
 TEST(LightLayers, DiffusionIsMultipleScattering) {
   RenderRequest request = mixed_request();
   request.settings.subsurface = SubsurfaceMode::diffusion;
@@ -142,6 +143,7 @@ TEST(LightLayers, DoNotChangeTheColor) {
 }
 
 // Light seen in a mirror is specular, whatever scattered it before.
+// promise: pipeline.aov.first_surface
 TEST(LightLayers, GoByTheFirstSurface) {
   SceneBuilder b;
   DisneyParameters mirror;
@@ -161,6 +163,7 @@ TEST(LightLayers, GoByTheFirstSurface) {
   EXPECT_GT(seen, 1);
 }
 
+// promise: pipeline.aov.emission
 TEST(LightLayers, ShowWhatIsSeenDirectlyAsEmission) {
   SceneBuilder b;
   DisneyParameters lamp;
@@ -190,6 +193,7 @@ class Lobes : public ::testing::Test {
   }
 };
 
+// promise: pipeline.aov.specular
 TEST_F(Lobes, SpecularIsThatOfABlackBody) {
   DisneyParameters black = every_lobe();
   black.base_color = Rgb(0.0f);
@@ -200,6 +204,7 @@ TEST_F(Lobes, SpecularIsThatOfABlackBody) {
     expect_mean(difference(channel(mixed(), Aov::specular, c), channel(*alone, Aov::color, c)), 0, 0, "specular");
 }
 
+// promise: pipeline.aov.diffuse, pipeline.aov.subsurface
 TEST_F(Lobes, SubsurfaceAndDiffuseAreThoseOfBodiesWithoutSpecular) {
   // Roughness 0 removes the retro-reflective term, which stays local. Only the subsurface lobe is left in the
   // scattering channels.
@@ -248,6 +253,7 @@ double single_part(double tau, double alpha) {
 
 // In a furnace of radiance one every exit sees the same, so a layer shows its part of the entering energy, times the
 // exit lobe's 1 - 1/42. The channels share their walks at three optical depths.
+// promise: pipeline.aov.subsurface_parts
 TEST(LightLayers, UnscatteredAndSingleAreThoseOfASphere) {
   constexpr double kTau[3] = {0.3, 1, 3}, kAlbedo[3] = {0.5, 0.9, 0.7}, kExit = 41.0 / 42;
   DisneyParameters p = without_specular({});

@@ -179,6 +179,7 @@ TEST(Furnace, WalkObtainsTheAlbedoAsked) {
   }
 }
 
+// promise: trade_off.bias.inversion
 TEST(Furnace, PaperInversionObtainsWhatEquationOneGives) {
   for (const float albedo : {0.2f, 0.5f, 0.8f, 0.95f}) {
     MeanError m;

@@ -59,6 +59,7 @@ RunningStatistics many_frames(double target, bool own) {
   return means;
 }
 
+// promise: trade_off.bias.adaptive
 TEST(UnbiasedStopping, OtherPixelsDecideAndTheMeanStays) {
   const auto result = testing::z_test(many_frames(2.5, false), 1);
   EXPECT_TRUE(plausible(result));
@@ -71,6 +72,7 @@ TEST(UnbiasedStopping, AFrameThatEndsItselfIsBiased) {
   EXPECT_GT(std::abs(result.z), 6) << result.report;
 }
 
+// promise: trade_off.bias.adaptive
 TEST(UnbiasedStopping, SamplesAreDealtOutByOtherPixels) {
   Rng rng(testing::run_seed(11), 3);
   RunningStatistics means;

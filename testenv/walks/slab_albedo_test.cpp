@@ -43,6 +43,7 @@ void expect_mean(const RunningStatistics& values, double expected, double slack 
 
 constexpr auto kHalfSpace = [] { return SlabTracer(); };
 
+// promise: trade_off.bias.walk
 TEST(SlabAlbedo, ObtainsWhatEachInversionReallyGives) {
   uint64_t seed = 1;
   for (const double asked : {0.2, 0.5, 0.8, 0.95})

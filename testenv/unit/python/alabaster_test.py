@@ -59,6 +59,7 @@ class Renders(unittest.TestCase):
                                    "--warn", "0", "--diff"], capture_output=True, text=True)
             self.assertEqual(done.returncode, 0, done.stdout)
 
+    # promise: pipeline.archive.scene_write
     def test_a_written_scene_has_the_same_pixels(self):
         scene = square()
         scene.set_instancer("/many", {"/square": [0, 1]}, translations=[(-0.3, 0, 0), (0.4, 0, 0.1)])
@@ -469,6 +470,7 @@ class TargetError(unittest.TestCase):
 
 
 class Errors(unittest.TestCase):
+    # promise: embedding.errors
     def test_messages_are_the_library_s(self):
         with self.assertRaisesRegex(hdalabaster.SceneError, "missing.json.*no such file"):
             hdalabaster.Scene().load("missing.json")

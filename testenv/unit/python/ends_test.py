@@ -136,6 +136,7 @@ class Ends(unittest.TestCase):
                                 ("renderer.set(samples=1); draw(renderer); renderer = None", "converged 7\n")]:
             self.assert_ends(f"{in_parent}{draw_in_child}".replace("\n            ", "\n"), says)
 
+    # promise: embedding.forks
     def test_a_forked_child_is_told_what_it_cannot_use(self):
         for use in ["draw(renderer)", "kept.update()", "kept.wait(1)", "kept.state", "kept.show('color', memory)", "kept.pixels()",
                     "renderer.stop()", "renderer.record('a.exr')", "renderer.get('samples')", "renderer.stats()", "scene.prims",
@@ -258,6 +259,7 @@ class Ends(unittest.TestCase):
                 pool.map(picture_in_a_child, range(3))
         self.assertEqual(draw(renderer).state, "converged")
 
+    # promise: embedding.threads.python
     def test_a_subinterpreter_is_refused(self):
         try:
             import _xxsubinterpreters  # noqa: F401

@@ -28,6 +28,7 @@ def allocated():
 
 class Memory(unittest.TestCase):
     @unittest.skipUnless(numpy, "numpy is missing")
+    # promise: embedding.arrays.python
     def test_arrays_are_not_copied(self):
         render = draw(hdalabaster.Renderer(square(), samples=4))
         first, second = render.pixels().numpy(), numpy.asarray(render.pixels())

@@ -127,6 +127,7 @@ class Threads(unittest.TestCase):
             self.assertTrue(render.wait())
             self.assertEqual(memoryview(render.pixels()).shape, (16, 16, 4))
 
+    # promise: embedding.threads.python
     def test_every_pair_of_methods(self):
         with tempfile.TemporaryDirectory() as folder:
             calls = Objects(folder).calls()

@@ -151,6 +151,7 @@ TEST(ColorConfig, BlocksOfAnyLengthAreConvertedAlike) {
   EXPECT_EQ(many.back(), 0.5f);
 }
 
+// promise: pipeline.colour.rendering_space
 TEST(ColorConfig, ReportsSayWhatIsWrongAndWhatToDo) {
   const Folder folder;
   struct Case {
@@ -223,6 +224,7 @@ TEST(ColorConfig, EnvironmentNamesAConfigUnlessEmpty) {
   EXPECT_NE(reports.text().find("$OCIO"), std::string::npos);
 }
 
+// promise: pipeline.colour.interchange
 TEST(ColorConfig, CommonNamesWorkInForeignConfigsThroughEitherInterchangeRole) {
   const Folder folder;
   const std::string xyz =
@@ -249,6 +251,7 @@ TEST(ColorConfig, CommonNamesWorkInForeignConfigsThroughEitherInterchangeRole) {
   }
 }
 
+// promise: pipeline.colour.interchange
 TEST(ColorConfig, WithoutInterchangeRolesRec709IsAssumedAndSaid) {
   const Folder folder;
   Reports reports;

@@ -157,6 +157,7 @@ std::unique_ptr<Film> small_film(float alpha) {
   return film;
 }
 
+// promise: pipeline.aov.denoised, trade_off.bias.denoise
 TEST(DenoiseFilm, LeavesColorAndShowsTheDenoisedBesideIt) {
   const FakeOidn fake;
   std::string problem;

@@ -20,6 +20,7 @@ FilmSample sample(float value, float distance, int32_t id) {
   return s;
 }
 
+// promise: pipeline.aov.color, pipeline.aov.sample_count
 TEST(Film, AveragesColorAndKeepsTheClosestId) {
   Film film({0, 0, 2, 1}, ~0u);
   FilmTile tile = film.load_tile(0);
@@ -52,6 +53,7 @@ TEST(Film, BytesAreKnownBeforehand) {
 }
 
 // By the rule as film.h has it: the corner of the smallest block that has a sample.
+// promise: embedding.first_sample
 TEST(Film, PixelsWithoutASampleShowTheCornerOfTheirBlock) {
   const PixelRect window{3, -2, 48, 39};  // one whole tile, and parts of three
   std::mt19937 random(5);
@@ -213,6 +215,7 @@ TEST(Aov, UnrequestedAovIsItsBackground) {
   }
 }
 
+// promise: embedding.viewport.stopped
 TEST(Film, CountsPixelsWithoutASample) {
   Film film({-3, 2, 40, 30}, 0);
   EXPECT_EQ(film.pixels_without_sample(), 43u * 28u);

@@ -286,6 +286,7 @@ TEST_F(EmbreeScene, ABuildThatMemoryDoesNotSufficeForIsNullAndReported) {
 }
 
 // Four threads, so that some are at work when the budget refuses one.
+// promise: pipeline.memory.embree
 TEST_F(EmbreeScene, ABuildStopsAtTheMemoryLimitAndTheDeviceGoesOn) {
   const Mesh mesh = build_mesh(test::grid_cage(256), {}, {});  // 131072 triangles
   const auto budget = std::make_shared<MemoryBudget>();

@@ -60,6 +60,7 @@ TEST(Triangulation, ConcavePolygonsDoNotFoldOver) {
 }
 
 // A polygon that intersects itself all over has few ears: a search for each one took minutes.
+// promise: security.no_time
 TEST(Triangulation, NoPolygonIsSlow) {
   constexpr int kCorners = 30000;
   std::mt19937 random(3);

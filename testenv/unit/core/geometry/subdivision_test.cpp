@@ -363,6 +363,7 @@ TEST(Subdivision, LevelsAreClamped) {
   EXPECT_EQ(build_mesh(cage, options, sink.sink()).triangles.size(), 12u);
 }
 
+// promise: pipeline.memory.meshes
 TEST(Subdivision, AMeshBeyondTheMemoryLimitIsRefusedBeforeItIsBuilt) {
   const Cage cage = test::cube_cage(SubdivisionScheme::catmull_clark);
   const auto budget = std::make_shared<MemoryBudget>(3 * estimate_mesh_bytes(cage, 3));

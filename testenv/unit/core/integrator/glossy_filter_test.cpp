@@ -40,6 +40,7 @@ TEST(GlossyFilter, ReducesTheNoiseOfCaustics) {
   EXPECT_LT(sharp.standard_error(), 0.015 * sharp.mean()) << "or the comparison proves nothing";
 }
 
+// promise: trade_off.bias.glossy_filter
 TEST(GlossyFilter, LeavesWhatTheCameraSeesDirectlyOrInMirrors) {
   const auto matt = testing::matt(Rgb(0.5f));
   const auto same = [](const std::shared_ptr<const SceneSnapshot>& scene, uint32_t max_depth) {
@@ -51,6 +52,7 @@ TEST(GlossyFilter, LeavesWhatTheCameraSeesDirectlyOrInMirrors) {
   EXPECT_FALSE(same(floor_and_ball(metal(0.1f), matt), 8));
 }
 
+// promise: trade_off.bias.glossy_filter
 TEST(GlossyFilter, WidensByTheSpreadOfTheBundle) {
   Footprint footprint;
   footprint.scatter(std::numeric_limits<float>::infinity());  // a mirror

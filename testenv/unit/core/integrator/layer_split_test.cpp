@@ -21,6 +21,7 @@ TEST(LayerSplit, APathWithoutAVertexIsAllEmission) {
   EXPECT_EQ(sum_of(layers), Rgb(1, 2, 3));
 }
 
+// promise: pipeline.aov.diffuse
 TEST(LayerSplit, LocalLightGoesByTheShareOfItsDirection) {
   LayerSplit split;
   split.scattered = true;
@@ -49,6 +50,7 @@ TEST(LayerSplit, LightFromBelowGoesByTheScatteringEventsOfEachWalk) {
   EXPECT_EQ(sum_of(layers), Rgb(33.0f));
 }
 
+// promise: pipeline.aov.subsurface_parts
 TEST(LayerSplit, TwinsCountAsMultipleScattering) {
   LayerSplit split;
   split.scattered = true;

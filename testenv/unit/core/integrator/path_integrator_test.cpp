@@ -135,6 +135,7 @@ FilmSample guides_of_floor(const DisneyParameters& floor, bool has_ceiling) {
   return tracer.trace(0);
 }
 
+// promise: pipeline.aov.guides
 TEST(PathIntegrator, GuidesShowWhatAMirrorShows) {
   DisneyParameters mirror;
   mirror.metallic = 1;

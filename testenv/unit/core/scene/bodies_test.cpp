@@ -103,6 +103,7 @@ TEST(Bodies, ShortcutsArePlannedByRoomInUnionsToo) {
 }
 
 // Walks with and without sphere steps agree in a union: a set of two overlapping spheres, lit from one side.
+// promise: trade_off.bias.walk
 TEST(Bodies, SphereStepsInAUnionChangeNoMean) {
   SceneBuilder b;
   const auto sphere = b.prototype(testing::sphere_mesh(1, 64, false));

@@ -32,6 +32,7 @@ std::vector<float> expected(const Film& film) {
   return rgba;
 }
 
+// promise: pipeline.aov.denoised
 TEST(DenoisedRender, IsReadyWhenTheRenderHasFinished) {
   const FakeOidn fake;
   const RenderRequest request = denoised_request(2);

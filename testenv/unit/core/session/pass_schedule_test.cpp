@@ -18,6 +18,7 @@ TEST(PassSchedule, CoversAllSamplesInOrder) {
     }
 }
 
+// promise: embedding.first_sample
 TEST(PassSchedule, TheFirstSampleCoversTheFrameInEverSmallerBlocks) {
   const PassSchedule schedule = make_pass_schedule({0, 64});
   for (size_t i = 0; i < 5; ++i) {

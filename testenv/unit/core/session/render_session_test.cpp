@@ -148,6 +148,7 @@ struct Change {
   }
 };
 
+// promise: embedding.edit.settings
 TEST(RenderSession, SettingsThatContinueKeepTheSamples) {
   for (const SettingParameter& setting : setting_parameters()) {
     RenderRequest request = mixed_request(2);
@@ -378,6 +379,7 @@ TEST(RenderSession, NoiseIsMeasuredWhileItRendersForWhoAsks) {
 }
 
 // The first samples cover the frame; nothing of it is empty while they are few.
+// promise: embedding.first_sample
 TEST(RenderSession, TheFirstSamplesCoverTheFrame) {
   RenderRequest request = mixed_request(1);
   request.settings.threads = 1;
@@ -419,6 +421,7 @@ TEST(RenderSession, EmptyWindowFinishesAtOnce) {
   EXPECT_EQ(session.progress().state, SessionState::finished);
 }
 
+// promise: pipeline.aov.sample_count
 TEST(RenderSession, AovsDescribeTheFirstHit) {
   RenderRequest request = mixed_request(4);
   request.settings.filter = PixelFilter::box;

@@ -98,6 +98,7 @@ std::shared_ptr<const Film> at_once(const RenderRequest& request) {
   return session.film();
 }
 
+// promise: farm.checkpoint.bits, farm.checkpoint.no_wait
 TEST(RenderState, InterruptedRenderResumesToTheSameBytes) {
   const RenderRequest request = request_of(20);
   const auto whole = contents(*at_once(request));
@@ -105,6 +106,7 @@ TEST(RenderState, InterruptedRenderResumesToTheSameBytes) {
     ASSERT_TRUE(contents(*in_pieces(request, seed)) == whole) << "seed " << seed;
 }
 
+// promise: farm.checkpoint.bits
 TEST(RenderState, AdaptiveRenderResumesToTheSameBytes) {
   RenderRequest request = request_of(40);
   request.settings.adaptive = true;
@@ -113,6 +115,7 @@ TEST(RenderState, AdaptiveRenderResumesToTheSameBytes) {
     ASSERT_TRUE(contents(*in_pieces(request, seed)) == whole) << "seed " << seed;
 }
 
+// promise: farm.checkpoint.bits
 TEST(RenderState, RenderWithTargetErrorResumesToTheSameBytes) {
   RenderRequest request = request_of(4096);
   request.settings.target_error = 0.15f;
@@ -280,6 +283,7 @@ TEST(RenderState, AnAdaptiveRenderGoesOnAfterATimeLimit) {
   }
 }
 
+// promise: farm.resume.samples
 TEST(RenderState, AFinishedRenderGoesOnToMoreSamples) {
   RenderRequest request = request_of(3);
   const auto blocks = [&] {
@@ -296,6 +300,7 @@ TEST(RenderState, AFinishedRenderGoesOnToMoreSamples) {
   EXPECT_TRUE(contents(*at_once(request)) == whole);
 }
 
+// promise: farm.checkpoint.parts
 TEST(RenderState, PartsAddUpToTheWhole) {
   RenderRequest request = request_of(21);
   const auto whole = contents(*at_once(request));
@@ -379,6 +384,7 @@ TEST(RenderState, LongestRenderTimeSaturatesOnResume) {
 }
 
 // Whatever the bytes are, they are refused or give a state; sanitizers see the rest.
+// promise: farm.checkpoint.damage, security.memory_safety
 TEST(RenderState, DamagedBytesAreRefused) {
   RenderRequest request = request_of(24);
   request.data_window = {0, 0, 40, 8};

@@ -110,6 +110,7 @@ TEST(TextureFilter, ATimeLimitThatIsOverEndsTheRenderWhileImagesArePrepared) {
   EXPECT_EQ(progress.pixels_without_sample, progress.pixels);
 }
 
+// promise: trade_off.bias.texture_filter
 TEST(TextureFilter, LeavesOpacityAndNumbersAsTheyAre) {
   for (const char* parameter : {"opacity", "roughness"}) {
     const auto material = textured(parameter, false);

@@ -106,6 +106,7 @@ TEST_F(ExrPieces, EmptyPiecesAreRefused) {
   for (const uint8_t compression : {kPiz, kB44, kB44a, kDwaa}) expect_refused(compression, 32, {});
 }
 
+// promise: security.image_memory
 TEST_F(ExrPieces, TooShortPiecesAreRefused) {
   expect_read(kNone, 1, Bytes(kRowBytes, 0));
   expect_refused(kNone, 1, Bytes(kRowBytes - 2, 0));

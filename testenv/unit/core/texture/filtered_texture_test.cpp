@@ -93,6 +93,7 @@ TEST(FilteredTexture, OddSizesKeepTheMean) {
 }
 
 // Against the brute mean of lookups, on an image that varies slowly beside the footprint.
+// promise: trade_off.bias.texture_filter
 TEST(FilteredTexture, IsTheMeanOfLookupsOverTheFootprint) {
   constexpr int kSize = 256;
   Picture picture{{kSize, kSize}, {}};

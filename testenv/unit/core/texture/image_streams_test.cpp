@@ -259,6 +259,7 @@ class TiffStreams : public ImageStreams {
   }
 };
 
+// promise: security.image_memory
 TEST_F(TiffStreams, KindsThatOpenImageIoReadsBeyondItsBuffersAreRefused) {
   const std::map<std::string, Bytes> files = {
       {"samples", tiff({{258, 64}, {339, 3}, {322, 16}, {323, 16}})},  // never converted in tiles

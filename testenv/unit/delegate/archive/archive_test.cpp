@@ -66,6 +66,7 @@ void expect_same(const RetainedSceneDelegate& a, const RetainedSceneDelegate& b,
   EXPECT_TRUE(settings_of(a) == settings_of(b)) << name;
 }
 
+// promise: pipeline.archive
 TEST(Archive, BundledScenesComeBackWhole) {
   const TemporaryFolder folder;
   const std::filesystem::path scenes = testing::source_file("testenv/scenes");
@@ -137,6 +138,7 @@ std::string write(const TemporaryFolder& folder, const RetainedSceneDelegate& sc
   return file;
 }
 
+// promise: pipeline.archive
 TEST(Archive, EveryFormOfValueComesBack) {
   const TemporaryFolder folder;
   RetainedSceneDelegate scene, again;
@@ -159,6 +161,7 @@ TEST(Archive, EveryFormOfValueComesBack) {
   EXPECT_TRUE(first == bytes_of(file));
 }
 
+// promise: pipeline.archive.versions, pipeline.archive.checks
 TEST(Archive, CutAndChangedFilesAreRefusedOrRead) {
   const TemporaryFolder folder;
   RetainedSceneDelegate scene;
@@ -187,6 +190,7 @@ TEST(Archive, CutAndChangedFilesAreRefusedOrRead) {
   EXPECT_TRUE(reads(whole));
 }
 
+// promise: pipeline.archive.images
 TEST(Archive, ImagesAreNamedOrStored) {
   const TemporaryFolder folder;
   std::ofstream((folder.path() + "/image.png")) << "not really an image";
@@ -214,6 +218,7 @@ TEST(Archive, ImagesAreNamedOrStored) {
 }
 
 // A hostile archive writes and reads nothing beyond its folder.
+// promise: pipeline.archive.images
 TEST(Archive, FilesOutsideAreRefused) {
   const TemporaryFolder folder;
   std::filesystem::create_directory(folder.path() + "/below");
@@ -313,6 +318,7 @@ const BadRow kBadRows[] = {
      "F32", "not an array of bytes"},
 };
 
+// promise: pipeline.archive.checks
 TEST(Archive, WrongPrimsAreRefusedWithTheCause) {
   const TemporaryFolder folder;
   for (const BadRow& row : kBadRows) {
@@ -344,6 +350,7 @@ TEST(Archive, OneMemoryOfTwoTypesIsTwoTensors) {
 }
 
 // Images that many materials name are read and held once.
+// promise: pipeline.archive.stored
 TEST(Archive, StoredImagesAreShared) {
   const TemporaryFolder folder;
   const auto image = std::make_shared<const std::vector<uint8_t>>(1 << 20);

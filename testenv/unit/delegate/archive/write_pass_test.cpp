@@ -91,6 +91,7 @@ class WritePassTest : public ::testing::Test {
 
 class BundledScenes : public WritePassTest, public ::testing::WithParamInterface<const char*> {};
 
+// promise: pipeline.archive.cpp
 TEST_P(BundledScenes, HaveTheSamePicture) {
   LoadOptions options;
   options.overrides = {"resolution=[24,16]"};
@@ -168,6 +169,7 @@ TEST_F(WritePassTest, UnusualMeshesHaveTheSamePicture) {
   expect_same_picture();
 }
 
+// promise: pipeline.archive.cpp
 TEST_F(WritePassTest, WindowsSelectionsAndFreeCamerasAreThoseOfThePass) {
   stage_.add_basic_scene();
   host::MeshDescription mesh = Stage::quad();

@@ -166,6 +166,7 @@ class DoorEnvironment : public ::testing::Test {
   Answers plain_;
 };
 
+// promise: embedding.environment
 TEST_F(DoorEnvironment, RoundingChangesNothing) {
   for (const int mode : {FE_UPWARD, FE_DOWNWARD, FE_TOWARDZERO})
     expect_same(run_after([&] { std::fesetround(mode); }, [&] { EXPECT_EQ(std::fegetround(), mode); }), "rounding");
@@ -211,6 +212,7 @@ bool set_german(const fs::path& folder) {
   return std::setlocale(LC_ALL, "de_DE.UTF-8") != nullptr;
 }
 
+// promise: embedding.environment
 TEST_F(DoorEnvironment, TheLocaleOfCChangesNothing) {
   if (!set_german(folder_)) GTEST_SKIP() << "no German locale, and no localedef that makes one";
   const Answers answers = run_after([] {});

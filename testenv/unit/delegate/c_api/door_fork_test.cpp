@@ -76,6 +76,7 @@ TEST_F(DoorFork, AChildUnmapsWhatItsParentMapped) {
   EXPECT_EQ(api().pixels_unmap(&pixels), ALABASTER_OK);
 }
 
+// promise: embedding.forks
 TEST_F(DoorFork, AChildCannotUseWhatItsParentMade) {
   const std::function<AlabasterStatus()> calls[] = {
       [&] { return start(); },
@@ -117,6 +118,7 @@ TEST_F(DoorFork, AChildMakesNoDelegateOfItsOwn) {
             7);
 }
 
+// promise: embedding.forks
 TEST(DoorForkWithoutDelegates, AChildMakesItsOwn) {
   {
     DoorOfAChild before;

@@ -139,6 +139,7 @@ TEST_F(Door, AHostThatKnowsLessOfAStructIsServed) {
   EXPECT_EQ(progress.seconds, -7);
 }
 
+// promise: embedding.arrays.c
 TEST_F(Door, LentArraysAreGivenBackOnce) {
   int released = 0;
   std::vector<float> points = {-1, -1, 0, 1, -1, 0, 1, 1, 0, -1, 1, 0};
@@ -171,6 +172,7 @@ TEST_F(Door, ValuesLentWithAFrameComeBackFromCallsThatFail) {
 }
 
 // Memory that the host writes into: it counts as edited each time it is lent, and is read by a start alone.
+// promise: embedding.arrays.c
 TEST_F(Door, EditedArraysAreReadAtEachStart) {
   int released = 0;
   std::vector<double> points = {-1, -1, 0, 1, -1, 0, 1, 1, 0, -1, 1, 0};
@@ -333,6 +335,7 @@ TEST_F(Door, ADisplayShowsPixelsInTheCallersMemory) {
   api().display_destroy(display);
 }
 
+// promise: embedding.threads.c
 TEST_F(Door, ThreadsTakeTurns) {
   std::atomic<bool> over{false};
   std::thread editor([&] {

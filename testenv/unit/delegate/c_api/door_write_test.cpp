@@ -29,6 +29,7 @@ class DoorWrite : public Door {
       std::filesystem::temp_directory_path() / ("door_write_" + std::to_string(getpid()));
 };
 
+// promise: pipeline.archive.scene_write
 TEST_F(DoorWrite, LoadsAsTheSamePicture) {
   ASSERT_EQ(write("copy.alab"), ALABASTER_OK) << api().last_error();
   const std::vector<float> before = render();

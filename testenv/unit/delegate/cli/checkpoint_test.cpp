@@ -55,6 +55,7 @@ class CheckpointTest : public hd::description::SceneFiles {
   std::string said_, printed_;
 };
 
+// promise: farm.checkpoint.parts, farm.parts.merged
 TEST_F(CheckpointTest, PartsMergeToTheFilesOfOneRender) {
   ASSERT_EQ(render({"--spp", "11", "-o", "whole.exr", "-o", "whole.png", "--aov", "normal"}), 0) << said_;
   ASSERT_EQ(render({"--samples", "0:5", "--checkpoint", "a", "--aov", "normal"}), 0) << said_;
@@ -78,6 +79,7 @@ TEST_F(CheckpointTest, PartsMergeToTheFilesOfOneRender) {
 }
 
 // Under the limit of 1 MiB that this note sets, the sum of the parts would be refused.
+// promise: security.limits
 TEST_F(CheckpointTest, ANoteSetsNoLimits) {
   ASSERT_EQ(run({"render", "lit.gltf", "--size", "300x200", "--samples", "0:1", "--checkpoint", "part"}), 0) << said_;
   std::ostringstream text;
@@ -129,6 +131,7 @@ TEST_F(CheckpointTest, CheckpointReportsTheNoiseOfAllItsSamples) {
       << said_;
 }
 
+// promise: farm.resume.not_overwritten
 TEST_F(CheckpointTest, InterruptedRenderResumes) {
   const std::vector<std::string> words{"--spp", "60000", "--checkpoint", "c", "-o", "x.exr"};
   std::vector<std::string> first{"render", "lit.gltf", "--size", "40x24"};
@@ -154,6 +157,7 @@ TEST_F(CheckpointTest, InterruptedRenderResumes) {
 }
 
 // The presets set adaptive and targetError. Each is killed at several moments and resumed.
+// promise: farm.checkpoint
 TEST_F(CheckpointTest, AKilledRenderOfAPresetGoesOnToTheSameBytes) {
   for (const std::string preset : {"preview", "draft"}) {
     const std::vector<std::string> all{"render", "patch.gltf", "--size", "48x32", "--quality", preset,
@@ -181,6 +185,7 @@ TEST_F(CheckpointTest, AKilledRenderOfAPresetGoesOnToTheSameBytes) {
 }
 
 // The limit counts the time before, so each command goes on for a while.
+// promise: farm.resume.settings
 TEST_F(CheckpointTest, ARenderThatTheTimeLimitEndedGoesOnToTheSameBytes) {
   const std::vector<std::string> all{"render", "patch.gltf",    "--size", "48x32", "--target-error", "0.02",
                                      "--set",  "adaptive=true", "--spp",  "400",   "--threads",      "1"};
@@ -202,6 +207,7 @@ TEST_F(CheckpointTest, ARenderThatTheTimeLimitEndedGoesOnToTheSameBytes) {
   EXPECT_EQ(pixels("x.exr"), pixels("whole.exr"));
 }
 
+// promise: farm.resume.frames
 TEST_F(CheckpointTest, EachFrameHasItsOwnCheckpoint) {
   const std::vector<std::string> words{"--spp", "2", "--frames", "3:4", "-o", "f.#.exr", "--checkpoint", "f.#.ckpt"};
   ASSERT_EQ(render(words), 0) << said_;
@@ -214,6 +220,7 @@ TEST_F(CheckpointTest, EachFrameHasItsOwnCheckpoint) {
   EXPECT_EQ(render({"--spp", "2", "--frames", "3:4", "-o", "f.#.exr", "--checkpoint", "one"}), 2);
 }
 
+// promise: farm.parts.refused
 TEST_F(CheckpointTest, FlagsThatContradictAreRefused) {
   const auto refused = [&](std::vector<std::string> words, const std::string& why) {
     words.insert(words.end(), {"-o", "x.exr"});

@@ -116,6 +116,7 @@ class FarmJobFiles : public ::testing::Test {
   const fs::path folder_ = fs::temp_directory_path() / ("alabaster_farm_jobs_" + std::to_string(getpid()));
 };
 
+// promise: farm.names.data
 TEST_F(FarmJobFiles, ATaskAndTheMergeGetTheNamesThatWereGiven) {
   for (const std::string& name : kHostile) {
     const FarmJobs j = jobs("script", name);
@@ -186,6 +187,7 @@ TEST_F(FarmJobFiles, ATemplateHoldsTheFolderAsTextOrRefusesIt) {
   }
 }
 
+// promise: farm.names.refused
 TEST_F(FarmJobFiles, ControlCharactersAreRefusedWhereverTheyStand) {
   for (const std::string engine : {"script", "slurm", "openjd"})
     for (const std::string name : {"a\ntouch PWNED\n#", "a\rb", "tab\t", "\x1b[31m", "\x7f",

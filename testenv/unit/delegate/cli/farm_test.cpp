@@ -31,6 +31,7 @@ class Farm : public hd::description::SceneFiles {
   }
 };
 
+// promise: farm.files.task, farm.files.merge, farm.files.status, farm.engine.script
 TEST_F(Farm, TheMergedFrameIsThatOfOneMachineThoughATaskIsLost) {
   const std::vector<std::string> frame{"--size", "20x12", "--set", "samples=10", "--aov", "depth", "--set", "seed=7"};
   std::vector<std::string> alone{"render", "patch.gltf", "-o", "alone.exr"},
@@ -63,6 +64,7 @@ TEST_F(Farm, TheMergedFrameIsThatOfOneMachineThoughATaskIsLost) {
   EXPECT_EQ(pixels("a b.exr"), pixels("alone.exr"));
 }
 
+// promise: farm.engine.slurm
 TEST_F(Farm, JobsForSlurmAreAnArrayAndAMerge) {
   ASSERT_EQ(
       run({"farm", "patch.gltf", "-o", "a.exr", "--spp", "8", "--tasks", "4", "--engine", "slurm", "--folder", "jobs"})
@@ -76,6 +78,7 @@ TEST_F(Farm, JobsForSlurmAreAnArrayAndAMerge) {
 
 // Specification jobtemplate-2023-09 of Open Job Description: a step with a task for each value of its parameter, and
 // one that depends on it.
+// promise: farm.engine.openjd
 TEST_F(Farm, AnOpenJobDescriptionHasTheTasksAndAMergeThatWaitsForThem) {
   const std::vector<std::string> words{"farm",  "patch.gltf", "-o",      "a b.exr", "--size",   "20x12",
                                        "--spp", "8",          "--tasks", "4",       "--engine", "openjd"};
@@ -105,6 +108,7 @@ TEST_F(Farm, AnOpenJobDescriptionHasTheTasksAndAMergeThatWaitsForThem) {
 }
 
 // A scene whose name holds what shells, Slurm and options give a meaning, and an output that looks like an option.
+// promise: farm.names.data, security.no_command
 TEST_F(Farm, ANameIsDataThroughTheWholeFarm) {
   const std::string scene = "-$(touch PWNED)`touch PWNED`'\"%j {{Task.Param.Part}} #SBATCH --wrap;\xff.gltf";
   std::filesystem::copy_file(folder_ / "patch.gltf", folder_ / scene);
@@ -124,6 +128,7 @@ TEST_F(Farm, ANameIsDataThroughTheWholeFarm) {
   EXPECT_EQ(pixels("./-o.exr"), pixels("alone.exr"));
 }
 
+// promise: farm.names.refused
 TEST_F(Farm, NamesThatEndALineAreRefused) {
   const std::string scene = "a\ntouch PWNED\n#.gltf";
   std::filesystem::copy_file(folder_ / "patch.gltf", folder_ / scene);

@@ -60,6 +60,7 @@ class FaultsTest : public hd::description::SceneFiles {
   }
 };
 
+// promise: pipeline.exit.degraded, pipeline.faults, pipeline.stats.status, pipeline.stats.faults
 TEST_F(FaultsTest, AnImageThatCannotBeReadIsOneFaultWhereverItIsNamed) {
   const std::string good = "\x89PNG\r\n\x1a\n";
   write("cut.png", good + std::string("\0\0\0\x0dIHDR", 8));
@@ -111,6 +112,7 @@ TEST_F(FaultsTest, AnImageThatNothingUsesDoesNotCount) {
   EXPECT_EQ(render("unused.gltf").code, 0);
 }
 
+// promise: pipeline.faults
 TEST_F(FaultsTest, ALightOutOfReachIsAFaultAndOneWithoutSizeAWarning) {
   write("far.json", R"({"gltf": [{"file": "lit.gltf"}],
                         "lights": [{"name": "k", "type": "sphereLight", "position": [1e300, 0, 0]}]})");
@@ -172,6 +174,7 @@ TEST_F(FaultsTest, LibrariesThatMemoryDoesNotHoldAreNotMissing) {
 }
 
 // Each by arithmetic, so the machine's memory does not matter.
+// promise: pipeline.exit.failed, pipeline.memory.files, security.memory
 TEST_F(FaultsTest, TheMemoryLimitIsNamedByWhatWouldExceedIt) {
   write("fine.json", R"({"gltf": [{"file": "patch.gltf"}],
                          "meshes": [{"match": "*", "scheme": "catmullClark", "refineLevel": 8}]})");
@@ -266,6 +269,7 @@ TEST_F(FaultsTest, ManyFaultsDoNotEndAJpeg) {
   EXPECT_TRUE(exists("a.jpg"));
 }
 
+// promise: pipeline.stats.scene
 TEST_F(FaultsTest, NamesThatAreNotUtf8ReachTheStatistics) {
   std::filesystem::copy_file(folder_ / "lit.gltf", folder_ / "a\xff.gltf");
   const Outcome outcome = render("a\xff.gltf");
@@ -273,6 +277,7 @@ TEST_F(FaultsTest, NamesThatAreNotUtf8ReachTheStatistics) {
   EXPECT_EQ(stats()["scene"], "a\xef\xbf\xbd.gltf");
 }
 
+// promise: security.no_codes
 TEST_F(FaultsTest, NamesSendNoCodesToTerminals) {
   std::string text = hd::description::patch_gltf(true, true);
   text.replace(text.find(R"("name": "patch")"), 15,
@@ -295,6 +300,7 @@ TEST_F(FaultsTest, EmptyArgumentsAreErrors) {
   EXPECT_EQ(run({"info", ""}).code, 2);
 }
 
+// promise: security.nesting
 TEST_F(FaultsTest, DeepValuesAreRefused) {
   const Outcome deep = render("patch.gltf", {"--set", "samples=" + std::string(60000, '[')});
   EXPECT_EQ(deep.code, 2);
@@ -302,6 +308,7 @@ TEST_F(FaultsTest, DeepValuesAreRefused) {
   EXPECT_EQ(run({"tradeoff", "patch.gltf", "--only", std::string(50000, '(')}).code, 2);
 }
 
+// promise: pipeline.output.input, security.outputs
 TEST_F(FaultsTest, AnInputIsNeverOverwritten) {
   const std::string before = read("patch.gltf");
   EXPECT_EQ(run({"render", "patch.gltf", "--size", "16x12", "--spp", "1", "-o", "a.exr", "--stats", "patch.gltf"}).code,
@@ -323,6 +330,7 @@ TEST_F(FaultsTest, AnInputIsNeverOverwritten) {
   EXPECT_HAS(read("skin.1001.png"), "RADIANCE");
 }
 
+// promise: pipeline.warnings
 TEST_F(FaultsTest, UnsupportedFeaturesAreWarningsThatQuietKeeps) {
   std::string text = hd::description::patch_gltf(false, false);
   const std::string plain = R"({"name": "skin"})";
@@ -334,6 +342,7 @@ TEST_F(FaultsTest, UnsupportedFeaturesAreWarningsThatQuietKeeps) {
   EXPECT_HAS(quiet.err, "warning: ours.gltf: extensionsUsed: EXT_ours is not supported");
 }
 
+// promise: pipeline.warnings, security.no_codes
 TEST_F(FaultsTest, FloodsOfMessagesEndInACountAndControlCharactersAreShown) {
   std::string many = R"({"materials": [)";
   for (int i = 0; i < 5000; ++i) many += R"({"match": 1},)";
@@ -397,6 +406,7 @@ TEST_F(FaultsTest, ClosedDescriptorsAreTakenBeforeAnyFileIs) {
   program.send(SIGKILL);
 }
 
+// promise: pipeline.signals
 TEST_F(FaultsTest, EverySignalThatEndsTheProgramKeepsThePicture) {
   for (const int number : {SIGHUP, SIGTERM, SIGPIPE, SIGXCPU, SIGXFSZ}) {
     std::filesystem::remove(folder_ / "a.exr");
@@ -426,6 +436,7 @@ TEST_F(FaultsTest, ClosedStandardErrorKeepsThePicture) {
   EXPECT_TRUE(exists("a.exr"));
 }
 
+// promise: pipeline.output.new, pipeline.exit.output
 TEST_F(FaultsTest, ALimitOnFileSizeLeavesNothingHalfWritten) {
   const Outcome outcome = run({"render", "patch.gltf", "--size", "256x256", "--spp", "1", "-o", "a.exr"}, [] {
     const rlimit limit{8192, 8192};

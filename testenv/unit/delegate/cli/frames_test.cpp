@@ -75,6 +75,7 @@ TEST_F(FramesTest, EveryFrameIsAFileOfItsOwnAndTheSameAsRenderedAlone) {
   EXPECT_EQ(pixels("f.04.exr"), pixels("alone.exr"));
 }
 
+// promise: pipeline.name.frames
 TEST_F(FramesTest, EveryFileHasTheNumberOfItsFrame) {
   const auto frame_of = [&](const std::string& file) {
     const auto input = OIIO::ImageInput::open(folder_ / file);

@@ -60,6 +60,7 @@ class HostilePaths : public hd::description::SceneFiles {
   }
 };
 
+// promise: security.reads
 TEST_F(HostilePaths, TheTilesOfAGltfImageAreJudgedByTheirOwnNames) {
   write_textured("in/set.gltf", "tile.<UDIM>.png");
   EXPECT_EQ(render("set.gltf", {"-o", "a.png"}).code, 0);
@@ -82,6 +83,7 @@ TEST_F(HostilePaths, AnAbsoluteLinkWithinTheFolderWorks) {
   EXPECT_EQ(render("away.gltf", {"-o", "a.png"}).code, 3);
 }
 
+// promise: security.writes
 TEST_F(HostilePaths, AProductIsJudgedOnceItHasItsNumber) {
   write("in/s.json", R"({"gltf": [{"file": "lit.gltf"}], "products": [{"file": "o.####.exr"}]})");
   write("out/precious.exr", "precious");
@@ -103,6 +105,7 @@ TEST_F(HostilePaths, AProductIsJudgedOnceItHasItsNumber) {
   EXPECT_NE(text("out/precious.exr"), "precious");
 }
 
+// promise: security.no_wait
 TEST_F(HostilePaths, NothingThatHasNoEndIsWaitedFor) {
   ASSERT_EQ(::mkfifo((folder_ / "in" / "fifo.png").c_str(), 0600), 0);
   for (const char* name : {"fifo.1001.png", "fifo.bin", "fifo.ies", "fifo.ocio", "fifo.gltf", "fifo.json"})
@@ -144,6 +147,7 @@ TEST_F(HostilePaths, ACheckpointThatHasNoEndIsRefused) {
 }
 
 // 120 million instances are counted before they are made, by the limit that holds without the file's own.
+// promise: pipeline.memory.limit, security.limits
 TEST_F(HostilePaths, AFileCannotRaiseTheMemoryLimit) {
   write("in/plain.json", R"({"gltf": [{"file": "lit.gltf"}], "settings": {"memoryLimit": 1000000}})");
   const Outcome raised = render("plain.json", {"-o", "a.exr", "--stats", "s.json"});

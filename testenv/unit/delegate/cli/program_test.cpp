@@ -44,6 +44,7 @@ TEST_F(ProgramTest, VersionHelpAndSchema) {
   expect_error(2, {"schema", "lamps"}, "render_description");
 }
 
+// promise: pipeline.exit.usage
 TEST_F(ProgramTest, UsageErrorsEndWithTwo) {
   EXPECT_EQ(run({}).code, 2);
   EXPECT_EQ(run({"render"}).code, 2);
@@ -57,6 +58,7 @@ TEST_F(ProgramTest, UsageErrorsEndWithTwo) {
   expect_error(2, {"render", "patch.gltf", "-o", "a.png", "--aov", "depth"}, "EXR");
 }
 
+// promise: pipeline.exit.input
 TEST_F(ProgramTest, InputErrorsEndWithThree) {
   std::string flat = hd::description::patch_gltf(true, true);
   flat.replace(flat.find("\"translation\": [0, 0, 5]"), 24, "\"scale\": [0, 0, 0]");
@@ -85,6 +87,7 @@ TEST_F(ProgramTest, SettingsThatHaveBeenRemovedAreErrorsThatNameTheirReplacement
   EXPECT_FALSE(exists("a.exr"));
 }
 
+// promise: pipeline.exit.output
 TEST_F(ProgramTest, OutputErrorsEndWithFiveBeforeRendering) {
   expect_error(5, quick({"-o", "absent/a.exr"}), "absent");
   EXPECT_EQ(run(quick({"-o", "a.xyz"})).code, 2);
@@ -93,6 +96,7 @@ TEST_F(ProgramTest, OutputErrorsEndWithFiveBeforeRendering) {
   EXPECT_EQ(run(quick({"-o", "a.exr", "--stats", "absent/s.json"})).code, 5);
 }
 
+// promise: pipeline.exit.success, pipeline.stats.status, pipeline.stats.settings, pipeline.stats.files
 TEST_F(ProgramTest, RendersFilesAndStatistics) {
   const size_t before = file_count();
   const Outcome done = run(quick({"-o", "a.exr", "-o", "b.png", "--aov", "depth", "--aov", "primId", "--stats",
@@ -151,6 +155,7 @@ TEST_F(ProgramTest, LayersOfLightAddUpToTheColorInTheFile) {
 }
 
 // Other programs read these keys.
+// promise: pipeline.stats.versions, pipeline.stats.frames, pipeline.stats.phases, pipeline.stats.peak_memory
 TEST_F(ProgramTest, StatisticsHaveTheirDocumentedKeys) {
   ASSERT_EQ(run(quick({"-o", "a.exr", "--stats", "s.json"})).code, 0);
   std::ifstream file(folder_ / "s.json");
@@ -175,6 +180,7 @@ TEST_F(ProgramTest, StatisticsHaveTheirDocumentedKeys) {
   EXPECT_GT(stats["peakMemory"], 1 << 20);
 }
 
+// promise: pipeline.output.input
 TEST_F(ProgramTest, OneFileForTwoThingsIsRefused) {
   for (const std::vector<std::string>& twice :
        std::vector<std::vector<std::string>>{{"-o", "a.exr", "-o", "a.exr"},
@@ -193,6 +199,7 @@ TEST_F(ProgramTest, OneFileForTwoThingsIsRefused) {
   EXPECT_FALSE(exists("a.exr") || exists("one.exr"));
 }
 
+// promise: pipeline.exit.usage
 TEST_F(ProgramTest, WrongValuesOfFlagsAreUsageErrors) {
   const std::pair<std::vector<std::string>, std::string> cases[] = {
       {{"--aov", "shadow"}, "sampleCount"},
@@ -235,6 +242,7 @@ TEST_F(ProgramTest, WrongValuesOfFlagsAreUsageErrors) {
   EXPECT_FALSE(exists("a.exr"));
 }
 
+// promise: pipeline.exit.input
 TEST_F(ProgramTest, WrongFilesAreInputErrors) {
   expect_error(3, {"render", ".", "-o", "a.exr"}, "is not a regular file");
   expect_error(3, {"info", "/dev/null"}, "is not a regular file");
@@ -312,6 +320,7 @@ TEST_F(ProgramTest, CropIsADataWindow) {
   EXPECT_EQ(exr->spec().full_width, 32);
 }
 
+// promise: pipeline.name.prims
 TEST_F(ProgramTest, InfoNamesWhatIsInTheScene) {
   const Outcome info = run({"info", "lit.gltf"});
   ASSERT_EQ(info.code, 0) << info.err;
@@ -340,6 +349,7 @@ constexpr double kAtOnce = 4;  // sanitizers slow everything down
 constexpr double kAtOnce = 0.2;
 #endif
 
+// promise: pipeline.exit.interrupted
 TEST_F(ProgramTest, InterruptWritesWhatThereIsAtOnce) {
   double best = 1e9;
   for (int attempt = 0; attempt < 10 && best >= kAtOnce; ++attempt) {

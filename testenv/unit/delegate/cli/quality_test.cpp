@@ -47,6 +47,7 @@ TEST_F(QualityTest, EveryOtherFlagWins) {
 
 // --target-error and --time-limit set their own bound on samples, as they do without a preset. The bound is never below
 // the preset's, so that a smaller error cannot end with fewer samples.
+// promise: trade_off.ends.first
 TEST_F(QualityTest, AnErrorOrATimeRaisesTheBoundOfSamplesAndNeverLowersIt) {
   const int of_reference = settings_of("lit.gltf", {"--quality", "reference", "--time-limit", "0.01"})["samples"];
   EXPECT_GT(of_reference, 65536) << "or there is nothing to lower";

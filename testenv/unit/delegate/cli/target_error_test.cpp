@@ -17,6 +17,7 @@ class TargetErrorTest : public hd::description::SceneFiles {
   std::string said_;
 };
 
+// promise: pipeline.stats.target
 TEST_F(TargetErrorTest, MissedTargetAtTheSampleLimitIsReportedEverywhere) {
   Program program(folder_, {"render", "patch.gltf", "--size", "48x32", "--target-error", "0.001", "--spp", "16", "-o",
                             "a.exr", "--stats", "s.json", "--quiet"});

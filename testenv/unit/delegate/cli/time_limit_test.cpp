@@ -14,6 +14,7 @@ namespace {
 using TimeLimitTest = hd::description::SceneFiles;
 
 // The first samples of this frame take longer than the limit.
+// promise: security.time_limit, trade_off.ends.time
 TEST_F(TimeLimitTest, FrameEndsAtTheTimeLimitAndReportsMissingSamples) {
   Program program(folder_, {"render", "patch.gltf", "--size", "2000x1600", "--threads", "1", "--time-limit", "0.001",
                             "-o", "a.exr", "--aov", "sampleCount", "--stats", "s.json"});

@@ -127,6 +127,7 @@ TEST_F(DescriptionErrors, BrokenJsonNamesTheLine) {
 }
 
 // Twice as many faults take twice as long: at 200000 they took minutes, and gigabytes where a key was long.
+// promise: security.no_time
 TEST_F(DescriptionErrors, ManyFaultsAndLongKeysTakeLittleTime) {
   const std::clock_t start = std::clock();
   std::string lights;
@@ -196,6 +197,7 @@ TEST_F(DescriptionErrors, FarNamesAreNotSuggested) {
   EXPECT_EQ(errors().find("Did you mean"), std::string::npos) << errors();
 }
 
+// promise: pipeline.name.set
 TEST_F(DescriptionErrors, OverridesAreCheckedLikeFiles) {
   EXPECT_FALSE(load("patch.gltf", with_overrides({"materials/skin.rougness=0.1"})).ok);
   EXPECT_SAYS("materials/skin.rougness=0.1: Unknown key 'rougness'. Did you mean 'roughness'?");

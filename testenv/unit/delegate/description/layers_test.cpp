@@ -20,6 +20,7 @@ class Layers : public SceneFiles {
   }
 };
 
+// promise: pipeline.layers
 TEST_F(Layers, AChosenCameraComesOverTheFilesChangesAndBelowOverrides) {
   LoadOptions options = with_overrides({"camera.fStop=8"});
   options.camera = "front";
@@ -56,6 +57,7 @@ TEST_F(Layers, APresetComesOverTheLayersBelowItAndUnderThoseAboveIt) {
   EXPECT_EQ(setting(over, "seed"), 5);
 }
 
+// promise: pipeline.layers
 TEST_F(Layers, ErrorsNameTheOptionOrTheLineThatSetTheValue) {
   const std::string file =
       "{\n\"camera\": {\"shutterOpen\": 0.5,\n\"shutterClose\": 0.75}, \"settings\":\n{\"crop\": [0, 0, 0, 4]}}";
@@ -146,6 +148,7 @@ TEST_F(Layers, AnOptionOfAnotherTypeReplacesTheFilesValue) {
   EXPECT_EQ(scene.GetAllRenderSettings().at(file.settings).width, 20);
 }
 
+// promise: pipeline.layers
 TEST_F(Layers, SizeAndCropComeOverThoseOfAllProducts) {
   const std::string text = R"({"settings": {"resolution": [16, 12], "crop": [0, 0, 8, 8]},
       "products": [{"file": "a.exr"}, {"file": "b.exr", "resolution": [8, 6]}, {"file": "c.exr", "crop": [1, 1, 4, 4]}]})";

@@ -58,6 +58,7 @@ class LoadArchive : public ::testing::Test {
   std::string said_;
 };
 
+// promise: pipeline.archive.lights, pipeline.archive.camera
 TEST_F(LoadArchive, KeepsItsSettingsCamerasAndDarkness) {
   LoadOptions options;
   options.overrides = {"samples=9"};
@@ -79,6 +80,7 @@ TEST_F(LoadArchive, KeepsItsSettingsCamerasAndDarkness) {
   EXPECT_TRUE(file.notes[0].starts_with("no light")) << file.notes[0];
 }
 
+// promise: pipeline.archive.copies
 TEST_F(LoadArchive, IsAModelWithARootAndAPlace) {
   const SceneFile file =
       load(R"({"models": [{"file": "a.alab"}, {"file": "a.alab", "transform": {"translate": [0, 2, 0]}}],
@@ -97,6 +99,7 @@ TEST_F(LoadArchive, IsAModelWithARootAndAPlace) {
 }
 
 // An archive of a description has the description's names, and a third model finds its place beside both.
+// promise: pipeline.archive.copies
 TEST_F(LoadArchive, ModelsOfEqualPathsAreAllThere) {
   host::RetainedSceneDelegate made;
   host::MeshDescription mesh;
@@ -121,6 +124,7 @@ TEST_F(LoadArchive, ModelsOfEqualPathsAreAllThere) {
   EXPECT_EQ(scene_.GetMeshes().size(), 3u + 1 + 3 + 2 + 1);
 }
 
+// promise: pipeline.archive.camera
 TEST_F(LoadArchive, PrimsOfLoadingReplaceNoOthers) {
   host::RetainedSceneDelegate made;
   host::MeshDescription mesh;
@@ -149,6 +153,7 @@ TEST_F(LoadArchive, DoesNotRaiseTheLimitOfMemoryAndNamesAMissingCamera) {
   EXPECT_NE(said_.find("'/gone'"), std::string::npos) << said_;
 }
 
+// promise: pipeline.archive.time
 TEST_F(LoadArchive, RefusesChoicesThatOnlyGltfHas) {
   EXPECT_FALSE(load(R"({"models": [{"file": "a.alab", "time": 1}]})").ok);
   EXPECT_NE(said_.find("one scene, at one time"), std::string::npos) << said_;

@@ -21,6 +21,7 @@ uint64_t bytes_read() {
   return in >> name >> bytes && name == "rchar:" ? bytes : 0;
 }
 
+// promise: security.decoded_once
 TEST_F(LoadCosts, AnImageThatIsNamedOftenIsOpenedOnce) {
   constexpr int kSide = 512, kLights = 40;
   std::vector<uint8_t> noise(size_t(kSide) * kSide * 3);

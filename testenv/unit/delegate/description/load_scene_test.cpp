@@ -410,6 +410,7 @@ TEST_F(LoadSceneTest, ProductsOfOneSizeShareARender) {
   EXPECT_EQ(second.crop, (Rect2i{1, 2, 3, 4}));
 }
 
+// promise: pipeline.name.set
 TEST_F(LoadSceneTest, OverridesComeLast) {
   write_image("sky.hdr");
   write("base.json", R"({"gltf": [{"file": "lit.gltf"}], "settings": {"samples": 9}})");

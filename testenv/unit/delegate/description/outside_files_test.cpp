@@ -30,6 +30,7 @@ class OutsideFiles : public SceneFiles {
     EXPECT_NE(errors().find("--allow-outside"), std::string::npos);                             \
   } while (false)
 
+// promise: security.reads
 TEST_F(OutsideFiles, AModelAboveIsRefused) {
   const std::string text = R"({"gltf": [{"file": "../patch.gltf"}]})";
   EXPECT_REFUSED(describe_below(text));

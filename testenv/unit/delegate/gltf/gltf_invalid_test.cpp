@@ -223,6 +223,7 @@ TEST(GltfInvalid, TheSoundDocumentIsSound) {
   EXPECT_EQ(loaded.scene->GetCameras().size(), 1u);
 }
 
+// promise: security.memory_safety
 TEST(GltfInvalid, EveryDamageIsReportedWithItsPlace) {
   for (const Case& damaged : kCases) {
     Json document = sound_document();
@@ -247,6 +248,7 @@ TEST(GltfInvalid, EveryErrorHasARemedy) {
   }
 }
 
+// promise: security.nesting
 TEST(GltfInvalid, DeepJsonIsRefusedBeforeAnyParserSeesIt) {
   const TemporaryFolder folder;
   for (const size_t depth : {size_t(129), size_t(20000), size_t(2000000)}) {
@@ -344,6 +346,7 @@ TEST(GltfInvalid, EveryInvalidAssetIsRefusedOrWarnedOf) {
   EXPECT_GE(refused, 80u);
 }
 
+// promise: pipeline.memory.files
 TEST(GltfInvalid, ReadingStaysBelowTheMemoryLimitByArithmetic) {
   const TemporaryFolder folder;
   GltfOptions options;

@@ -42,6 +42,7 @@ TEST(GltfTransforms, ScaleRotateTranslateThenParent) {
   expect_near(transformed({0, 0, 1}, world), {10 - 2, 20 + 5, 30 + 3});
 }
 
+// promise: pipeline.name.prims
 TEST(GltfTransforms, OptionTransformComesLastAndRootNamesThePrims) {
   GltfOptions options;
   options.transform.setTranslation(Vec3d(100, 0, 0));

@@ -115,6 +115,7 @@ TEST_F(DenoisedFrame, AProductCanDoWithoutIt) {
   EXPECT_EQ(file("without.exr").values, file("plain.exr").values);
 }
 
+// promise: embedding.denoised
 TEST_F(DenoisedFrame, WithoutTheLibraryNothingIsRenderedAndTheRemedyIsSaid) {
   const Environment nowhere("ALABASTER_OIDN", "/nonexistent");
   EXPECT_EQ(record({{"denoise", true}}, {product("frame.exr")}), RecordStatus::render_failed);
@@ -128,6 +129,7 @@ TEST_F(DenoisedFrame, WithoutTheLibraryNothingIsRenderedAndTheRemedyIsSaid) {
   EXPECT_EQ(record({{"denoise", false}}, {product("frame.exr")}), RecordStatus::done) << said_;
 }
 
+// promise: embedding.denoised
 TEST_F(DenoisedFrame, ADenoiserThatFailsLosesNoPicture) {
   const FakeOidn fake("broken");
   EXPECT_EQ(record({{"denoise", true}}, {product("frame.exr"), product("frame.png")}), RecordStatus::output_failed);
@@ -152,6 +154,7 @@ TEST_F(DenoisedFrame, TellsItsProgressAndAnInterruptedOneIsDenoisedAsFarAsItCame
   EXPECT_EQ(result_.stats.at("denoiser").text_or(""), "Open Image Denoise 2.99.1");
 }
 
+// promise: embedding.denoised
 TEST_F(DenoisedFrame, IsWhatAHostSeesThatDrawsColorAloneWithTheSetting) {
   const FakeOidn fake(kDoubles);
   stage_.delegate->SetRenderSetting("samples", 2);

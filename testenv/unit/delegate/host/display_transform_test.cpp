@@ -20,6 +20,7 @@ class DisplayTransformFile : public ProductFile {
 };
 
 // It must return the values that a file holds: a 16-bit PNG stores them without dither.
+// promise: embedding.viewport.resolve_to
 TEST_F(DisplayTransformFile, AnswersWhatAPngHolds) {
   ProductImage image = frame();
   image.aovs["color"] =

@@ -71,6 +71,7 @@ struct Pictures {
   }
 };
 
+// promise: pipeline.products
 TEST(FrameRecorder, EachCameraAndSizeOfTheProductsIsAPictureOnce) {
   const Folder folder;
   Stage stage;
@@ -110,6 +111,7 @@ TEST(FrameRecorder, APauseFromBeforeEnds) {
   EXPECT_EQ(RecordFrame(stage.index.get(), &stage.scene, "/settings", {}).status, RecordStatus::done);
 }
 
+// promise: pipeline.products, farm.resume.one_render
 TEST(FrameRecorder, PicturesOfSeveralCamerasHaveNoCheckpoint) {
   const Folder folder;
   Stage stage;
@@ -130,6 +132,7 @@ TEST(FrameRecorder, PicturesOfSeveralCamerasHaveNoCheckpoint) {
 }
 
 // A quad that moves by its own width while the shutter is open, and the same at the frame's time.
+// promise: pipeline.products
 TEST(FrameRecorder, ProductsMayLeaveOutMotionBlurAndDepthOfField) {
   const Folder folder;
   Stage stage;
@@ -165,6 +168,7 @@ TEST(FrameRecorder, ProductsMayLeaveOutMotionBlurAndDepthOfField) {
   EXPECT_LT(partly[2], 70) << "the outline";
 }
 
+// promise: pipeline.purposes
 TEST(FrameRecorder, DrawsTheIncludedPurposes) {
   const Folder folder;
   Stage stage;

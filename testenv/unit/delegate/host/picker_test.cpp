@@ -48,6 +48,7 @@ class Picker : public ::testing::Test {
   RenderPassState state;
 };
 
+// promise: embedding.pick
 TEST_F(Picker, TheFaceUnderTheCursorComesFirst) {
   stage.scene.SetMesh("/left", square(-1, 0, 1));
   MeshDescription right = square(1, 0, 1);
@@ -73,6 +74,7 @@ TEST_F(Picker, TheFaceUnderTheCursorComesFirst) {
   EXPECT_EQ(pick({-5, -5, 1000, 1000}).size(), 3u) << "each face once";
 }
 
+// promise: embedding.pick
 TEST_F(Picker, NestedInstancesAreListedFromTheInnermostOutwards) {
   // Two places of the outer one, three of the inner one. The numbers of points differ from those of instances.
   InstancerDescription outer, inner;

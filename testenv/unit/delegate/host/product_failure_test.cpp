@@ -73,6 +73,7 @@ TEST_F(ProductFile, WritingReportsWhatTheImageLacks) {
 }
 
 // libjpeg would end the process, and OpenImageIO 2.5 refuses PNGs that 2.4 writes.
+// promise: pipeline.format.limits, security.no_exit
 TEST_F(ProductFile, MorePixelsThanAFormatHoldsAreRefusedBeforeAndAfterRendering) {
   const std::pair<const char*, int> limits[] = {{"a.jpg", 65500}, {"a.jpeg", 65500}, {"a.png", 65535}};
   for (const auto& [name, most] : limits)
@@ -108,6 +109,7 @@ TEST_F(ProductFile, MorePixelsThanAFormatHoldsAreRefusedBeforeAndAfterRendering)
 }
 
 // A JPEG's blocks end at 65533 bytes: libjpeg ends the process at a longer one.
+// promise: pipeline.format.limits, security.no_exit
 TEST_F(ProductFile, LongAttributesOfAJpegAreCutOffWithAWarning) {
   ProductImage image = frame();
   image.metadata["alabaster/sceneFaults"] = std::string(100000, 'x');
@@ -128,6 +130,7 @@ TEST_F(ProductFile, LongAttributesOfAJpegAreCutOffWithAWarning) {
   EXPECT_TRUE(reports_.empty()) << text();
 }
 
+// promise: pipeline.format.limits
 TEST_F(ProductFile, NamesThatOpenExrWouldCutOffAreRefusedOrLeftOut) {
   RenderProduct p = product("a.exr");
   p.vars = {{std::string(300, 'n'), "depth", "float"}};
@@ -179,6 +182,7 @@ struct FileSizeLimit {
   }
 };
 
+// promise: pipeline.output.replaced
 TEST_F(ProductFile, AFullDiskLeavesTheOldFileAndNothingElse) {
   ProductImage image;
   image.framing.displayMax = {128, 128};

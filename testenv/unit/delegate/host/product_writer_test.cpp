@@ -39,6 +39,7 @@ std::vector<uint32_t> read_uints(const std::string& file, const std::string& cha
   return values;
 }
 
+// promise: pipeline.name.layers, pipeline.aov.color, pipeline.format.exr
 TEST_F(ProductFile, ExrHoldsEveryAovUnderItsUsualName) {
   RenderProduct p = product("all.exr");
   p.vars = all_vars();
@@ -74,6 +75,7 @@ TEST_F(ProductFile, ExrHoldsEveryAovUnderItsUsualName) {
   EXPECT_EQ(exr.at(3, "sampleCount.X"), 70003);
 }
 
+// promise: pipeline.format.exr
 TEST_F(ProductFile, ExrFloatAndNamedLayers) {
   RenderProduct p = product("f.exr");
   p.dataType = "float";
@@ -90,6 +92,7 @@ TEST_F(ProductFile, ExrFloatAndNamedLayers) {
   EXPECT_EQ(exr.at(0, "ids.X"), -1.0f);
 }
 
+// promise: pipeline.name.attributes
 TEST_F(ProductFile, ExrWindowsAndMetadata) {
   RenderProduct p = product("m.exr");
   ProductImage image = frame();
@@ -180,6 +183,7 @@ TEST_F(ProductFile, ValidProductsAreWrittenBesideInvalidOnes) {
   EXPECT_EQ(reports_[0].where, bad.file);
 }
 
+// promise: pipeline.format.png_tif, pipeline.format.jpg
 TEST_F(ProductFile, IntegerFilesGoThroughTheView) {
   const ProductImage image = frame();
   for (const char* name : {"v.png", "v.tif", "v.tiff", "v.jpg", "v.jpeg", "V.PNG"})
@@ -220,6 +224,7 @@ TEST_F(ProductFile, TheDefaultViewOfAPngIsToneMapped) {
   EXPECT_LT(Read(p.file).pixels[0], 0.5f);
 }
 
+// promise: pipeline.format.jpg
 TEST_F(ProductFile, PngHasStraightAlphaAndJpegIsOverBlack) {
   ProductImage image = frame();
   image.aovs["color"] = floats(4, [](int i, int c) { return i == 0 ? 0.0f : c == 3 ? 0.25f : 0.125f; });  // 0.5 * 0.25

@@ -240,6 +240,7 @@ class Folder {
   std::string path_;
 };
 
+// promise: pipeline.archive.hydra
 TEST_F(BlenderShapedHost, WritesItsSceneAsFilesOfTheSamePicture) {
   SceneCapture capture;
   capture.TakeMesh(scene_, "/scene/O_mesh");

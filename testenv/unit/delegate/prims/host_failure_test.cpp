@@ -79,6 +79,7 @@ void add_a_prim_of_each_kind(host::RetainedSceneDelegate* scene) {
 
 class HostFailure : public ::testing::TestWithParam<Failure> {};
 
+// promise: embedding.errors
 TEST_P(HostFailure, IsReportedAndTheSyncAfterItMakesGood) {
   Stage stage;
   FailingScene scene;

@@ -52,6 +52,7 @@ class HostValues : public ::testing::Test {
   std::unique_ptr<RenderPass> pass;
 };
 
+// promise: embedding.arrays.cpp
 TEST_F(HostValues, ArraysEditedInPlaceAreSeenByTheirVersion) {
   auto points =
       std::make_shared<std::vector<Vec3f>>(std::vector<Vec3f>{{-2, -2, 0}, {2, -2, 0}, {2, 2, 0}, {-2, 2, 0}});
@@ -114,6 +115,7 @@ TEST_F(HostValues, EditedMemoryIsReadInSyncAlone) {
   for (const auto& owner : owners) EXPECT_TRUE(owner.expired()) << "given back with the description";
 }
 
+// promise: embedding.arrays.cpp
 TEST_F(HostValues, TheBuilderReadsCopiesOfEditedMemory) {
   constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
   auto points =

@@ -52,6 +52,7 @@ TEST(LostImages, ADirectionTurnsByItsBias) {
 }
 
 // As where a file names no image: the constant, scaled and shifted, in its range.
+// promise: embedding.errors.faults
 TEST(LostImages, LostImageCountsAsWhite) {
   const std::map<Token, Value> rough = {{"roughness", 0.25f}}, bright = {{"emission", Vec3f(1, 2, 4)}};
   expect_constant({"roughness", "r", rough, kOne, kZero, "roughness 0.25"});
@@ -78,6 +79,7 @@ TEST(LostImages, LostImageBesideAnotherConnectionIsReported) {
   EXPECT_NE(text.find("  baseColor (1, 0, 1)\n"), std::string::npos) << text;
 }
 
+// promise: embedding.errors.faults
 TEST(LostImages, LostImageOfTheBaseColorIsVisible) {
   expect_constant({"baseColor", "rgb", {{"baseColor", Vec3f(0.5f)}}, kOne, kZero, "baseColor (1, 0, 1)"});
   expect_constant({"baseColor", "rgb", {}, kOne, kZero, "baseColor (1, 0, 1)"});
@@ -101,6 +103,7 @@ class DatedFile {
 };
 
 // A good file of the same size and time shows that it is not read again.
+// promise: security.decoded_once
 TEST(LostImages, ADamagedFileIsReadOnceUntilItIsWritten) {
   const DatedFile file(".tga");
   const std::string good("\0\0\2\0\0\0\0\0\0\0\0\0\1\0\1\0\x18\0\1\2\3", 21);

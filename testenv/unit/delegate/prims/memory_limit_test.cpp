@@ -45,6 +45,7 @@ struct Drawing {
   std::unique_ptr<RenderPass> pass;
 };
 
+// promise: pipeline.memory.meshes, pipeline.memory.refusal
 TEST(MemoryLimit, AMeshThatItDoesNotHoldIsNamedAndTheDelegateGoesOnWithoutIt) {
   Drawing drawing(16);
   ASSERT_TRUE(drawing.draw()) << drawing.errors();
@@ -65,6 +66,7 @@ TEST(MemoryLimit, AMeshThatItDoesNotHoldIsNamedAndTheDelegateGoesOnWithoutIt) {
   EXPECT_LT(drawing.stage.stat("memoryInUse"), before + kMiB / 2) << "all of it was given back";
 }
 
+// promise: pipeline.memory.refusal
 TEST(MemoryLimit, ALimitThatIsRaisedHasTheNextCommitBuildWhatWasRefused) {
   Drawing drawing(16);
   drawing.stage.scene.SetMesh("/fine", refined_quad(8));
@@ -158,6 +160,7 @@ TEST(MemoryLimit, AMeshThatItDoesNotHoldInAllPosesIsDrawnWithoutDeformation) {
   EXPECT_EQ(drawing.stage.stat("scene.faultCount"), -1);
 }
 
+// promise: pipeline.memory.limit
 TEST(MemoryLimit, DelegatesHaveOneEach) {
   Drawing small(16), large(1024);
   for (Drawing* drawing : {&small, &large}) {
@@ -211,6 +214,7 @@ AssetPath tall_image() {
                     "#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 16384 +X 64\n" + std::string(4 << 20, '\x80'));
 }
 
+// promise: pipeline.memory.image_once
 TEST(MemoryLimit, AnImageIsHeldOnceWhateverItsWrapModes) {
   Drawing one(256), three(256);
   add_images(one.stage, tall_image(), {"repeat"});
@@ -221,6 +225,7 @@ TEST(MemoryLimit, AnImageIsHeldOnceWhateverItsWrapModes) {
   EXPECT_LT(three.stage.stat("totalMemory"), one.stage.stat("totalMemory") + kMiB);
 }
 
+// promise: pipeline.memory.image_once
 TEST(MemoryLimit, AnImageIsDecodedOnceAVisibleMeshHasItsMaterial) {
   Drawing drawing(256);
   add_images(drawing.stage, tall_image(), {"repeat"});
@@ -236,6 +241,7 @@ TEST(MemoryLimit, AnImageIsDecodedOnceAVisibleMeshHasItsMaterial) {
   EXPECT_GT(drawing.stage.stat("memoryInUse"), before + 2 * kMiB);
 }
 
+// promise: pipeline.memory.images
 TEST(MemoryLimit, AnImageThatItDoesNotHoldIsRefusedBeforeItIsDecoded) {
   Drawing drawing(2);
   add_images(drawing.stage, tall_image(), {"repeat"});
@@ -246,6 +252,7 @@ TEST(MemoryLimit, AnImageThatItDoesNotHoldIsRefusedBeforeItIsDecoded) {
 }
 
 // A header is enough: rows of this length are not read.
+// promise: pipeline.memory.images
 TEST(MemoryLimit, AnImageOfLongRowsIsRefusedBeforeARowIsRead) {
   Drawing drawing(64);
   const AssetPath file = image_file("wide.hdr", "#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 1 +X 8388608\n");
@@ -288,6 +295,7 @@ TEST(MemoryLimit, AnImageOfLongRowsTakesMemoryForTheRowsThatItHas) {
 }
 
 // A host may lend any number of primvars that nothing asks for.
+// promise: pipeline.memory.arrays
 TEST(MemoryLimit, PrimvarsThatNoMaterialReadsCount) {
   Drawing drawing(16);
   ASSERT_TRUE(drawing.draw());
@@ -311,6 +319,7 @@ TEST(MemoryLimit, PrimvarsThatNoMaterialReadsCount) {
   EXPECT_LT(drawing.stage.stat("memoryInUse"), before + kMiB);
 }
 
+// promise: pipeline.memory.interiors
 TEST(MemoryLimit, TangentsOfNormalMapsCount) {
   const auto in_use = [](bool mapped) {
     Drawing drawing(256);
@@ -346,6 +355,7 @@ std::string add_nested_instancers(Stage& stage, int depth) {
 }
 
 // A scene of a few hundred bytes has 2^24 instances, or any number.
+// promise: pipeline.memory.instances
 TEST(MemoryLimit, NestedInstancersThatItDoesNotHoldAreAFault) {
   for (const int depth : {24, 64, 20000}) {
     Drawing drawing(64);
@@ -371,6 +381,7 @@ TEST(MemoryLimit, NestedInstancersThatItDoesNotHoldAreAFault) {
 }
 
 // Turning instances have up to 129 poses each.
+// promise: pipeline.memory.instances
 TEST(MemoryLimit, InstancesThatMoveCount) {
   const auto in_use = [](bool turning) {
     Drawing drawing(256);
@@ -400,6 +411,7 @@ TEST(MemoryLimit, InstancesThatMoveCount) {
 }
 
 // Beside its AOVs a film keeps what a part needs for a merge, and the rays of an adaptive frame.
+// promise: pipeline.memory.frames
 TEST(MemoryLimit, FramesCountAllPlanesOfTheirFilms) {
   struct Frame {
     Dictionary settings;

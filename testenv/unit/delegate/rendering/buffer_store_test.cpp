@@ -42,6 +42,7 @@ std::pair<float, float> shown(const BufferStore& store) {
 
 using Pair = std::pair<float, float>;
 
+// promise: embedding.viewport.old_picture
 TEST(BufferStore, TheOldPictureStaysWhereNothingIsDrawnYet) {
   const BufferSource old = source_of(film_of({1, 1}));
   BufferStore first(kTwoTiles, old);

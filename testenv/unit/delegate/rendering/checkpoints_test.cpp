@@ -108,6 +108,7 @@ TEST_F(Checkpoints, PixelsAreMeasuredOnRequest) {
   EXPECT_NE(frame.command("describeCheckpoint", request), "") << "damage is told";
 }
 
+// promise: farm.checkpoint.other_render
 TEST_F(Checkpoints, AnotherRenderIsRefusedByName) {
   const std::string file = written();
   const std::string prefix = "the render cannot go on from checkpoint '" + file + "': it is of another render: ";
@@ -169,6 +170,7 @@ TEST_F(Checkpoints, AnotherVersionIsRefused) {
   EXPECT_EQ(Frame().refusal(file_), "it is a checkpoint of another version of Alabaster, in another format");
 }
 
+// promise: farm.checkpoint.damage
 TEST_F(Checkpoints, DamagedFilesAreRefused) {
   const std::string all = (written(), bytes());
   Frame frame;
@@ -197,6 +199,7 @@ TEST_F(Checkpoints, DamagedFilesAreRefused) {
 }
 
 // By arithmetic, before any of its pixels is read. The same of parts that are shown and of pixels that are measured.
+// promise: pipeline.memory.frames
 TEST_F(Checkpoints, AFrameThatTheMemoryLimitDoesNotHoldIsRefused) {
   Frame large({{"samples", 1}});
   large.buffer = large.stage.add_buffer("/large", 200, 100, Format::float32vec4);
@@ -234,6 +237,7 @@ std::string header_of(const std::string& all) {
 }
 
 // A header is what a render writes, and nothing deeper or longer: parsed as any JSON, such files took gigabytes.
+// promise: security.checkpoint
 TEST_F(Checkpoints, AHeaderThatDescribesNoRenderIsRefusedEarly) {
   const std::string all = (written(), bytes()), header = header_of(all), open = header.substr(0, header.size() - 1);
   const auto times = [](const std::string& text, size_t count) {
@@ -289,6 +293,7 @@ TEST_F(Checkpoints, RemovedSettingOfACheckpointIsNamed) {
   }
 }
 
+// promise: pipeline.memory.frames, security.checkpoint
 TEST_F(Checkpoints, TheMemoryLimitHoldsTheHeader) {
   const std::string all = (written(), bytes()), header = header_of(all), scene = "\"scene\":{";
   std::string many;
@@ -304,6 +309,7 @@ TEST_F(Checkpoints, TheMemoryLimitHoldsTheHeader) {
 }
 
 // A FIFO or a device may have no end.
+// promise: security.no_wait
 TEST_F(Checkpoints, OnlyRegularFilesAreRead) {
   ASSERT_EQ(::mkfifo(file_.c_str(), 0600), 0);
   const Frame frame;
@@ -355,6 +361,7 @@ TEST_F(Checkpoints, PartsOfAFrameAreShownAsTheWhole) {
   EXPECT_NE(shown.picture(), whole.picture()) << "the scene again, with three samples";
 }
 
+// promise: farm.parts.refused
 TEST_F(Checkpoints, APartOfAFrameThatDecidesIsRefused) {
   for (const auto& [name, value] : Dictionary{{"targetError", 0.1f}, {"adaptive", true}, {"timeLimit", 5.0f}}) {
     Frame frame({{"firstSample", 2}, {"samples", 40}, {name, value}});

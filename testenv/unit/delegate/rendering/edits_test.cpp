@@ -99,6 +99,7 @@ void give_faces(host::RetainedSceneDelegate* scene, Array<int32_t> faces) {
   scene->SetMaterial("/glow", glow);
 }
 
+// promise: embedding.edit.subsets
 TEST(Edits, EditedSubsetsBuildNoShapeAndGiveTheBytesOfAFreshDelegate) {
   Drawn edited(4), fresh(4);
   const auto draw = [](Drawn* drawn) {
@@ -123,6 +124,7 @@ TEST(Edits, EditedSubsetsBuildNoShapeAndGiveTheBytesOfAFreshDelegate) {
   EXPECT_EQ(draw(&fresh), pictures[2]);
 }
 
+// promise: embedding.edit.points
 TEST(Edits, EditedPointsGiveTheBytesOfAFreshDelegate) {
   Drawn edited(4), fresh(4);
   const auto draw = [](Drawn* drawn, float size) {
@@ -146,6 +148,7 @@ TEST(Edits, EditedPointsGiveTheBytesOfAFreshDelegate) {
 }
 
 // The second hierarchy of a mesh is for the next edit alone.
+// promise: embedding.edit.points
 TEST(Edits, EditedPointsKeepSpareMemoryForTwoSecondsAtMost) {
   Drawn drawn(1 << 20);
   const auto shape = [&](int step) {
@@ -216,6 +219,7 @@ TEST(Edits, WaitForConvergenceTakesUpTheNewScene) {
 }
 
 // The first build is cancelled, the second one is not: of three edits two snapshots at most are seen.
+// promise: embedding.edit.newer
 TEST(Edits, ABuildThatIsCancelledIsNotPublished) {
   Drawn drawn(1);
   drawn.stage.wait_for_scene();
@@ -230,6 +234,7 @@ TEST(Edits, ABuildThatIsCancelledIsNotPublished) {
   EXPECT_EQ(drawn.stage.dump().find("/heavy"), std::string::npos);
 }
 
+// promise: embedding.edit.newer
 TEST(Edits, AHostThatEditsWithoutEndSeesSnapshots) {
   Drawn drawn(1);
   drawn.stage.wait_for_scene();

@@ -121,6 +121,7 @@ class FailingAllocations : public description::SceneFiles {
   std::string scene_file_;
 };
 
+// promise: pipeline.memory.runs_out
 TEST_F(FailingAllocations, FailuresOnTheHostsThreadAreReportedAndRecovered) {
   run_trials({.allowed_below = 1500, .least_failures = 100}, [](size_t i, size_t allowed, bool* is_told) {
     *is_told = i % 2 == 0;
@@ -130,6 +131,7 @@ TEST_F(FailingAllocations, FailuresOnTheHostsThreadAreReportedAndRecovered) {
 
 // Embree allocates in the destructor of a scene whose build has failed: a third refusal in a row may lie there and end
 // the process.
+// promise: pipeline.memory.runs_out
 TEST_F(FailingAllocations, FailuresOnOtherThreadsAreReportedAndRecovered) {
   run_trials({.allowed_below = 400, .least_failures = 50}, [](size_t i, size_t allowed, bool* is_told) {
     *is_told = i % 2 == 0;

@@ -49,6 +49,7 @@ class FreeCamera : public ::testing::Test {
   RenderPassState state_;
 };
 
+// promise: embedding.selection.camera
 TEST_F(FreeCamera, GivesTheBytesOfThePrim) {
   camera_.parameters["fStop"] = 0.5f;
   camera_.parameters["focusDistance"] = 3.0f;

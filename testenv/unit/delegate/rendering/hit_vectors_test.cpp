@@ -54,6 +54,7 @@ class HitVectorAovs : public ::testing::Test {
   std::unique_ptr<RenderPass> pass;
 };
 
+// promise: pipeline.aov.eye
 TEST_F(HitVectorAovs, PlaceAndNormalAreThoseThatTheCameraSees) {
   const auto seen = [&] {
     const auto p = picture("Peye", 3), n = picture("Neye", 3);
@@ -76,6 +77,7 @@ TEST_F(HitVectorAovs, PlaceAndNormalAreThoseThatTheCameraSees) {
   seen();
 }
 
+// promise: pipeline.aov.motion
 TEST_F(HitVectorAovs, MotionIsInPixelsWhileTheShutterIsOpen) {
   EXPECT_EQ(picture("motion", 2), std::vector<float>(2 * kSide * kSide, 0.0f)) << "a closed shutter";
   host::MeshDescription quad = Stage::quad();
@@ -110,6 +112,7 @@ TEST_F(HitVectorAovs, MotionOfWhatDeforms) {
   EXPECT_NEAR(at(motion, 5, 4, 2)[1], 0, 1e-4f);
 }
 
+// promise: pipeline.aov.primvars
 TEST_F(HitVectorAovs, PrimvarsAreFoundByTheirNames) {
   host::MeshDescription quad = Stage::quad();
   const std::pair<const char*, Value> values[] = {{"mask", Array<float>{1, 1, 1, 1}},
@@ -154,6 +157,7 @@ TEST_F(HitVectorAovs, OtherPrimvarsBuildNothingUntilTheyAreShown) {
   EXPECT_EQ(stage.stat("sceneNumber"), number) << "the picture goes on";
 }
 
+// promise: pipeline.aov.eight_primvars
 TEST_F(HitVectorAovs, SeveralAtOnceAndOneTooMany) {
   host::MeshDescription quad = Stage::quad();
   RenderPassState state =

@@ -73,6 +73,7 @@ TEST(PixelMemory, ATransformAndAnotherFormatAreTheCallers) {
   }
 }
 
+// promise: embedding.viewport.resolve_to
 TEST(PixelMemory, NothingIsWrittenThatIsShownAlready) {
   Shown s(40);
   ASSERT_TRUE(s.finish());

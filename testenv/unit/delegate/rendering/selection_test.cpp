@@ -60,6 +60,7 @@ class Tagged : public Stage {
 
 using Names = std::set<std::string>;
 
+// promise: embedding.selection.tags
 TEST(Selection, APassDrawsTheTagsThatItLists) {
   Tagged stage;
   Tagged::View view = stage.view("/ids");
@@ -77,6 +78,7 @@ TEST(Selection, APassDrawsTheTagsThatItLists) {
   EXPECT_TRUE(stage.take_diagnostics().empty());
 }
 
+// promise: embedding.selection.collection
 TEST(Selection, CollectionsTakeWhatLiesBelowTheirRoots) {
   Tagged stage;
   stage.add("/settee", "geometry", 0.75);

@@ -68,6 +68,7 @@ TEST_F(OutputFile, FaultsOfFoldersAreNamed) {
   EXPECT_NE(fault.find("ulimit -n"), std::string::npos) << fault;
 }
 
+// promise: pipeline.output.new, pipeline.output.replaced
 TEST_F(OutputFile, ANewFileIsMadeAndAnOldOneReplacedWithItsMode) {
   EXPECT_EQ(write("a", "one"), "");
   EXPECT_EQ(text("a"), "one");
@@ -78,6 +79,7 @@ TEST_F(OutputFile, ANewFileIsMadeAndAnOldOneReplacedWithItsMode) {
   EXPECT_EQ(count(), 2u);
 }
 
+// promise: pipeline.output.link
 TEST_F(OutputFile, SymbolicLinksAreFollowed) {
   put("target", "before");
   fs::create_symlink("target", path("link"));
@@ -93,6 +95,7 @@ TEST_F(OutputFile, SymbolicLinksAreFollowed) {
 }
 
 // An output of a file from a stranger stays in that file's folder, wherever its name leads.
+// promise: security.writes
 TEST_F(OutputFile, AFolderThatIsGivenIsNotLeft) {
   fs::create_directories(folder_ / "in" / "below");
   fs::create_directories(folder_ / "out");
@@ -123,6 +126,7 @@ TEST_F(OutputFile, AFolderThatIsGivenIsNotLeft) {
   EXPECT_NE(write_in("in/fifo", "nobody reads"), "");
 }
 
+// promise: pipeline.output.refused, security.outputs
 TEST_F(OutputFile, AReadOnlyFileIsKept) {
   put("a", "before", 0444);
   EXPECT_NE(OutputFault(path("a")).find("read-only"), std::string::npos);
@@ -130,6 +134,7 @@ TEST_F(OutputFile, AReadOnlyFileIsKept) {
   EXPECT_EQ(text("a"), "before");
 }
 
+// promise: pipeline.output.fifo
 TEST_F(OutputFile, AFifoIsWrittenIntoAndStaysOne) {
   ASSERT_EQ(::mkfifo(path("fifo").c_str(), 0600), 0);
   EXPECT_EQ(OutputFault(path("fifo")), "");
@@ -143,6 +148,7 @@ TEST_F(OutputFile, AFifoIsWrittenIntoAndStaysOne) {
   EXPECT_TRUE(S_ISFIFO(mode("fifo")));
 }
 
+// promise: pipeline.output.fifo
 TEST_F(OutputFile, ADeviceIsWrittenIntoAndStaysOne) {
   if (::mknod(path("null").c_str(), S_IFCHR | 0600, makedev(1, 3)) != 0)
     GTEST_SKIP() << "only the superuser makes device nodes";
@@ -154,6 +160,7 @@ TEST_F(OutputFile, ADeviceIsWrittenIntoAndStaysOne) {
   EXPECT_TRUE(S_ISBLK(mode("block")));
 }
 
+// promise: pipeline.output.refused
 TEST_F(OutputFile, UnwritableFileIsReportedBeforeWriting) {
   EXPECT_EQ(OutputFault(path("fine")), "");
   EXPECT_EQ(OutputFault(path(std::string(250, 'n') + ".exr")), "");
@@ -167,6 +174,7 @@ TEST_F(OutputFile, UnwritableFileIsReportedBeforeWriting) {
 }
 
 // The temporary file of a process that was killed has no lock any more; that of a living one has.
+// promise: pipeline.output.killed
 TEST_F(OutputFile, OnlyStaleTemporaryFilesAreRemoved) {
   put(".alabaster-1-0.tmp", "of a run that was killed");
   const int living = ::open(put(".alabaster-2-0.tmp", "of a run that writes").c_str(), O_RDWR);

@@ -93,6 +93,7 @@ TEST_F(PlotFile, OnePointIsAPlot) {
   EXPECT_NE(svg(plot).find("one"), std::string::npos);
 }
 
+// promise: security.no_command
 TEST_F(PlotFile, NamesAreTakenLiterally) {
   Plot plot = example();
   plot.title = "it's `touch " + path("title") + "` \"$HOME\" a_b^c\n!touch " + path("line");
