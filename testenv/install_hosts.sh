@@ -15,14 +15,11 @@ of_host() {
   fi
 }
 
-# Blender ships no headers. Those of its OpenUSD are checked out; pxr.h is made from pxr.h.in (delegate/hydra/README.md).
+# Blender ships no headers. Those of its OpenUSD are a check-out; pxr.h is made from pxr.h.in (delegate/hydra/README.md).
 fetch_usd_headers() {
   [ -e "$1/pxr/pxr.h" ] && return 0
   rm -rf "$1"
-  git clone --quiet --no-checkout --depth 1 --branch v24.05 \
-    "${ALABASTER_USD_REPOSITORY:-https://github.com/PixarAnimationStudios/OpenUSD}" "$1" || return 1
-  git -C "$1" sparse-checkout set --no-cone '*.h' 'pxr.h.in' || return 1
-  git -C "$1" -c advice.detachedHead=false checkout --quiet || return 1
+  git clone --quiet --depth 1 --branch v24.05 "${ALABASTER_USD_REPOSITORY:-https://github.com/PixarAnimationStudios/OpenUSD}" "$1" || return 1
   sed -e 's/@PXR_MAJOR_VERSION@/0/;s/@PXR_MINOR_VERSION@/24/;s/@PXR_PATCH_VERSION@/5/;s/@PXR_VERSION@/2405/' \
     -e 's/@PXR_USE_NAMESPACES@/1/;s/@PXR_EXTERNAL_NAMESPACE@/pxr/;s/@PXR_INTERNAL_NAMESPACE@/pxrInternal_v0_24/' \
     -e 's/@PXR_PYTHON_SUPPORT_ENABLED@/0/;s/@PXR_PREFER_SAFETY_OVER_SPEED@/1/' "$1/pxr/pxr.h.in" > "$1/pxr/pxr.h"

@@ -5,6 +5,8 @@
 #include <map>
 #include <set>
 
+#include "core/geometry/index.h"
+
 namespace alabaster {
 namespace {
 
@@ -12,10 +14,6 @@ constexpr int kMaxRefinedSize = 1000;    // OpenSubdiv fails or hangs on far lar
 constexpr int kMaxFaceSize = 16384;      // cutting ears takes quadratic time
 constexpr float kMaxCoordinate = 1e17f;  // as is_traceable: no ray can be traced from beyond
 constexpr float kMaxSharpness = 10;      // OpenSubdiv's infinity
-
-size_t at(int i) {
-  return static_cast<size_t>(i);
-}
 
 bool in_range(int i, size_t size) {
   return i >= 0 && at(i) < size;

@@ -6,6 +6,7 @@
 
 #include <cmath>
 
+#include "core/geometry/index.h"
 #include "core/geometry/mesh_memory.h"
 #include "core/geometry/subdivision.h"
 
@@ -16,10 +17,6 @@ namespace Bfr = OpenSubdiv::Bfr;
 namespace Far = OpenSubdiv::Far;
 
 using Surface = Bfr::Surface<float>;
-
-size_t at(int i) {
-  return static_cast<size_t>(i);
-}
 
 // Along the limit curve of an edge of the surface's face.
 uint32_t segments_of(const Surface& surface, const std::vector<float>& controls, int edge,

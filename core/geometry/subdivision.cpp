@@ -11,6 +11,7 @@
 
 #include "core/geometry/edge_rates.h"
 #include "core/geometry/face_pattern.h"
+#include "core/geometry/index.h"
 #include "core/geometry/subdivision_topology.h"
 
 namespace alabaster {
@@ -22,10 +23,6 @@ namespace Far = OpenSubdiv::Far;
 using Surface = Bfr::Surface<float>;
 
 constexpr uint32_t kNone = ~0u;
-
-size_t at(int i) {
-  return static_cast<size_t>(i);
-}
 
 // Where in the mesh the samples of a face lie.
 struct FaceLayout {

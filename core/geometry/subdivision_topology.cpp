@@ -7,15 +7,13 @@
 #include <mutex>
 #include <vector>
 
+#include "core/geometry/index.h"
+
 namespace alabaster {
 namespace {
 
 namespace Far = OpenSubdiv::Far;
 namespace Sdc = OpenSubdiv::Sdc;
-
-size_t at(int i) {
-  return static_cast<size_t>(i);
-}
 
 // OpenSubdiv's callbacks are global and print unless they are set; ours hand the text to the build on the same thread.
 thread_local std::string* g_messages = nullptr;

@@ -5,14 +5,12 @@
 #include <utility>
 #include <vector>
 
+#include "core/geometry/index.h"
+
 namespace alabaster {
 namespace {
 
 namespace Far = OpenSubdiv::Far;
-
-size_t at(int i) {
-  return static_cast<size_t>(i);
-}
 
 // The face across an edge; -1: none, or several.
 int across(const Far::TopologyLevel& base, int edge, int face) {

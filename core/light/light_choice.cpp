@@ -4,8 +4,6 @@ namespace alabaster {
 namespace {
 
 constexpr double kUniformShare = 0.1;
-constexpr uint32_t kSteps = uint32_t(1) << 24;
-
 }  // namespace
 
 LightChoice::LightChoice(const std::vector<Light>& lights, const Vec3f& p) : lights_(lights), p_(p) {
@@ -29,7 +27,7 @@ void LightChoice::advance() {
   const size_t i = c.next++;
   c.begin = c.end;
   if (lights_.size() == 1) {
-    c.end = kSteps;
+    c.end = kChoiceSteps;
     return;
   }
   const double weight = i < kKept ? kept_[i] : importance(i);
@@ -38,11 +36,12 @@ void LightChoice::advance() {
   ++c.shining;
   const double until = (1 - kUniformShare) * (c.running / total_) +
                        kUniformShare * (static_cast<double>(c.shining) / static_cast<double>(shining_));
-  c.end = c.shining == shining_ ? kSteps : std::min(kSteps, static_cast<uint32_t>(until * kSteps + 0.5));
+  c.end =
+      c.shining == shining_ ? kChoiceSteps : std::min(kChoiceSteps, static_cast<uint32_t>(until * kChoiceSteps + 0.5));
 }
 
 float LightChoice::probability_of_current() const {
-  return static_cast<float>(cursor_.end - cursor_.begin) / static_cast<float>(kSteps);
+  return static_cast<float>(cursor_.end - cursor_.begin) / static_cast<float>(kChoiceSteps);
 }
 
 float LightChoice::probability(size_t i) {
@@ -52,7 +51,7 @@ float LightChoice::probability(size_t i) {
 }
 
 std::optional<LightChoice::Chosen> LightChoice::choose(float u) {
-  const auto step = static_cast<uint32_t>(std::clamp(u, 0.0f, kOneMinusEpsilon) * static_cast<float>(kSteps));
+  const auto step = static_cast<uint32_t>(std::clamp(u, 0.0f, kOneMinusEpsilon) * static_cast<float>(kChoiceSteps));
   while (cursor_.next < lights_.size()) {
     advance();
     if (step < cursor_.end) return Chosen{cursor_.next - 1, probability_of_current()};

@@ -17,9 +17,12 @@
 
 namespace alabaster {
 
-/// The choice at one point; allocates nothing. Random numbers have 24 bits, so the probabilities are whole multiples of
-/// 2^-24: choose() takes each light exactly as often as its probability says. Up to a million lights, the probability
-/// is positive wherever w is. A set of one light is not weighed: it has probability 1. It must not be a constant dome.
+/// Random numbers have 24 bits: probabilities are whole multiples of 1 / kChoiceSteps.
+inline constexpr uint32_t kChoiceSteps = uint32_t(1) << 24;
+
+/// The choice at one point; allocates nothing. choose() takes each light exactly as often as its probability says. Up
+/// to a million lights, the probability is positive wherever w is. A set of one light is not weighed: it has
+/// probability 1. It must not be a constant dome.
 class LightChoice {
  public:
   /// Keeps a reference to `lights`.

@@ -4,10 +4,10 @@
 #include <array>
 #include <cmath>
 
+#include "core/light/light_choice.h"
+
 namespace alabaster {
 namespace {
-
-constexpr uint32_t kSteps = uint32_t(1) << 24;
 
 // A light that is nowhere gives nothing (light_description.h).
 LightExtent extent_of(const Light& light) {
@@ -60,7 +60,7 @@ LightTree::LightTree(const std::vector<Light>& lights) : node_of_light_(lights.s
     if (!is_constant_dome(lights[i])) leaves.push_back({extent_of(lights[i]), i});
   if (leaves.empty()) return;
   nodes_.reserve(2 * leaves.size());
-  reserved_ = std::max(1u, kSteps / 10 / static_cast<uint32_t>(leaves.size()));
+  reserved_ = std::max(1u, kChoiceSteps / 10 / static_cast<uint32_t>(leaves.size()));
   build(leaves);
 }
 
@@ -183,14 +183,14 @@ uint32_t LightTree::descend(const Cut& cut, const IsIt& is_it, Steps* steps) con
 }
 
 std::optional<LightChoice::Chosen> LightTree::choose(const std::vector<Light>& lights, const Vec3f& p, float u) const {
-  const auto step = static_cast<uint32_t>(std::clamp(u, 0.0f, kOneMinusEpsilon) * static_cast<float>(kSteps));
+  const auto step = static_cast<uint32_t>(std::clamp(u, 0.0f, kOneMinusEpsilon) * static_cast<float>(kChoiceSteps));
   Steps steps;
   uint32_t node = 0;
   while (!nodes_[node].is_light())
     node = descend(
         cut_below(lights, p, node), [step](uint32_t, uint32_t end) { return step < end; }, &steps);
   return LightChoice::Chosen{nodes_[node].next,
-                             static_cast<float>(steps.end - steps.begin) / static_cast<float>(kSteps)};
+                             static_cast<float>(steps.end - steps.begin) / static_cast<float>(kChoiceSteps)};
 }
 
 // A node of n lights is followed by the 2 n - 2 below it.
@@ -199,7 +199,7 @@ float LightTree::probability(const std::vector<Light>& lights, const Vec3f& p, s
   const auto holds = [&](uint32_t n, uint32_t) { return n <= goal && goal <= n + 2 * (nodes_[n].lights - 1); };
   Steps steps;
   for (uint32_t node = 0; node != goal;) node = descend(cut_below(lights, p, node), holds, &steps);
-  return static_cast<float>(steps.end - steps.begin) / static_cast<float>(kSteps);
+  return static_cast<float>(steps.end - steps.begin) / static_cast<float>(kChoiceSteps);
 }
 
 // A box a little larger than the lights, so that no rounding of the slabs loses one.

@@ -24,12 +24,12 @@ FacePlace place_of(const Vec3d& d) {
 }
 
 // The texels on both sides of a place along one axis.
-struct Taps {
+struct FaceTaps {
   size_t first = 0, second = 0;
   float weight = 0;  // of the second
 };
 
-Taps taps_of(double place, size_t size) {
+FaceTaps face_taps(double place, size_t size) {
   const double at = std::clamp((place + 1) / 2 * double(size) - 0.5, 0.0, double(size - 1));
   const auto first = size_t(at);
   return {first, std::min(first + 1, size - 1), float(at - double(first))};
@@ -53,7 +53,7 @@ std::vector<Angle> looks_along(size_t texels, double first_angle, double last_an
 
 Rgb CubeMap::look(const Vec3d& direction) const {
   const FacePlace place = place_of(direction);
-  const Taps x = taps_of(place.right, size), y = taps_of(place.down, size);
+  const FaceTaps x = face_taps(place.right, size), y = face_taps(place.down, size);
   const std::vector<Rgb>& texels = faces[place.face];
   const auto row = [&](size_t at) { return lerp(texels[at * size + x.first], texels[at * size + x.second], x.weight); };
   return lerp(row(y.first), row(y.second), y.weight);

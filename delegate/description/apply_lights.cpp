@@ -96,7 +96,7 @@ void remove_domes(host::RetainedSceneDelegate* scene) {
   for (const Path& path : domes) scene->Remove(path);
 }
 
-void apply_entry(LoadState& load, const std::string& pointer, const json& entry) {
+void apply_light_entry(LoadState& load, const std::string& pointer, const json& entry) {
   if (entry.contains("match")) {
     if (entry.contains("name") || entry.contains("type"))
       load.fail(pointer, "Either match existing lights, or give the name and type of a new one.");
@@ -148,7 +148,7 @@ void apply_lights(LoadState& load) {
       lights && !load.options.dome.empty() ? "/lights/" + std::to_string(lights->size() - 1) : std::string();
   load.for_each_entry("lights", [&](const std::string& pointer, const json& entry) {
     if (pointer == dome) remove_domes(load.scene);
-    apply_entry(load, pointer, entry);
+    apply_light_entry(load, pointer, entry);
   });
 }
 

@@ -103,7 +103,7 @@ void change_network(LoadState& load, const std::string& pointer, const json& ent
     set_displacement(load, entry["displacement"], pointer + "/displacement", material, network);
 }
 
-void apply_entry(LoadState& load, const std::string& pointer, const json& entry) {
+void apply_material_entry(LoadState& load, const std::string& pointer, const json& entry) {
   const bool set = entry.contains("set"), replace = entry.contains("replace");
   const bool relief = entry.contains("bump") || entry.contains("displacement");
   if (entry.contains("match") && entry.contains("name"))
@@ -131,8 +131,9 @@ void apply_entry(LoadState& load, const std::string& pointer, const json& entry)
 }  // namespace
 
 void apply_materials(LoadState& load) {
-  return load.for_each_entry(
-      "materials", [&](const std::string& pointer, const json& entry) { return apply_entry(load, pointer, entry); });
+  return load.for_each_entry("materials", [&](const std::string& pointer, const json& entry) {
+    return apply_material_entry(load, pointer, entry);
+  });
 }
 
 }  // namespace alabaster::hd::description

@@ -5,13 +5,13 @@
 namespace alabaster::hd::gltf {
 namespace {
 
-struct View {
+struct CompressedView {
   std::string mode, filter;
   size_t count = 0, stride = 0;
 };
 
 // The library asserts these.
-bool is_sound(const View& view) {
+bool is_sound(const CompressedView& view) {
   if (view.mode != "ATTRIBUTES")
     return (view.stride == 2 || view.stride == 4) && view.filter == "NONE" &&
            (view.mode == "INDICES" || view.count % 3 == 0);
@@ -20,7 +20,7 @@ bool is_sound(const View& view) {
   return view.filter != "QUATERNION" || view.stride == 8;
 }
 
-int decode(const View& view, ByteRange compressed, uint8_t* out) {
+int decode(const CompressedView& view, ByteRange compressed, uint8_t* out) {
   if (view.mode == "TRIANGLES")
     return meshopt_decodeIndexBuffer(out, view.count, view.stride, compressed.data, compressed.size);
   if (view.mode == "INDICES")
@@ -36,8 +36,8 @@ int decode(const View& view, ByteRange compressed, uint8_t* out) {
 }  // namespace
 
 Bytes decode_meshopt(const Json& extension, ByteRange compressed, std::string* reason) {
-  const View view{extension["mode"].get<std::string>(), extension.value("filter", "NONE"),
-                  extension["count"].get<size_t>(), extension["byteStride"].get<size_t>()};
+  const CompressedView view{extension["mode"].get<std::string>(), extension.value("filter", "NONE"),
+                            extension["count"].get<size_t>(), extension["byteStride"].get<size_t>()};
   if (!is_sound(view)) {
     *reason = "its mode, filter, count and byteStride do not agree; compress the file again";
     return nullptr;

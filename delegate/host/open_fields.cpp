@@ -58,12 +58,12 @@ std::string put_samples(const std::string& name, const Value& value, const Token
 
 // Parameters ----------------------------------------------------------------------------------------
 
-bool is_text(const Value& value) {
+bool is_text_or_asset(const Value& value) {
   return !value.is_array() && (value.type() == ALABASTER_TOKEN || value.type() == ALABASTER_STRING ||
                                value.type() == ALABASTER_PATH || value.type() == ALABASTER_ASSET);
 }
 bool fits(const OtherParameter& row, const Value& value) {
-  if (row.type.type == ALABASTER_STRING) return is_text(value);
+  if (row.type.type == ALABASTER_STRING) return is_text_or_asset(value);
   return value.type() == row.type.type && value.is_array() == row.type.is_array;
 }
 constexpr FieldType kText = {ALABASTER_STRING, false};
@@ -264,7 +264,7 @@ constexpr Field kMaterials[] = {
          "The surface node. Without it, the node \"surface\", else the first AlabasterDisney or UsdPreviewSurface."),
     open("displacement", kPath, "The node that displaces the meshes of the material."),
 };
-constexpr Field kSettings[] = {
+constexpr Field kOpenSettings[] = {
     open("products:N:FIELD", kAny, "A field of a file to write, N from 0: page product."),
     open("products:N:vars:LAYER", kWord, "The AOV of a layer of the file."),
     open("products:N:vars:LAYER:dataType", kWord, "Type of the layer's numbers. The default is half.", kVarTypes),
@@ -439,7 +439,7 @@ void add_samples(const std::string& name, const TimeSamples<Value>* samples, Fie
   if (samples) add(name + ":samples", write(*samples, {}), fields);
 }
 template <class Map, class Key>
-auto find(const Map& map, const Key& key) -> const typename Map::mapped_type* {
+auto find_entry(const Map& map, const Key& key) -> const typename Map::mapped_type* {
   const auto found = map.find(key);
   return found == map.end() ? nullptr : &found->second;
 }
@@ -452,7 +452,7 @@ void get_open(const MeshDescription& mesh, Fields* fields) {
     add(name + ":interpolation", write(primvar.interpolation, kInterpolations), fields);
     if (!primvar.role.empty()) add(name + ":role", primvar.role, fields);
     if (!primvar.indices.empty()) add(name + ":indices", primvar.indices, fields);
-    add_samples(name, find(mesh.primvarSamples, key), fields);
+    add_samples(name, find_entry(mesh.primvarSamples, key), fields);
   }
   for (const GeomSubset& subset : mesh.topology.geomSubsets) {
     add("subsets:" + subset.id.str() + ":faces", subset.indices, fields);
@@ -463,7 +463,7 @@ void get_open(const MeshDescription& mesh, Fields* fields) {
 void get_open(const InstancerDescription& instancer, Fields* fields) {
   for (const auto& [key, value] : instancer.primvars) {
     add("primvars:" + key.str(), value, fields);
-    add_samples("primvars:" + key.str(), find(instancer.primvarSamples, key), fields);
+    add_samples("primvars:" + key.str(), find_entry(instancer.primvarSamples, key), fields);
   }
   for (const auto& [prototype, indices] : instancer.indices) add("prototypes:" + prototype.str(), indices, fields);
   std::map<Token, std::vector<int32_t>> by_category;
@@ -557,7 +557,7 @@ std::string finish(const MaterialNetwork& network) {
 }
 
 const std::span<const Field> kOpenOfMeshes = kMeshes, kOpenOfInstancers = kInstancers, kOpenOfMaterials = kMaterials,
-                             kOpenOfSettings = kSettings;
+                             kOpenOfSettings = kOpenSettings;
 const std::span<const OtherParameter> kOtherOfMeshes = kOfMeshes, kOtherOfLights = kOfLights,
                                       kOtherOfCameras = kOfCameras;
 

@@ -13,10 +13,10 @@
 namespace alabaster::hd::host {
 namespace {
 
-enum class Kind { rprim, sprim, bprim, instancer };
+enum class PrimType { rprim, sprim, bprim, instancer };
 
 struct Entry {
-  Kind kind = Kind::rprim;
+  PrimType kind = PrimType::rprim;
   Token type;
   SceneDelegate* scene = nullptr;
   Prim* prim = nullptr;  // of an R-, S- or Bprim
@@ -69,10 +69,10 @@ struct RenderIndex::State {
   bool insert(const Path& id, const Entry& entry);
   int32_t take_prim_id(const Path& id);
   void destroy(const Entry& entry);
-  std::vector<Work> dirty_of(Kind kind, const Token& type);
+  std::vector<Work> dirty_of(PrimType kind, const Token& type);
   void sync_one(Work& work) const;
   tbb::task_arena& sync_arena();
-  void sync_kind(Kind kind, const Token& type, bool parallel);
+  void sync_kind(PrimType kind, const Token& type, bool parallel);
   void sync_dirty();
 };
 
@@ -99,25 +99,25 @@ int32_t RenderIndex::State::take_prim_id(const Path& id) {
 
 void RenderIndex::State::destroy(const Entry& entry) {
   RenderParam* param = delegate->GetRenderParam();
-  if (entry.kind == Kind::instancer) {
+  if (entry.kind == PrimType::instancer) {
     entry.instancer->Finalize(param);
     delegate->DestroyInstancer(entry.instancer);
     return;
   }
   entry.prim->Finalize(param);
-  if (entry.kind == Kind::rprim) {
+  if (entry.kind == PrimType::rprim) {
     auto* rprim = static_cast<Rprim*>(entry.prim);
     path_of_prim_id.erase(rprim->GetPrimId());
     succeeds([&] { return free_prim_ids.insert(rprim->GetPrimId()).second; });  // on failure only the number is lost
     delegate->DestroyRprim(rprim);
-  } else if (entry.kind == Kind::sprim) {
+  } else if (entry.kind == PrimType::sprim) {
     delegate->DestroySprim(static_cast<Sprim*>(entry.prim));
   } else {
     delegate->DestroyBprim(static_cast<Bprim*>(entry.prim));
   }
 }
 
-std::vector<Work> RenderIndex::State::dirty_of(Kind kind, const Token& type) {
+std::vector<Work> RenderIndex::State::dirty_of(PrimType kind, const Token& type) {
   std::vector<Work> work;
   for (const auto& [id, bits] : tracker.GetDirty()) {
     const auto found = entries.find(id);
@@ -130,8 +130,8 @@ std::vector<Work> RenderIndex::State::dirty_of(Kind kind, const Token& type) {
 void RenderIndex::State::sync_one(Work& work) const {
   Entry& entry = *work.entry;
   RenderParam* param = delegate->GetRenderParam();
-  if (entry.kind == Kind::instancer) return entry.instancer->Sync(entry.scene, param, &work.bits);
-  if (entry.kind != Kind::rprim) return entry.prim->Sync(entry.scene, param, &work.bits);
+  if (entry.kind == PrimType::instancer) return entry.instancer->Sync(entry.scene, param, &work.bits);
+  if (entry.kind != PrimType::rprim) return entry.prim->Sync(entry.scene, param, &work.bits);
 
   if (work.bits & dirty::kVisibility) entry.visible = pull_visible(entry, work.id);
   if (entry.visible) return entry.prim->Sync(entry.scene, param, &work.bits);
@@ -155,7 +155,7 @@ tbb::task_arena& RenderIndex::State::sync_arena() {
   return *arena;
 }
 
-void RenderIndex::State::sync_kind(Kind kind, const Token& type, bool parallel) {
+void RenderIndex::State::sync_kind(PrimType kind, const Token& type, bool parallel) {
   std::vector<Work> work = dirty_of(kind, type);
   if (work.empty()) return;
   if (parallel && work.size() > 1) {
@@ -184,7 +184,7 @@ bool RenderIndex::InsertRprim(const Token& type, SceneDelegate* scene, const Pat
   if (!prim) return false;
   const auto entered = [&] {
     prim->SetPrimId(state_->take_prim_id(id));
-    return state_->insert(id, {.kind = Kind::rprim, .type = type, .scene = scene, .prim = prim});
+    return state_->insert(id, {.kind = PrimType::rprim, .type = type, .scene = scene, .prim = prim});
   };
   if (succeeds(entered)) return true;
   state_->delegate->DestroyRprim(prim);
@@ -195,7 +195,7 @@ bool RenderIndex::InsertSprim(const Token& type, SceneDelegate* scene, const Pat
   if (Has(id)) return false;
   Sprim* prim = state_->delegate->CreateSprim(type, id);
   if (!prim) return false;
-  const Entry entry{.kind = Kind::sprim, .type = type, .scene = scene, .prim = prim};
+  const Entry entry{.kind = PrimType::sprim, .type = type, .scene = scene, .prim = prim};
   if (succeeds([&] { return state_->insert(id, entry); })) return true;
   state_->delegate->DestroySprim(prim);
   return false;
@@ -205,7 +205,7 @@ bool RenderIndex::InsertBprim(const Token& type, SceneDelegate* scene, const Pat
   if (Has(id)) return false;
   Bprim* prim = state_->delegate->CreateBprim(type, id);
   if (!prim) return false;
-  const Entry entry{.kind = Kind::bprim, .type = type, .scene = scene, .prim = prim};
+  const Entry entry{.kind = PrimType::bprim, .type = type, .scene = scene, .prim = prim};
   if (succeeds([&] { return state_->insert(id, entry); })) return true;
   state_->delegate->DestroyBprim(prim);
   return false;
@@ -215,7 +215,7 @@ bool RenderIndex::InsertInstancer(SceneDelegate* scene, const Path& id) {
   if (Has(id)) return false;
   Instancer* instancer = state_->delegate->CreateInstancer(id);
   if (!instancer) return false;
-  const Entry entry{.kind = Kind::instancer, .type = Token(), .scene = scene, .instancer = instancer};
+  const Entry entry{.kind = PrimType::instancer, .type = Token(), .scene = scene, .instancer = instancer};
   if (succeeds([&] { return state_->insert(id, entry); })) return true;
   state_->delegate->DestroyInstancer(instancer);
   return false;
@@ -235,13 +235,13 @@ bool RenderIndex::Has(const Path& id) const {
 
 Sprim* RenderIndex::GetSprim(const Path& id) const {
   const auto found = state_->entries.find(id);
-  const bool is = found != state_->entries.end() && found->second.kind == Kind::sprim;
+  const bool is = found != state_->entries.end() && found->second.kind == PrimType::sprim;
   return is ? static_cast<Sprim*>(found->second.prim) : nullptr;
 }
 
 Bprim* RenderIndex::GetBprim(const Path& id) const {
   const auto found = state_->entries.find(id);
-  const bool is = found != state_->entries.end() && found->second.kind == Kind::bprim;
+  const bool is = found != state_->entries.end() && found->second.kind == PrimType::bprim;
   return is ? static_cast<Bprim*>(found->second.prim) : nullptr;
 }
 
@@ -259,11 +259,11 @@ RenderDelegate* RenderIndex::GetRenderDelegate() const {
 }
 
 void RenderIndex::State::sync_dirty() {
-  for (const Token& type : delegate->GetSupportedBprimTypes()) sync_kind(Kind::bprim, type, false);
+  for (const Token& type : delegate->GetSupportedBprimTypes()) sync_kind(PrimType::bprim, type, false);
   // Sync of Sprims only copies values: the builder decodes images. Hosts expect them one at a time.
-  for (const Token& type : delegate->GetSupportedSprimTypes()) sync_kind(Kind::sprim, type, false);
-  sync_kind(Kind::instancer, Token(), false);
-  for (const Token& type : delegate->GetSupportedRprimTypes()) sync_kind(Kind::rprim, type, true);
+  for (const Token& type : delegate->GetSupportedSprimTypes()) sync_kind(PrimType::sprim, type, false);
+  sync_kind(PrimType::instancer, Token(), false);
+  for (const Token& type : delegate->GetSupportedRprimTypes()) sync_kind(PrimType::rprim, type, true);
 }
 
 bool RenderIndex::SyncAll() {

@@ -28,7 +28,7 @@ std::string range_fault(const SampleRange& range) {
   return range.begin < range.end ? "" : "it does not say which samples it has; render its part again";
 }
 
-std::string text_of(const SampleRange& range) {
+std::string range_text(const SampleRange& range) {
   return std::to_string(range.begin) + ":" + std::to_string(range.end);
 }
 
@@ -182,9 +182,9 @@ std::vector<Part> open_parts(const Array<std::string>& files, const std::shared_
     if (!difference.empty())
       *fault = in_quotes(part.file) + " is of another render than " + in_quotes(parts[0].file) + ": " + difference;
     else if (part.range.begin > end)
-      *fault = "samples " + text_of({end, part.range.begin}) + " are missing: no part has them";
+      *fault = "samples " + range_text({end, part.range.begin}) + " are missing: no part has them";
     else if (part.range.begin < end)
-      *fault = in_quotes(part.file) + " has samples " + text_of(part.range) +
+      *fault = in_quotes(part.file) + " has samples " + range_text(part.range) +
                ", of which another part has those before " + std::to_string(end);
     if (!fault->empty()) return {};
     end = part.range.end;
@@ -243,7 +243,7 @@ std::string Checkpoints::fault(const BuiltScene* scene, const RenderRequest& req
     if (!difference.empty())
       fault = "it is of another render: " + difference;
     else if (range.begin != now.begin || (now.begin > 0 && range.end != now.end))
-      fault = "it has samples " + text_of(range) + " of each pixel, and the render those of " + text_of(now);
+      fault = "it has samples " + range_text(range) + " of each pixel, and the render those of " + range_text(now);
     else if (!has_state_of(settings, *pending->state))
       fault = "it is damaged: it does not hold what its header says";
     else if (!settings.adaptive && film.most_samples() > now.end - now.begin)

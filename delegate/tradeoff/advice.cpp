@@ -9,7 +9,6 @@ namespace alabaster::tradeoff {
 namespace {
 
 constexpr double kBudgets[] = {60, 600, 3600};  // seconds
-constexpr double kMostSamples = 1048576;
 
 struct Candidate {
   Estimate squared_error;
@@ -20,7 +19,7 @@ struct Candidate {
 /// Two digits, as the prediction has no more.
 uint64_t rounded(double samples) {
   const double digits = std::pow(10.0, std::max(0.0, std::floor(std::log10(std::max(1.0, samples))) - 1));
-  return static_cast<uint64_t>(std::clamp(std::floor(samples / digits) * digits, 1.0, kMostSamples));
+  return static_cast<uint64_t>(std::clamp(std::floor(samples / digits) * digits, 1.0, double(kMostSamples)));
 }
 
 const Configuration* configuration_of(const Row& row, const ConfigurationList& list) {
@@ -40,7 +39,7 @@ Candidate candidate_of(const Row& row, double cpu_seconds, double timing_error, 
     return {squared, double(row.samples), &row};
   }
   if (affordable < double(configuration.first_samples())) return {};
-  const double samples = std::min(affordable, kMostSamples);
+  const double samples = std::min(affordable, double(kMostSamples));
   CurvePoint point{0, row.cpu_seconds, row.squared_noise, row.squared_bias};
   const double error = std::hypot(row.squared_noise.standard_error,
                                   row.squared_noise.value * timing_error / std::sqrt(double(row.replicas)));

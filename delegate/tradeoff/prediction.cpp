@@ -7,7 +7,7 @@
 namespace alabaster::tradeoff {
 namespace {
 
-using Row = std::array<double, 3>;  // one factor for each unknown: ln E^2 of the last probe, p, outline share
+using Factors = std::array<double, 3>;  // one factor for each unknown: ln E^2 of the last probe, p, outline share
 
 // The prior from other scenes: mean and standard deviation.
 constexpr double kExponent = 1.02, kExponentSigma = 0.08;
@@ -25,7 +25,7 @@ double square(double x) {
 /// Observations y = row . unknowns, each with a standard deviation, summed up as normal equations.
 class LeastSquares {
  public:
-  void add(const Row& row, double y, double sigma) {
+  void add(const Factors& row, double y, double sigma) {
     for (size_t i = 0; i < 3; ++i) {
       for (size_t j = 0; j < 3; ++j) normal_[i][j] += row[i] * row[j] / square(sigma);
       right_[i] += row[i] * y / square(sigma);
@@ -35,7 +35,7 @@ class LeastSquares {
   /// Solves by Gauss-Jordan elimination. Priors and at least one observation make the matrix positive definite, so no
   /// pivoting is needed.
   void solve() {
-    std::array<Row, 3> a = normal_;
+    std::array<Factors, 3> a = normal_;
     covariance_ = {{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}};
     for (size_t k = 0; k < 3; ++k) {
       const double pivot = a[k][k];
@@ -52,8 +52,8 @@ class LeastSquares {
       for (size_t j = 0; j < 3; ++j) unknowns_[i] += covariance_[i][j] * right_[j];
   }
 
-  const Row& unknowns() const { return unknowns_; }
-  double variance(const Row& gradient) const {
+  const Factors& unknowns() const { return unknowns_; }
+  double variance(const Factors& gradient) const {
     double sum = 0;
     for (size_t i = 0; i < 3; ++i)
       for (size_t j = 0; j < 3; ++j) sum += gradient[i] * covariance_[i][j] * gradient[j];
@@ -61,8 +61,8 @@ class LeastSquares {
   }
 
  private:
-  std::array<Row, 3> normal_{}, covariance_{};
-  Row right_{}, unknowns_{};
+  std::array<Factors, 3> normal_{}, covariance_{};
+  Factors right_{}, unknowns_{};
 };
 
 bool is_rendered(const Probe& p) {

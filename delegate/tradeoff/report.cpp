@@ -21,7 +21,7 @@ namespace {
 using nlohmann::ordered_json;
 
 /// An unknown number is null in JSON and empty in CSV.
-ordered_json number(double value) {
+ordered_json number_or_null(double value) {
   return std::isfinite(value) ? ordered_json(value) : ordered_json(nullptr);
 }
 
@@ -36,26 +36,26 @@ ordered_json columns_of(const Row& row) {
           {"group", row.group},
           {"samples", row.samples},
           {"replicas", row.replicas},
-          {"cpuSeconds", number(row.cpu_seconds)},
-          {"denoiseCpuSeconds", number(row.denoise_cpu_seconds)},
-          {"wallSeconds", number(row.wall_seconds)},
-          {"noise2", number(row.squared_noise.value)},
-          {"noise2Low", number(row.squared_noise.low)},
-          {"noise2High", number(row.squared_noise.high)},
-          {"bias2", number(row.squared_bias.value)},
-          {"bias2Low", number(row.squared_bias.low)},
-          {"bias2High", number(row.squared_bias.high)},
-          {"bias2Z", number(z_of(row.squared_bias))},
-          {"levelBias", number(row.level_bias.value)},
-          {"levelBiasLow", number(row.level_bias.low)},
-          {"levelBiasHigh", number(row.level_bias.high)},
-          {"levelBiasZ", number(z_of(row.level_bias))},
-          {"total", number(row.total.value)},
-          {"totalLow", number(row.total.low)},
-          {"totalHigh", number(row.total.high)},
-          {"displayRmse", number(row.display_rmse)},
-          {"flip", number(row.flip)},
-          {"reportedError", number(row.reported_error)},
+          {"cpuSeconds", number_or_null(row.cpu_seconds)},
+          {"denoiseCpuSeconds", number_or_null(row.denoise_cpu_seconds)},
+          {"wallSeconds", number_or_null(row.wall_seconds)},
+          {"noise2", number_or_null(row.squared_noise.value)},
+          {"noise2Low", number_or_null(row.squared_noise.low)},
+          {"noise2High", number_or_null(row.squared_noise.high)},
+          {"bias2", number_or_null(row.squared_bias.value)},
+          {"bias2Low", number_or_null(row.squared_bias.low)},
+          {"bias2High", number_or_null(row.squared_bias.high)},
+          {"bias2Z", number_or_null(z_of(row.squared_bias))},
+          {"levelBias", number_or_null(row.level_bias.value)},
+          {"levelBiasLow", number_or_null(row.level_bias.low)},
+          {"levelBiasHigh", number_or_null(row.level_bias.high)},
+          {"levelBiasZ", number_or_null(z_of(row.level_bias))},
+          {"total", number_or_null(row.total.value)},
+          {"totalLow", number_or_null(row.total.low)},
+          {"totalHigh", number_or_null(row.total.high)},
+          {"displayRmse", number_or_null(row.display_rmse)},
+          {"flip", number_or_null(row.flip)},
+          {"reportedError", number_or_null(row.reported_error)},
           {"pareto", row.pareto}};
 }
 
@@ -336,15 +336,15 @@ std::string json_text(const StudyResult& result, const ConfigurationList& list, 
                       {"machine", machine_name()},
                       {"versions", AlabasterVersions()},
                       {"complete", context.complete},
-                      {"spentSeconds", number(context.spent_seconds)},
+                      {"spentSeconds", number_or_null(context.spent_seconds)},
                       {"reference",
                        {{"settings", list.reference.fingerprint()},
                         {"samples", reference.samples},
                         {"replicas", reference.replicas},
-                        {"cpuSeconds", number(reference.cpu_seconds)},
-                        {"noise", number(reference.noise)},
-                        {"displayRmseOfHalves", number(reference.display_rmse)},
-                        {"flipOfHalves", number(reference.flip)}}},
+                        {"cpuSeconds", number_or_null(reference.cpu_seconds)},
+                        {"noise", number_or_null(reference.noise)},
+                        {"displayRmseOfHalves", number_or_null(reference.display_rmse)},
+                        {"flipOfHalves", number_or_null(reference.flip)}}},
                       {"configurations", ordered_json::array()},
                       {"skipped", list.skipped},
                       {"rows", ordered_json::array()}};
@@ -354,9 +354,9 @@ std::string json_text(const StudyResult& result, const ConfigurationList& list, 
   for (const Row& row : result.rows) report["rows"].push_back(columns_of(row));
   for (const ConfigurationSummary& summary : summarize(result))
     report["summaries"].push_back({{"configuration", summary.best->configuration},
-                                   {"cost", number(summary.cost_ratio.value)},
-                                   {"costLow", number(summary.cost_ratio.low)},
-                                   {"costHigh", number(summary.cost_ratio.high)},
+                                   {"cost", number_or_null(summary.cost_ratio.value)},
+                                   {"costLow", number_or_null(summary.cost_ratio.low)},
+                                   {"costHigh", number_or_null(summary.cost_ratio.high)},
                                    {"comparedAt", summary.compared_at},
                                    {"hasEffect", summary.has_effect}});
   return report.dump(2, ' ', false, ordered_json::error_handler_t::replace) + "\n";

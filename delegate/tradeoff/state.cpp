@@ -14,7 +14,6 @@ namespace fs = std::filesystem;
 using nlohmann::json;
 
 constexpr int kFormat = 2;
-constexpr uint64_t kMostSamples = uint64_t(1) << 20;  // of a render setting
 
 std::string file_name(const StoredRender& render, const char* ending) {
   std::string name = render.configuration;

@@ -15,6 +15,9 @@
 
 namespace alabaster::tradeoff {
 
+/// The limit of setting `samples`.
+inline constexpr uint64_t kMostSamples = uint64_t(1) << 20;
+
 /// Pictures can be compared only if all of this is the same.
 struct StudyIdentity {
   std::string scene;       // as given
