@@ -254,7 +254,7 @@ TEST(Furnace, WhiteFurnacePerLobe) {
   row("diffuse, roughness 1", DisneyDiffuse{Rgb(1.0f), Rgb(1.0f), 1}, 1, 1.5576);
 }
 
-TEST(Furnace, FibresTakeWhatTheyReflect) {
+TEST(Furnace, FibresReduceTheBaseByWhatTheyReflect) {
   for (float roughness : {0.0f, 0.1f, 0.2f, 0.5f, 1.0f}) {
     const CharlieSheen fibres = CharlieSheen::from(Rgb(1.0f), roughness);
     for (double angle : kAngles) {
@@ -275,7 +275,7 @@ TEST(Furnace, FibresTakeWhatTheyReflect) {
 
 // A coat takes its reflection from the base: a Lambertian one keeps exactly passed(wo), a rough mirror as much as its
 // albedo allows.
-TEST(Furnace, ACoatTakesWhatItReflects) {
+TEST(Furnace, CoatReducesTheBaseByWhatItReflects) {
   const DisneyCoat coat = DisneyCoat::from(1, 0.3f);
   DisneySpecular metal;
   metal.f0 = metal.f90 = Rgb(1.0f);

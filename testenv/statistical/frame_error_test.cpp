@@ -201,7 +201,7 @@ struct Hair {
 
 // The variance of thin strips falls as n^-1.25 at every number of samples: finer strata resolve narrower parts. The law
 // reads the same differences as noise beside a part that is nearly resolved, so E is reported too large.
-TEST(FrameErrorInterval, HairLiesInTheInterval) {
+TEST(FrameErrorInterval, ErrorOfThinGeometryLiesInTheInterval) {
   std::vector<float> reference(4 * kPixels * kPixels, 1);
   for (int i = 0; i < kPixels * kPixels; ++i)
     std::fill_n(&reference[size_t(4 * i)], 3, Hair::of(i % kPixels, i / kPixels).mean());

@@ -336,7 +336,7 @@ TEST(LightIrradiance, LightSetOfVeryDifferentLights) {
 
 // This is why the choice depends on the point: a key light of 0.3 beside a sky over a ground of 20. By power nearly all
 // samples go to the sky, which illuminates a sphere around all of the ground, but nearly all light comes from the key.
-TEST(LightIrradiance, ChoosingAtThePointPays) {
+TEST(LightIrradiance, ChoosingLightsAtThePointReducesNoise) {
   LightDescription key;
   key.light_to_world = translation(0, 0, 0.8);
   key.width = key.height = 0.3f;
@@ -366,7 +366,7 @@ TEST(LightIrradiance, ChoosingAtThePointPays) {
 }
 
 // Small disks over a floor: the tree gives their sum, and with less noise than a light chosen by lot.
-TEST(LightIrradiance, ATreeOfManyLightsPays) {
+TEST(LightIrradiance, LightTreeReducesNoise) {
   Rng place(run_seed(740), 1);
   std::vector<PlaneLight> disks;
   std::vector<Light> lights;
@@ -407,7 +407,7 @@ TEST(LightIrradiance, ATreeOfManyLightsPays) {
 
 // This is why the rect light samples solid angles from near: compares the variance of irradiance with sampling points
 // of its area.
-TEST(LightIrradiance, SolidAngleSamplingOfTheRectPays) {
+TEST(LightIrradiance, SolidAngleSamplingOfTheRectReducesNoise) {
   LightDescription d;
   d.light_to_world = translation(0, 0, 1);
   const PlaneLight light(d, Vec3d(0, 0, 0));

@@ -144,7 +144,7 @@ TEST(LightLayers, DoNotChangeTheColor) {
 
 // Light seen in a mirror is specular, whatever scattered it before.
 // promise: pipeline.aov.first_surface
-TEST(LightLayers, GoByTheFirstSurface) {
+TEST(LightLayers, FirstSurfaceSelectsTheLayer) {
   SceneBuilder b;
   DisneyParameters mirror;
   mirror.metallic = 1;
@@ -164,7 +164,7 @@ TEST(LightLayers, GoByTheFirstSurface) {
 }
 
 // promise: pipeline.aov.emission
-TEST(LightLayers, ShowWhatIsSeenDirectlyAsEmission) {
+TEST(LightLayers, LightSeenDirectlyIsEmission) {
   SceneBuilder b;
   DisneyParameters lamp;
   lamp.base_color = Rgb(0.0f);

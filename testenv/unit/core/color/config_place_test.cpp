@@ -16,7 +16,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-TEST(ConfigPlace, AFileLiesInTheFolderThatIsAllowed) {
+TEST(ConfigPlace, ConfigFileOutsideTheAllowedFolderIsRefused) {
   const fs::path top = fs::temp_directory_path() / ("alabaster_config_place_" + std::to_string(::getpid()));
   fs::create_directories(top / "in");
   std::ofstream(top / "f.ocio") << builtin_config_text();
@@ -38,7 +38,7 @@ TEST(ConfigPlace, AFileLiesInTheFolderThatIsAllowed) {
 }
 
 // A configuration that a scene names leads no further than the scene does.
-TEST(ConfigPlace, LutsLieInTheFolderThatIsAllowed) {
+TEST(ConfigPlace, LutsOutsideTheAllowedFolderAreRefused) {
   const fs::path top = fs::temp_directory_path() / ("alabaster_config_luts_" + std::to_string(::getpid()));
   fs::create_directories(top / "in" / "luts");
   for (const fs::path& lut : {top / "out.cube", top / "in" / "luts" / "in.cube"})

@@ -25,7 +25,7 @@ NoiseImage image_of_law(double a, double b, float level) {
   return image;
 }
 
-TEST(FrameError, FollowsItsLaw) {
+TEST(FrameError, EstimateFollowsTheModelOfNoise) {
   const double scale = 4 * (1 + kErrorFloor * kErrorFloor);  // L = 2
   for (const auto& [a, b] : {std::pair{1.0, 0.0}, std::pair{1.0, 1.0}, std::pair{0.5, 20.0}, std::pair{3.0, 7.0}}) {
     const FrameError error = estimate_frame_error(image_of_law(a, b, 2));
@@ -112,7 +112,7 @@ NoiseImage dark_with_hits(int step, float brightness) {
 }
 
 // One pixel cannot tell a stray path from a caustic that its neighbours have missed. Many can.
-TEST(FrameError, IsNotKnownWhereItRestsOnOnePixel) {
+TEST(FrameError, ErrorThatRestsOnOnePixelIsUnbounded) {
   const FrameError one = estimate_frame_error(dark_with_hits(1000, 500));
   EXPECT_TRUE(one.known);
   EXPECT_FALSE(one.is_bounded());
@@ -155,7 +155,7 @@ TEST(FrameError, DoesNotDependOnWhereRareLightLies) {
 }
 
 // Few bright samples may lie in a pixel's first ones by chance, which then looks like a law.
-TEST(FrameError, FewBrightSamplesAreNoLaw) {
+TEST(FrameError, FewBrightSamplesKeepTheIntervalWide) {
   NoiseImage image = dark_with_hits(1000, 500);
   const double expected = estimate_frame_error(image).high;
   image.pixels[5].previous = 2 * image.pixels[5].latest;  // its hit is one of the first two samples
@@ -163,7 +163,7 @@ TEST(FrameError, FewBrightSamplesAreNoLaw) {
   EXPECT_GT(estimate_frame_error(image).high, 0.7 * expected);
 }
 
-TEST(FrameError, IsNoFalseZero) {
+TEST(FrameError, UnseenLightIsNotZeroError) {
   NoiseImage image{4, 4, {}};
   image.pixels.assign(16, {.samples = 16, .level = 1});
   EXPECT_FALSE(estimate_frame_error(image).is_bounded()) << "light that no sample has met is not known";
@@ -183,7 +183,7 @@ TEST(FrameError, BlackFrameHasZeroError) {
 }
 
 // A pixel that is much brighter than all around it does not count its own level.
-TEST(FrameError, AFireflyDoesNotExcuseItsNoise) {
+TEST(FrameError, FireflyDoesNotRaiseItsOwnReferenceLevel) {
   NoiseImage image = image_of_law(1, 0, 1);
   image.pixels[7].latest = 1e3f;
   const auto with_level = [&](float level) {

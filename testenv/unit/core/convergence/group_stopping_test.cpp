@@ -33,7 +33,7 @@ TEST(GroupStopping, AnotherGroupsErrorEndsAGroup) {
 }
 
 // The doubt about an error counts as noise where it ends a group, but not where the end is predicted: it falls faster.
-TEST(GroupStopping, TellsTheErrorOfGroups) {
+TEST(GroupStopping, ErrorOfGroupsIsReported) {
   GroupStopping stopping;
   FrameError doubtful = error_of(3);
   doubtful.high = 7;
@@ -42,7 +42,7 @@ TEST(GroupStopping, TellsTheErrorOfGroups) {
   EXPECT_EQ(stopping.decide({doubtful, error_of(7), doubtful, error_of(7)}, 5.1), 0b0101u);
 }
 
-TEST(GroupStopping, WithoutTheOtherGroupAFrameDecidesForItself) {
+TEST(GroupStopping, GroupWithoutAnotherDecidesByItself) {
   GroupStopping stopping;
   EXPECT_EQ(stopping.decide({error_of(3), FrameError{}, FrameError{}, error_of(1)}, 1), 0b1010u);
 }

@@ -26,7 +26,7 @@ TEST(PixelGroup, EachBlockHasAQuadOfEachGroup) {
 
 // Whatever the pattern of a picture, no group has more of it than chance gives: all 24 orders occur equally often, and
 // those of neighbours are independent.
-TEST(PixelGroup, TheOrderOfABlockIsChance) {
+TEST(PixelGroup, OrderOfGroupsInABlockIsRandom) {
   constexpr int kSide = 120;
   std::map<std::array<int, 4>, int> orders;
   int equal = 0;

@@ -117,7 +117,7 @@ TEST(Denoiser, PassesThePictureAndItsDenoisedGuides) {
   EXPECT_EQ(problem, "wrong threads");
 }
 
-TEST(Denoiser, TellsItsProgressAndCanBeCancelled) {
+TEST(Denoiser, ReportsProgressAndCanBeCancelled) {
   const FakeOidn fake;
   std::string problem;
   const auto denoiser = Denoiser::load(&problem);

@@ -41,7 +41,7 @@ TEST(GroupedItems, AreInTheOrderOfASortByGroupAndItem) {
   EXPECT_EQ(all, expected);
 }
 
-TEST(GroupedItems, MayBeNone) {
+TEST(GroupedItems, EmptyListsGiveEmptyGroups) {
   EXPECT_EQ(grouped(0, {}).size(), 0u);
   const auto empty = grouped(3, {});
   EXPECT_EQ(empty.size(), 3u);

@@ -176,7 +176,7 @@ TEST_F(InstanceCellTest, CancelledBuildStops) {
 }
 
 // A scale of 1e-20 takes rays from a unit away, but none from 1e4.
-TEST_F(InstanceCellTest, TellsFromHowFarRaysMayCome) {
+TEST_F(InstanceCellTest, ReportsTheLargestTraceableDistance) {
   const Affine tiny{{1e-11f, 0, 0}, {0, 1e-11f, 0}, {0, 0, 1e-11f}, {0, 0, 0}};
   const Affine inverse{{1e11f, 0, 0}, {0, 1e11f, 0}, {0, 0, 1e11f}, {0, 0, 0}};
   for (const bool hidden : {false, true}) {

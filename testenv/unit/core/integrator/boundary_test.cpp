@@ -207,7 +207,7 @@ TEST(Boundary, ACameraMayStandInside) {
   expect_mean(&tracer, 1, stack.passed * 1.33 * 1.33, "radiance in water is n^2 times that in air");
 }
 
-TEST(Boundary, InteriorsAboutAPoint) {
+TEST(Boundary, NestedInteriorsAreFoundAtAPoint) {
   SceneBuilder b;
   b.add(b.prototype(slab_mesh(-3, 3, 20)), b.material(clear(1.33f)));
   b.add(b.prototype(slab_mesh(-1, 1, 10)), b.material(clear(1.5f)));

@@ -239,7 +239,7 @@ TEST(LightPath, ReducesTheNoiseOfCaustics) {
   EXPECT_LT(variance(), alone / 20);
 }
 
-TEST(LightPath, IsPlannedWhereReflectionsAreNoise) {
+TEST(LightPath, LightPathsArePlannedForNoisyReflections) {
   constexpr float kLevel = 0.05f;  // of the floor
   const auto plan_of = [](Stage stage) {
     const auto scene = stage.builder.snapshot();

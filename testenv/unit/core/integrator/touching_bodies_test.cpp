@@ -33,7 +33,7 @@ const std::vector<Sight> kSights = {{"through the small ball", {0.05, 0.1, 5}, {
                                     {"the ring beside it", {0, 0, 5}, {0.55, 0, 0.8}},
                                     {"the far side", {0.5, 0.5, -5}, {0.1, 0.2, 0}}};
 
-TEST(TouchingBodies, ADropOnABodyInAFurnace) {
+TEST(TouchingBodies, DropOnABodyLosesNoLight) {
   for (const float ior : {1.1f, 1.33f, 1.5f, 2.4f})
     for (const float distance : {0.1f, 0.4f}) {
       SceneBuilder b;
@@ -43,7 +43,7 @@ TEST(TouchingBodies, ADropOnABodyInAFurnace) {
     }
 }
 
-TEST(TouchingBodies, EveryCarrierOfLight) {
+TEST(TouchingBodies, EverySubsurfaceModeLosesNoLight) {
   SceneBuilder b;
   add_pair(&b, white_body(0.3f), clear_body(1.5f));
   expect_furnace(b, kSights, {.mode = SubsurfaceMode::reference, .runs = 32, .sees_background = true}, "drop");
@@ -53,7 +53,7 @@ TEST(TouchingBodies, EveryCarrierOfLight) {
                  {.mode = SubsurfaceMode::diffusion, .runs = 64, .slack = 0.02, .sees_background = true}, "drop");
 }
 
-TEST(TouchingBodies, ABodyHalfInGlass) {
+TEST(TouchingBodies, BodyHalfInGlassLosesNoLight) {
   SceneBuilder b;
   add_pair(&b, clear_body(1.5f), white_body(0.3f));
   expect_furnace(b, kSights, {.runs = 64, .sees_background = true}, "half in glass");
@@ -70,7 +70,7 @@ struct Priorities {
   uint32_t large, small;
 };
 
-TEST(TouchingBodies, CloudyBodiesOfAnyPriority) {
+TEST(TouchingBodies, CloudyBodiesOfAnyPriorityLoseNoLight) {
   for (const Priorities& of : {Priorities{0, 0}, {1, 0}, {0, 1}}) {
     const std::string which = "priorities " + std::to_string(of.large) + ", " + std::to_string(of.small) + ": ";
     DisneyParameters cloudy = clear_body(1.5f, 0.3f), drop = clear_body(1.33f), milk = clear_body(1.4f, 0.1f);
@@ -88,7 +88,7 @@ TEST(TouchingBodies, CloudyBodiesOfAnyPriority) {
 }
 
 // The lobes of a blend take part. Without retro-reflection they keep back up to 1/42.
-TEST(TouchingBodies, ABlendOfEntryAndClearBoundary) {
+TEST(TouchingBodies, BlendOfEntryAndClearBoundaryLosesNoLight) {
   DisneyParameters blend = white_body(0.3f);
   blend.spec_trans = 0.5f;
   blend.ior = 1.4f;
@@ -101,7 +101,7 @@ TEST(TouchingBodies, ABlendOfEntryAndClearBoundary) {
 }
 
 // A drop on wax without a walk: below the drop wax is as bright as it is without it, where nothing is refracted.
-TEST(TouchingBodies, ADropOnASolidThatDiffuseLightPasses) {
+TEST(TouchingBodies, DropOnADiffuselyTransmittingSolidLosesNoLight) {
   double level[2];
   for (const float ior : {1.00005f, 1.5f}) {
     DisneyParameters wax = white_body(0);
@@ -117,7 +117,7 @@ TEST(TouchingBodies, ADropOnASolidThatDiffuseLightPasses) {
 }
 
 // Two drops that overlap, on a body that is a union.
-TEST(TouchingBodies, UnionsAndSeveralDrops) {
+TEST(TouchingBodies, UnionsAndSeveralDropsLoseNoLight) {
   SceneBuilder b;
   const auto ball = b.prototype(testing::sphere_mesh(1, 64, true));
   add(&b, ball, white_body(0.3f), Matrix4d(), "one");
@@ -128,7 +128,7 @@ TEST(TouchingBodies, UnionsAndSeveralDrops) {
 }
 
 // A drop wholly inside is not seen. A camera in it sees radiance in its medium, which is n^2 times that in air.
-TEST(TouchingBodies, ADropWhollyInside) {
+TEST(TouchingBodies, DropWhollyInsideIsNotSeen) {
   SceneBuilder b;
   const auto ball = b.prototype(testing::sphere_mesh(1, 64, true));
   add(&b, ball, white_body(0.3f));
@@ -139,7 +139,7 @@ TEST(TouchingBodies, ADropWhollyInside) {
 
 // Two boxes share a face: a ray that leaves the one goes on behind the face of the other. The camera sees that face
 // between two clear bodies, and a drop that lies flat on a cloudy block.
-TEST(TouchingBodies, FacesThatCoincide) {
+TEST(TouchingBodies, CoincidentFacesLoseNoLight) {
   struct Pair {
     const char* what;
     DisneyParameters left, right;
@@ -191,7 +191,7 @@ TEST(TouchingBodies, AnOpaqueFaceIsMetBeforeAClearOneThatCoincides) {
 }
 
 // A face that is turned and moved coincides but for rounding.
-TEST(TouchingBodies, FacesThatCoincideButForRounding) {
+TEST(TouchingBodies, NearlyCoincidentFacesLoseNoLight) {
   SceneBuilder b;
   const Matrix4d turn = Matrix4d().setAxisAngle(normalize(Vec3d(1, 2, 3)), 0.7) * moved_by(0.3, -0.2, 0.1);
   add(&b, b.prototype(testing::box_mesh({0.7f, 0.8f, 0.6f})), clear_body(1.5f), moved_by(-0.7, 0, 0) * turn);
@@ -233,7 +233,7 @@ class ListedPlaces final : public InstancePlaces {
 };
 
 // Many drops are an array of instances.
-TEST(TouchingBodies, DropsOfAnArray) {
+TEST(TouchingBodies, DropsOfAnInstanceArrayLoseNoLight) {
   SceneBuilder b;
   const auto ball = b.prototype(testing::sphere_mesh(1, 64, true));
   add(&b, ball, white_body(0.3f));

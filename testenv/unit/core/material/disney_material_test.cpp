@@ -123,7 +123,7 @@ TEST(DisneyMaterial, ScatterDistanceMapMultipliesAndIsClamped) {
   EXPECT_TRUE(material.scatters()) << "by its constants: some texel may";
 }
 
-TEST(DisneyMaterial, SaysWhatItDoes) {
+TEST(DisneyMaterial, ScatteringAndEmissionAreReported) {
   DisneyMaterial material;
   EXPECT_FALSE(material.scatters());
   EXPECT_FALSE(material.emits());

@@ -25,7 +25,7 @@ Matrix4d moved(double x) {
   return m;
 }
 
-TEST(Bodies, OnlyWhatScattersHasOne) {
+TEST(Bodies, OnlyScatteringMaterialsMakeBodies) {
   SceneBuilder b;
   const auto sphere = b.prototype(testing::sphere_mesh(1, 8, false));
   b.add(sphere, b.material({})).add(sphere, b.material(wax(0.1f)), moved(3));

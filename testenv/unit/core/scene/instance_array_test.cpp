@@ -192,7 +192,7 @@ TEST_F(InstanceArrayTest, IsTakenApartWhereInstancesMustBeKnownOneByOne) {
   EXPECT_EQ(compile()->arrays.size(), 1u);
 }
 
-TEST_F(InstanceArrayTest, TellsWhichInstanceARayMeets) {
+TEST_F(InstanceArrayTest, FindsTheInstanceThatARayHits) {
   const auto scene = compile();
   int met = 0;
   for (size_t i = 0; i < kCount; i += 7) {

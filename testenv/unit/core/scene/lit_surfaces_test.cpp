@@ -40,7 +40,7 @@ TEST(LitSurfaces, OnlyUnevenLightIsFound) {
   EXPECT_LT(lit->direction_from({0, 0, 0.8f}, 2).z, -0.6f);
 }
 
-TEST(LitSurfaces, AnObjectThatShadesTheBodyTakesItsLight) {
+TEST(LitSurfaces, ShadedBodyIsNotLit) {
   SceneBuilder b;
   b.add(b.prototype(testing::sphere_mesh(1, 32, false)), b.material(testing::medium_only(0.8f, 0.2f)));
   b.add(sun_behind());
@@ -52,7 +52,7 @@ TEST(LitSurfaces, AnObjectThatShadesTheBodyTakesItsLight) {
 }
 
 // Shadow rays of a forest would take long, before the first picture.
-TEST(LitSurfaces, ManyBodiesHaveNone) {
+TEST(LitSurfaces, ManyBodiesGetNoLitSurfaces) {
   SceneBuilder b;
   const auto ball = b.prototype(testing::sphere_mesh(1, 8, false));
   const auto wax = b.material(testing::medium_only(0.8f, 0.2f));

@@ -82,7 +82,7 @@ class Edited : public ::testing::Test {
   std::shared_ptr<const SceneSnapshot> before_, now_;
 };
 
-TEST_F(Edited, ALightThatMovesLeavesTheTopLevelAndTheDomesImage) {
+TEST_F(Edited, MovedLightKeepsTheTopLevelAndTheDomesImage) {
   b_.description.lights[1].light_to_world[3][0] = 3;
   compile();
   EXPECT_EQ(now_->top, before_->top);
@@ -91,7 +91,7 @@ TEST_F(Edited, ALightThatMovesLeavesTheTopLevelAndTheDomesImage) {
   expect_as_fresh();
 }
 
-TEST_F(Edited, AMaterialsConstantLeavesAllButTheMaterial) {
+TEST_F(Edited, EditedConstantRecompilesTheMaterialAlone) {
   const auto other = b_.material(wax(0.3f));
   for (size_t i = 1; i < 6; ++i) b_.description.instances[i].materials = {other};
   const LitSurface* const lit = now_->instances[5].body->lit->get();
@@ -104,7 +104,7 @@ TEST_F(Edited, AMaterialsConstantLeavesAllButTheMaterial) {
   expect_as_fresh();
 }
 
-TEST_F(Edited, AnObjectThatMovesTakesItsBodyAlong) {
+TEST_F(Edited, MovedObjectMovesItsBody) {
   b_.description.instances[2].object_to_world = moved(0.7);
   compile();
   EXPECT_NE(now_->top, before_->top);
@@ -114,7 +114,7 @@ TEST_F(Edited, AnObjectThatMovesTakesItsBodyAlong) {
   expect_as_fresh();
 }
 
-TEST_F(Edited, LightsThatComeAndGoAndShineElsewhere) {
+TEST_F(Edited, EditedLightsCompileAsAFreshScene) {
   b_.description.lights[0].color = Rgb(0.5f, 1, 1);  // another density
   compile();
   EXPECT_NE(dome_image(*now_), dome_image(*before_));

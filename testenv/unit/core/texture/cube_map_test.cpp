@@ -63,7 +63,7 @@ TEST(CubeMap, FacesAreWhatACameraSees) {
     }
 }
 
-TEST(CubeMap, BecomesLatitudeAndLongitude) {
+TEST(CubeMap, ConvertsToLatitudeAndLongitude) {
   const auto sky = [](const Vec3d& d) { return Rgb(1 + float(d.x) / 2, 1 + float(d.y) / 2, 1 + float(d.z) / 2); };
   const CubeMap cube = cube_of(32, sky);
   const std::vector<Rgb> image = to_lat_long(cube);

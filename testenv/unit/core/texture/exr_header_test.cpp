@@ -72,7 +72,7 @@ TEST(ExrHeader, TruncatedHeaderIsLeftToOpenExr) {
   EXPECT_EQ(fault_of(file(0, std::string(1000, 'n'), 0)), "");
 }
 
-TEST(ExrHeader, ClaimsNoAttributeBeyondTheFile) {
+TEST(ExrHeader, AttributeBeyondTheFileIsRefused) {
   std::string bytes = attribute("note", "string", "text");
   bytes.replace(bytes.size() - 8, 4, number(1979711495));
   EXPECT_EQ(fault_of(file(0, bytes, 100)),
@@ -82,7 +82,7 @@ TEST(ExrHeader, ClaimsNoAttributeBeyondTheFile) {
             std::string::npos);
 }
 
-TEST(ExrHeader, ClaimsNoMorePiecesThanTheFileHasOffsets) {
+TEST(ExrHeader, MorePiecesThanOffsetsAreRefused) {
   EXPECT_EQ(fault_of(file(0, part(window(1, 100000000)), 600)),
             "it claims 100000000 pieces, more than the file has; export or copy the image again");
   const std::string blocks = attribute("compression", "compression", std::string(1, '\3'));  // ZIP: sixteen lines
@@ -99,7 +99,7 @@ TEST(ExrHeader, ClaimsNoMorePiecesThanTheFileHasOffsets) {
 }
 
 // Each costs OpenEXR many times its bytes.
-TEST(ExrHeader, HasNoMillionAttributes) {
+TEST(ExrHeader, TooManyAttributesAreRefused) {
   std::string many;
   for (int i = 0; i < 1 << 16; ++i) many += attribute("a", "b", "");
   EXPECT_EQ(fault_of(file(0, part(many), 8)), "");
@@ -107,7 +107,7 @@ TEST(ExrHeader, HasNoMillionAttributes) {
             "the image has more than 65536 attributes; export it with fewer");
 }
 
-TEST(ExrHeader, ClaimsNoPixelsBeyondTheLimit) {
+TEST(ExrHeader, PixelsBeyondTheLimitAreRefused) {
   EXPECT_EQ(fault_of(file(0, part(window(0x40000000, 1)), 600)),
             "the image claims 1073741824 x 1 pixels and the limit is 268435456 pixels; make it smaller");
   EXPECT_NE(fault_of(file(kTiled, part(window(10, 10) + tiles(20000, 20000)), 600)).find("tiles of 20000 x 20000"),

@@ -296,7 +296,7 @@ class ImageCube : public ImageValues {
 };
 
 // Places beside the middle of each face: longitude falls from left to right. Faces: ImfEnvmap.h.
-TEST_F(ImageCube, IsAnEnvironment) {
+TEST_F(ImageCube, CubeMapFileIsReadAsAnEnvironment) {
   TextureSource source;
   source.path = write_cube(), source.is_environment = true;
   const auto t = load(source);

@@ -285,7 +285,7 @@ class EndlessPass final : public hd::RenderPass {
   int* executed_;
 };
 
-TEST(PassDriver, DoesNotExecuteAgainWithABufferThatIsGone) {
+TEST(PassDriver, RemovedBufferIsNotExecutedAgain) {
   hd::Stage stage;
   hd::RenderBuffer* const held = stage.add_buffer("/held", kSize, kSize, hd::Format::float32);
   hd::RenderBuffer* const other = stage.add_buffer("/other", kSize, kSize, hd::Format::float32);

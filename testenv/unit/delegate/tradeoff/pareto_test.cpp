@@ -57,7 +57,7 @@ TEST(Front, APointThatACheaperOneBeatsIsNoReasonToPreferAnother) {
   EXPECT_EQ(on_front(std::vector{point(0, 1, 1), point(0, 4, 100, 1), point(1, 3, 0.5)}), (Flags{false, false, true}));
 }
 
-TEST(Front, CurvesAreNotFollowedFar) {
+TEST(Front, CurvesAreExtrapolatedByAFactorOfFourAtMost) {
   EXPECT_EQ(on_front(std::vector{point(0, 1, 1), point(1, 5, 2)}), (Flags{true, true}));
   EXPECT_EQ(on_front(std::vector{point(0, 1, 1), point(1, 3, 2)}), (Flags{true, false}));
 }

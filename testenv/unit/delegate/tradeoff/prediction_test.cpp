@@ -50,7 +50,7 @@ TEST(Prediction, FollowsSizeSamplesAndCost) {
 
 // With many outlines, a pixel of the frame needs fewer samples than a pixel of the coarser probe. Without outlines the
 // size does not matter.
-TEST(Prediction, KnowsOutlinesFromNoiseOfThePixels) {
+TEST(Prediction, OutlinesAreSeparatedFromPixelNoise) {
   for (const double outlines : {0.0, 60.0}) {
     const ModelScene scene{1, outlines, 1};
     const std::vector<Probe> probes{scene.probe(2500, 16, 0.01), scene.probe(10000, 16, 0.01),
@@ -105,7 +105,7 @@ TEST(Prediction, TheErrorOfGroupsEndsARender) {
   EXPECT_LT(predict(probes, 10000, 0.05, 1).samples.value, 3 * alone) << "a few bright samples";
 }
 
-TEST(Prediction, NeverBelowTheFirstLook) {
+TEST(Prediction, SamplesAreNeverFewerThanTheFirstErrorCheck) {
   const ModelScene scene;
   const Prediction p = predict({scene.probe(1000, 16, 0.05)}, 1000, 0.9, 16);
   ASSERT_TRUE(p.known);
