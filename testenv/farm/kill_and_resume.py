@@ -47,7 +47,7 @@ def same_pixels(a, b):
     return done.returncode == 0
 
 
-# promise: pipeline.output.killed, farm.checkpoint, farm.checkpoint.whole_file
+# promise: farm.checkpoint, farm.checkpoint.whole_file, pipeline.output.killed
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("program")

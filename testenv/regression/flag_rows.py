@@ -150,8 +150,8 @@ RENDER_ROWS = {
     "--aov": [Row(("--aov", "normal", "--aov", "error"), channels("N.X", "N.Y", "N.Z", "error.X"))],
     "--denoise": [Row(("--denoise",), both(channels("denoised.R"), lambda a, b: a.pixels() != b.pixels()), (*RENDER, "-o", "a.png"))],
     "--pixel": [Row(("--pixel", "12,8"), lambda a, b: len(b.out) > len(a.out) and not b.file("a.exr").exists())],
-    # promise: pipeline.stats.rays, pipeline.stats.walks, pipeline.stats.samples, pipeline.stats.error
-    # promise: pipeline.stats.delegate
+    # promise: pipeline.stats.delegate, pipeline.stats.error, pipeline.stats.rays, pipeline.stats.samples
+    # promise: pipeline.stats.walks
     "--stats": [Row(("--stats", "s.json", "--spp", "8"), consistent, ("render", "open.json", *RENDER[2:8], "--threads", "1")),
                 Row(("--stats", "s.json", "--subsurface", "diffusion"), lambda a, b: b.stats["rays"]["probe"] == b.stats["delegate"][0]["rays.probe"] > 0,
                     RENDER[:8])],
@@ -162,7 +162,7 @@ RENDER_ROWS = {
     "--checkpoint": [Row(("--checkpoint", "c.checkpoint"), writes("c.checkpoint"))],
     "--checkpoint-interval": [Row(("--checkpoint-interval", "0.05"), lambda a, b: b.stats["delegate"][0]["checkpoint.count"] >
                                   a.stats["delegate"][0]["checkpoint.count"] == 1, (*CHECKPOINT, "--set", "samples=300"))],
-    # promise: farm.resume.samples, farm.resume.not_overwritten
+    # promise: farm.resume.not_overwritten, farm.resume.samples
     "--resume": [Row(("--resume",), like_the_whole, MORE, (CHECKPOINT,), (*MORE, "--checkpoint", "c.checkpoint", "--resume")),
                  Row(("--resume",), codes(2, 0), (*MORE, "--checkpoint", "c.checkpoint"), (CHECKPOINT,))],
     "--samples": [Row(("--samples", "1:3", "--checkpoint", "c.checkpoint"), both(picture, lambda a, b: b.stats["samples"]["total"] == 24 * 16 * 2),

@@ -266,6 +266,7 @@ TEST(ColorConfig, WithoutInterchangeRolesRec709IsAssumedAndSaid) {
 }
 
 // OpenColorIO itself follows each of these until the stack overflows, or never returns.
+// promise: pipeline.limits
 TEST(ColorConfig, ConfigurationsThatNeverEndAreRefused) {
   const Folder folder;
   ASSERT_EQ(::mkfifo((folder / "fifo.cube").c_str(), 0600), 0);

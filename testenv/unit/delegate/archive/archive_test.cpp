@@ -161,7 +161,7 @@ TEST(Archive, EveryFormOfValueComesBack) {
   EXPECT_TRUE(first == bytes_of(file));
 }
 
-// promise: pipeline.archive.versions, pipeline.archive.checks
+// promise: pipeline.archive.checks, pipeline.archive.versions
 TEST(Archive, CutAndChangedFilesAreRefusedOrRead) {
   const TemporaryFolder folder;
   RetainedSceneDelegate scene;

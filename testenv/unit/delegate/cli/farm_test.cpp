@@ -31,7 +31,7 @@ class Farm : public hd::description::SceneFiles {
   }
 };
 
-// promise: farm.files.task, farm.files.merge, farm.files.status, farm.engine.script
+// promise: farm.engine.script, farm.files.merge, farm.files.status, farm.files.task
 TEST_F(Farm, TheMergedFrameIsThatOfOneMachineThoughATaskIsLost) {
   const std::vector<std::string> frame{"--size", "20x12", "--set", "samples=10", "--aov", "depth", "--set", "seed=7"};
   std::vector<std::string> alone{"render", "patch.gltf", "-o", "alone.exr"},

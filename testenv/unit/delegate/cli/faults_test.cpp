@@ -60,7 +60,7 @@ class FaultsTest : public hd::description::SceneFiles {
   }
 };
 
-// promise: pipeline.exit.degraded, pipeline.faults, pipeline.stats.status, pipeline.stats.faults
+// promise: pipeline.exit.degraded, pipeline.faults, pipeline.stats.faults, pipeline.stats.status
 TEST_F(FaultsTest, AnImageThatCannotBeReadIsOneFaultWhereverItIsNamed) {
   const std::string good = "\x89PNG\r\n\x1a\n";
   write("cut.png", good + std::string("\0\0\0\x0dIHDR", 8));
@@ -269,6 +269,31 @@ TEST_F(FaultsTest, ManyFaultsDoNotEndAJpeg) {
   EXPECT_TRUE(exists("a.jpg"));
 }
 
+// promise: pipeline.limits
+TEST_F(FaultsTest, InputsBeyondTheirLimitsAreRefused) {
+  constexpr size_t kMiB = 1 << 20;
+  const auto description = [&](size_t bytes) {
+    const std::string text = R"({"models": [{"file": "patch.gltf"}])";
+    write("long.json", text + std::string(bytes - text.size() - 1, ' ') + "}");
+    return run({"check", "long.json"});
+  };
+  EXPECT_EQ(description(64 * kMiB).code, 0);
+  const Outcome large = description(64 * kMiB + 1);
+  EXPECT_EQ(large.code, 3);
+  EXPECT_HAS(large.err, "larger than 64 MiB");
+  const auto document = [&](size_t values) {
+    std::string list = "0";
+    for (size_t i = 1; i < values; ++i) list += ",0";
+    std::string text = hd::description::patch_gltf(false, false);
+    write("values.gltf", text.insert(text.find('{') + 1, R"("extras": [)" + list + "],"));
+    return run({"check", "values.gltf"});
+  };
+  EXPECT_EQ(document(9'990'000).code, 0);
+  const Outcome many = document(10'000'001);
+  EXPECT_EQ(many.code, 3);
+  EXPECT_HAS(many.err, "too many values");
+}
+
 // promise: pipeline.stats.scene
 TEST_F(FaultsTest, NamesThatAreNotUtf8ReachTheStatistics) {
   std::filesystem::copy_file(folder_ / "lit.gltf", folder_ / "a\xff.gltf");
@@ -436,7 +461,7 @@ TEST_F(FaultsTest, ClosedStandardErrorKeepsThePicture) {
   EXPECT_TRUE(exists("a.exr"));
 }
 
-// promise: pipeline.output.new, pipeline.exit.output
+// promise: pipeline.exit.output, pipeline.output.new
 TEST_F(FaultsTest, ALimitOnFileSizeLeavesNothingHalfWritten) {
   const Outcome outcome = run({"render", "patch.gltf", "--size", "256x256", "--spp", "1", "-o", "a.exr"}, [] {
     const rlimit limit{8192, 8192};

@@ -96,7 +96,7 @@ TEST_F(ProgramTest, OutputErrorsEndWithFiveBeforeRendering) {
   EXPECT_EQ(run(quick({"-o", "a.exr", "--stats", "absent/s.json"})).code, 5);
 }
 
-// promise: pipeline.exit.success, pipeline.stats.status, pipeline.stats.settings, pipeline.stats.files
+// promise: pipeline.exit.success, pipeline.stats.files, pipeline.stats.settings, pipeline.stats.status
 TEST_F(ProgramTest, RendersFilesAndStatistics) {
   const size_t before = file_count();
   const Outcome done = run(quick({"-o", "a.exr", "-o", "b.png", "--aov", "depth", "--aov", "primId", "--stats",
@@ -155,7 +155,7 @@ TEST_F(ProgramTest, LayersOfLightAddUpToTheColorInTheFile) {
 }
 
 // Other programs read these keys.
-// promise: pipeline.stats.versions, pipeline.stats.frames, pipeline.stats.phases, pipeline.stats.peak_memory
+// promise: pipeline.stats.frames, pipeline.stats.peak_memory, pipeline.stats.phases, pipeline.stats.versions
 TEST_F(ProgramTest, StatisticsHaveTheirDocumentedKeys) {
   ASSERT_EQ(run(quick({"-o", "a.exr", "--stats", "s.json"})).code, 0);
   std::ifstream file(folder_ / "s.json");

@@ -58,7 +58,7 @@ class LoadArchive : public ::testing::Test {
   std::string said_;
 };
 
-// promise: pipeline.archive.lights, pipeline.archive.camera
+// promise: pipeline.archive.camera, pipeline.archive.lights
 TEST_F(LoadArchive, KeepsItsSettingsCamerasAndDarkness) {
   LoadOptions options;
   options.overrides = {"samples=9"};

@@ -111,7 +111,7 @@ TEST(FrameRecorder, APauseFromBeforeEnds) {
   EXPECT_EQ(RecordFrame(stage.index.get(), &stage.scene, "/settings", {}).status, RecordStatus::done);
 }
 
-// promise: pipeline.products, farm.resume.one_render
+// promise: farm.resume.one_render, pipeline.products
 TEST(FrameRecorder, PicturesOfSeveralCamerasHaveNoCheckpoint) {
   const Folder folder;
   Stage stage;

@@ -39,7 +39,7 @@ std::vector<uint32_t> read_uints(const std::string& file, const std::string& cha
   return values;
 }
 
-// promise: pipeline.name.layers, pipeline.aov.color, pipeline.format.exr
+// promise: pipeline.aov.color, pipeline.format.exr, pipeline.name.layers
 TEST_F(ProductFile, ExrHoldsEveryAovUnderItsUsualName) {
   RenderProduct p = product("all.exr");
   p.vars = all_vars();
@@ -183,7 +183,7 @@ TEST_F(ProductFile, ValidProductsAreWrittenBesideInvalidOnes) {
   EXPECT_EQ(reports_[0].where, bad.file);
 }
 
-// promise: pipeline.format.png_tif, pipeline.format.jpg
+// promise: pipeline.format.jpg, pipeline.format.png_tif
 TEST_F(ProductFile, IntegerFilesGoThroughTheView) {
   const ProductImage image = frame();
   for (const char* name : {"v.png", "v.tif", "v.tiff", "v.jpg", "v.jpeg", "V.PNG"})
