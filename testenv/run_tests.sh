@@ -1,19 +1,20 @@
 #!/bin/sh
 # Builds Alabaster and runs its tests; in CI (environment variable CI set) warnings are errors. Installs missing Debian
 # packages; may be run again.
-#   run_tests.sh [--long] [--hosts] [--systems] [--sanitize address,undefined | --sanitize thread] [arguments for ctest]
+#   run_tests.sh [--long] [--nightly] [--hosts] [--systems] [--sanitize address,undefined | --sanitize thread] [arguments for ctest]
 # Without an option: the tests labelled fast, and what they need is built. --long: also those labelled long. --hosts: also
 # those labelled host, whose programs (Blender, Slurm, openjd-cli, OpenUSD) it installs. --systems: on Debian 12 and 13 from
-# bare (systems/run_systems.sh, needs root); alone, nothing else. Arguments for ctest without one of these options choose
-# from all tests (-R kill_and_resume); -C nightly adds those labelled nightly, which take hours.
+# bare (systems/run_systems.sh, needs root); alone, nothing else. --nightly: also those labelled nightly, for hours.
+# Arguments for ctest without one of these options choose from all tests (-R kill_and_resume).
 # Environment: ALABASTER_TEST_ASSETS names a folder of glTF test files (sss, subdiv, valid, invalid). Without it, tests
 # that need it report that they were skipped. The last lines name what did not run, and why.
 set -eu
 top=$(cd "$(dirname "$0")/.." && pwd)
-sanitize="" build="$top/build/release" labels="" systems="" hosts_wanted=""
+sanitize="" build="$top/build/release" labels="" systems="" hosts_wanted="" configuration=Release
 while [ $# -gt 0 ]; do
   case $1 in
     --long) labels="$labels|long" ;;
+    --nightly) labels="$labels|nightly" configuration=nightly ;;
     --hosts) labels="$labels|host" hosts_wanted=yes ;;
     --systems) systems=yes ;;
     --sanitize)
@@ -64,6 +65,6 @@ cd "$build"
 rm -f junit.xml
 ctest -C nightly --show-only=json-v1 > every_test.json
 failed=0
-ctest --output-on-failure --output-junit junit.xml --test-output-size-passed 10000000 -j "$(nproc)" "$@" || failed=$?
+ctest --output-on-failure --output-junit junit.xml --test-output-size-passed 10000000 -C "$configuration" -j "$(nproc)" "$@" || failed=$?
 python3 "$top/testenv/not_run.py" junit.xml every_test.json
 exit "$failed"
