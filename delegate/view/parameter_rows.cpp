@@ -11,7 +11,7 @@
 namespace alabaster::view {
 namespace {
 
-using json = nlohmann::ordered_json;  // rows have the order of the tables
+using nlohmann::ordered_json;  // rows have the order of the tables
 
 constexpr double kInfinite = std::numeric_limits<double>::infinity();
 constexpr double kMostInteger = (1 << 30) - 1, kMostNumber = 1e37;  // that sliders take
@@ -44,15 +44,15 @@ std::string label_of(const std::string& name) {
   return label;
 }
 
-void read_limits(const json& schema, ParameterRow* row) {
+void read_limits(const ordered_json& schema, ParameterRow* row) {
   row->minimum = schema.value("minimum", schema.value("exclusiveMinimum", -kInfinite) + kLeastAbove);
   row->maximum = schema.value("maximum", kInfinite);
 }
 
 // False for what no row can show.
-bool read_type(const json& schema, const json& entry, ParameterRow* row) {
+bool read_type(const ordered_json& schema, const ordered_json& entry, ParameterRow* row) {
   const std::string type = schema.value("type", "");
-  const json& value = entry["default"];
+  const ordered_json& value = entry["default"];
   if (type == "boolean") {
     row->kind = RowKind::toggle, row->default_value = value.get<bool>();
   } else if (type == "string") {
@@ -78,7 +78,7 @@ std::vector<ParameterRow> parameter_rows(const std::string& schema) {
   std::vector<ParameterRow> rows;
   const char* const text = hd::description::SchemaText(schema);
   if (!text) return rows;
-  const json document = json::parse(text);
+  const ordered_json document = ordered_json::parse(text);
   for (const auto& [name, entry] : document["properties"].items()) {
     ParameterRow row;
     row.name = name, row.label = label_of(name);

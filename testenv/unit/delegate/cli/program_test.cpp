@@ -178,6 +178,11 @@ TEST_F(ProgramTest, StatisticsHaveTheirDocumentedKeys) {
   EXPECT_EQ(keys(stats["walks"]), (Names{"count", "events", "exits", "lost", "lostShare", "segments"}));
   EXPECT_EQ(keys(stats["samples"]), (Names{"perPixel", "total"}));
   EXPECT_GT(stats["peakMemory"], 1 << 20);
+  EXPECT_EQ(stats["resolutions"], nlohmann::json({{32, 24}}));
+  EXPECT_EQ(stats["frames"], nlohmann::json({0}));
+  ASSERT_GT(stats["versions"].size(), 5u);
+  EXPECT_EQ(stats["versions"][0], "0.1.0");
+  EXPECT_TRUE(stats["versions"][1].get<std::string>().starts_with("Embree "));
 }
 
 // promise: pipeline.output.input
