@@ -9,7 +9,7 @@
 namespace alabaster::testing {
 namespace {
 
-struct Plane {
+struct Receiver {
   Vec3f p, n;
 };
 
@@ -22,8 +22,8 @@ TEST(RectLight, ALobeChangesTheSamplesAlone) {
   d.light_to_world = Matrix4d(1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 3, 1);
   const PlaneLight light(d, Vec3d(0, 0, 0));
   uint64_t seed = 160;
-  for (const Plane& plane : {Plane{{0, 0, 0}, {0, 0, 1}}, Plane{{3, 2, 0}, normalize(Vec3f(-1, 0, 1))},
-                             Plane{{0.5f, 0, 0}, {1, 0, 0}}, Plane{{-30, 0, 0}, normalize(Vec3f(1, 0, 1))}}) {
+  for (const Receiver& plane : {Receiver{{0, 0, 0}, {0, 0, 1}}, Receiver{{3, 2, 0}, normalize(Vec3f(-1, 0, 1))},
+                                Receiver{{0.5f, 0, 0}, {1, 0, 0}}, Receiver{{-30, 0, 0}, normalize(Vec3f(1, 0, 1))}}) {
     Rng rng(run_seed(seed++), 1);
     // By solid angle, from the same height below the rectangle.
     const auto seen_at = [&](double edge, float from) {
@@ -57,7 +57,7 @@ TEST(RectLight, IsSampledWithLessNoiseFromAfar) {
     const PlaneLight light(d, Vec3d(0, 0, 0));
     const Vec3f to_light = sample_uniform_cone(uniform2(rng), 0.9f);
     const float half_diagonal = 0.5f * std::hypot(d.width, d.height);
-    const Plane plane{to_light * (-2.001f * half_diagonal), sample_cosine_hemisphere(uniform2(rng))};
+    const Receiver plane{to_light * (-2.001f * half_diagonal), sample_cosine_hemisphere(uniform2(rng))};
     const auto x = [&](double side) { return (0.5 * d.width * side - plane.p.x) / -plane.p.z; };
     const auto y = [&](double side) { return (0.5 * d.height * side - plane.p.y) / -plane.p.z; };
     const SphericalRectangle seen(x(-1), x(1), y(-1), y(1));

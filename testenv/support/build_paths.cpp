@@ -1,9 +1,16 @@
 #include "testenv/support/build_paths.h"
 
+#include <fstream>
+#include <iterator>
+
 namespace alabaster::testing {
 
 std::string source_file(const std::string& below) {
   return ALABASTER_SOURCE_DIR "/" + below;
+}
+std::string source_text(const std::string& below) {
+  std::ifstream file(source_file(below));
+  return {std::istreambuf_iterator<char>(file), {}};
 }
 
 const char* const kProgram = ALABASTER_PROGRAM;

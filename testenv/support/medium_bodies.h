@@ -89,4 +89,9 @@ inline void expect_same(const Film& a, const Film& b, const char* what) {
   for (const ZTestResult& quarter : compare_quarters(a, b)) EXPECT_TRUE(plausible(quarter)) << what;
 }
 
+/// A translation along x.
+inline Matrix4d moved(double x) {
+  return Matrix4d().setTranslation(Vec3d(x, 0, 0));
+}
+
 }  // namespace alabaster::testing

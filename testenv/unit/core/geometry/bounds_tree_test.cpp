@@ -4,23 +4,18 @@
 
 #include <algorithm>
 
-#include "core/sampling/pixel_sampler.h"
+#include "testenv/support/random_point.h"
 
 namespace alabaster {
 namespace {
-
-Vec3f random_point(Rng& rng) {
-  const float x = rng.uniform(), y = rng.uniform();
-  return {x, y, rng.uniform()};
-}
 
 TEST(BoundsTree, VisitsTheBoxesThatHoldAPointAndNoOthers) {
   Rng rng(3, 7);
   std::vector<Bounds> boxes;
   for (int i = 0; i < 3000; ++i) {
-    const Vec3f at = random_point(rng);
+    const Vec3f at = test::random_point(rng);
     const float size = i % 10 == 0 ? 0.0f : 0.1f;
-    boxes.push_back({at, at + random_point(rng) * size});
+    boxes.push_back({at, at + test::random_point(rng) * size});
   }
   boxes[5] = Bounds();  // holds nothing
   const auto tree = build_bounds_tree(make_trace_device({}), boxes);
@@ -28,7 +23,7 @@ TEST(BoundsTree, VisitsTheBoxesThatHoldAPointAndNoOthers) {
   size_t found = 0;
   for (int i = 0; i < 2000; ++i) {
     // Corners count as within.
-    const Vec3f p = i % 4 == 0 ? boxes[static_cast<size_t>(i)].upper : random_point(rng) * 1.2f;
+    const Vec3f p = i % 4 == 0 ? boxes[static_cast<size_t>(i)].upper : test::random_point(rng) * 1.2f;
     std::vector<uint32_t> visited, expected;
     EXPECT_FALSE(tree->any_at(p, [&](uint32_t box) { return visited.push_back(box), false; }));
     for (uint32_t b = 0; b < boxes.size(); ++b)

@@ -270,11 +270,11 @@ TEST_F(EmbreeScene, ABuildThatMemoryDoesNotSufficeForIsNullAndReported) {
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
   GTEST_SKIP() << "sanitizers end the process when memory runs out";
 #else
-  testing::FLAGS_gtest_death_test_style = "threadsafe";
+  ::testing::FLAGS_gtest_death_test_style = "threadsafe";
   // 524288 triangles: 9.4 MB of buffers fit, the 16.8 MB of references that the build begins with do not.
   const Mesh mesh = build_mesh(test::grid_cage(512), {}, {});
   EXPECT_EXIT(build_in_little_memory(size_t(20) << 20, sink_, [&] { return build(mesh) != nullptr; }),
-              testing::ExitedWithCode(kNullAndReported), "");
+              ::testing::ExitedWithCode(kNullAndReported), "");
   const std::vector<InstancePlacement> placements(100000, {cube(), {}});
   // 600 bytes and more for each of them; there may not even be enough left to report it with.
   EXPECT_EXIT(

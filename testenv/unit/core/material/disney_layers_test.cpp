@@ -15,7 +15,7 @@ using testing::uniform2;
 
 constexpr EnergyModel kModels[] = {EnergyModel::burley2015, EnergyModel::bounded, EnergyModel::conserving};
 
-Vec3f along(float degrees, float phi = 0.3f) {
+Vec3f at_degrees(float degrees, float phi = 0.3f) {
   const float theta = degrees * kPi / 180;
   return {std::sin(theta) * std::cos(phi), std::sin(theta) * std::sin(phi), std::cos(theta)};
 }
@@ -140,10 +140,10 @@ TEST(DisneyLayers, ASheetSendsOnNoMoreLightThanItGets) {
           DisneyParameters p = white_sheet(diff_trans);
           p.coat = coated ? 1 : 0, p.sheen = coated ? 0 : 1;
           p.coat_roughness = p.sheen_roughness = roughness;
-          const auto to_lights = sent_on(p, along(degrees), EnergyModel::bounded, rng);
+          const auto to_lights = sent_on(p, at_degrees(degrees), EnergyModel::bounded, rng);
           EXPECT_TRUE(plausible(testing::at_most_test(to_lights, 1.01)))
               << diff_trans << coated << " roughness " << roughness << " at " << degrees;
-          const auto to_viewers = seen_of({p, along(degrees), {p.ior, false}, EnergyModel::bounded}, rng);
+          const auto to_viewers = seen_of({p, at_degrees(degrees), {p.ior, false}, EnergyModel::bounded}, rng);
           EXPECT_TRUE(plausible(testing::at_most_test(to_viewers, 1.01))) << roughness << " at " << degrees;
         }
 }
@@ -156,7 +156,7 @@ TEST(DisneyLayers, ClearSheetsAndInterfacesUnderLayersSendOnNoMoreThanTheyGet) {
     p.iridescence = 0, p.anisotropic = 0, p.coat_normal = Vec3f(0, 0, 1);
     p.spec_trans = std::max(p.spec_trans, 0.5f);
     const bool inside = !p.thin && rng.next() % 2;
-    const Vec3f wo = along(89 * rng.uniform());
+    const Vec3f wo = at_degrees(89 * rng.uniform());
     // The index is equal on both sides of a solid: light that crosses into another medium has its radiance scaled.
     const auto seen = seen_of({p, wo, {p.thin ? p.ior : 1.0f, inside}, EnergyModel::bounded}, rng);
     EXPECT_TRUE(plausible(testing::at_most_test(seen, 1.01))) << i << " at " << wo.z << " inside " << inside;
@@ -176,7 +176,7 @@ TEST(DisneyLayers, SmoothGlassUnderLayersLosesNothing) {
         p.coat = coated ? 1 : 0, p.sheen = coated ? 0 : 1;
         p.coat_roughness = 0.02f, p.sheen_roughness = 0.5f;
         const float eta = inside ? 1 / 1.5f : 1.5f;
-        const DisneyTransmissiveBsdf bsdf(p, along(degrees), {eta, inside}, EnergyModel::bounded);
+        const DisneyTransmissiveBsdf bsdf(p, at_degrees(degrees), {eta, inside}, EnergyModel::bounded);
         RunningStatistics share;
         for (int i = 0; i < testing::run_samples(20000); ++i) {
           const float u_lobe = rng.uniform();
@@ -197,7 +197,7 @@ TEST(DisneyLayers, SolidsThatDiffuseLightPassesLoseNothingBelowLayers) {
       p.thin = false;
       p.coat = layers & 1 ? 1.0f : 0.0f, p.sheen = layers & 2 ? 1.0f : 0.0f;
       p.coat_roughness = 0.3f, p.sheen_roughness = 0.5f;
-      const DisneyTransmissiveBsdf bsdf(p, along(degrees), {1, true}, EnergyModel::burley2015);
+      const DisneyTransmissiveBsdf bsdf(p, at_degrees(degrees), {1, true}, EnergyModel::burley2015);
       const auto seen = seen_of(bsdf, rng);
       EXPECT_TRUE(plausible(z_test(seen, 1, {.slack = 3e-3}))) << layers << " at " << degrees;
       // Samples and evaluation are of one function.
@@ -251,7 +251,7 @@ TEST(DisneyLayers, AFilmWithoutThicknessOrOfTheIndexOfAirIsNone) {
           const auto none = reflectances(bare, cosine);
           EXPECT_EQ(largest_difference(none, reflectances(thin, cosine)), 0) << degrees;
           EXPECT_EQ(largest_difference(none, reflectances(air, cosine)), 0) << degrees;
-          const Vec3f wo = along(degrees), wi = along(60, 2);
+          const Vec3f wo = at_degrees(degrees), wi = at_degrees(60, 2);
           for (const EnergyModel energy : kModels)
             EXPECT_EQ(DisneyBsdf(thin, wo, energy).evaluate(wi).f, DisneyBsdf(bare, wo, energy).evaluate(wi).f);
         }

@@ -19,16 +19,10 @@ DisneyParameters wax(float scatter_distance) {
   return p;
 }
 
-Matrix4d moved(double x) {
-  Matrix4d m;
-  m.setTranslation(Vec3d(x, 0, 0));
-  return m;
-}
-
 TEST(Bodies, OnlyScatteringMaterialsMakeBodies) {
   SceneBuilder b;
   const auto sphere = b.prototype(testing::sphere_mesh(1, 8, false));
-  b.add(sphere, b.material({})).add(sphere, b.material(wax(0.1f)), moved(3));
+  b.add(sphere, b.material({})).add(sphere, b.material(wax(0.1f)), testing::moved(3));
   const auto snapshot = b.snapshot();
   EXPECT_EQ(snapshot->instances[0].body, nullptr);
   ASSERT_NE(snapshot->instances[1].body, nullptr);
@@ -61,7 +55,7 @@ TEST(Bodies, MediaAreMadeAtCommitUnlessATextureVariesThem) {
   auto textured = std::make_shared<DisneyMaterial>(*constant);
   testing::connect("baseColor", std::make_shared<testing::MemoryTexture>(1, std::vector<Rgb>{Rgb(1.0f)}),
                    textured.get());
-  b.add(sphere, constant).add(sphere, textured, moved(3)).add(sphere, constant, moved(6));
+  b.add(sphere, constant).add(sphere, textured, testing::moved(3)).add(sphere, constant, testing::moved(6));
   const auto snapshot = b.snapshot();
   const auto media = [&](size_t i) { return snapshot->instances[i].body->members[0].media[0]; };
   ASSERT_TRUE(media(0));
@@ -86,8 +80,8 @@ TEST(Bodies, ShortcutsArePlannedByRoomInUnionsToo) {
   for (const bool wide : {false, true}) {
     SceneBuilder b;
     const auto material = b.material(wax(wide ? 0.01f : 0.2f));
-    b.add(b.prototype(sphere), material).add(b.prototype(overlapping), material, moved(5));
-    b.add(b.prototype(sphere), material, moved(10)).add(b.prototype(sphere), material, moved(10.5));
+    b.add(b.prototype(sphere), material).add(b.prototype(overlapping), material, testing::moved(5));
+    b.add(b.prototype(sphere), material, testing::moved(10)).add(b.prototype(sphere), material, testing::moved(10.5));
     b.description.instances[2].subsurface_set = b.description.instances[3].subsurface_set = "pair";
     const auto snapshot = b.snapshot();
     EXPECT_FALSE(snapshot->instances[0].body->is_union());
@@ -108,7 +102,7 @@ TEST(Bodies, SphereStepsInAUnionChangeNoMean) {
   SceneBuilder b;
   const auto sphere = b.prototype(testing::sphere_mesh(1, 64, false));
   const auto material = b.material(testing::medium_only(0.95f, 0.012f));
-  b.add(sphere, material).add(sphere, material, moved(0.5));
+  b.add(sphere, material).add(sphere, material, testing::moved(0.5));
   for (auto& instance : b.description.instances) instance.subsurface_set = "pair";
   LightDescription sun;
   sun.type = LightType::distant;

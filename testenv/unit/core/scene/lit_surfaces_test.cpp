@@ -10,12 +10,6 @@ namespace {
 
 using testing::SceneBuilder;
 
-Matrix4d moved(double x) {
-  Matrix4d m;
-  m.setTranslation(Vec3d(x, 0, 0));
-  return m;
-}
-
 /// From -z: a camera that looks along -z from +z sees the dark side.
 LightDescription sun_behind() {
   LightDescription sun;
@@ -57,7 +51,7 @@ TEST(LitSurfaces, ManyBodiesGetNoLitSurfaces) {
   const auto ball = b.prototype(testing::sphere_mesh(1, 8, false));
   const auto wax = b.material(testing::medium_only(0.8f, 0.2f));
   b.add(sun_behind());
-  for (int i = 0; i < 300; ++i) b.add(ball, wax, moved(3 * i));
+  for (int i = 0; i < 300; ++i) b.add(ball, wax, testing::moved(3 * i));
   const auto snapshot = b.snapshot();
   EXPECT_TRUE(std::none_of(snapshot->bodies.begin(), snapshot->bodies.end(),
                            [](const auto& body) { return body->lit != nullptr; }));
@@ -93,7 +87,7 @@ TEST(LitSurfaces, WalksThatAreGuidedToLightChangeNoMean) {
     SceneBuilder b;
     const auto ball = b.prototype(testing::sphere_mesh(1, 64, false));
     const auto wax = b.material(testing::medium_only(0.8f, 0.25f));
-    b.add(ball, wax).add(ball, wax, moved(0.5)).add(sun_behind());
+    b.add(ball, wax).add(ball, wax, testing::moved(0.5)).add(sun_behind());
     if (in_a_set)
       for (auto& instance : b.description.instances) instance.subsurface_set = "pair";
     RenderRequest request = testing::request_of(&b, testing::look_at({0.25, 0, 5}, {0.25, 0, 0}, 24), 128);

@@ -16,15 +16,11 @@ DisneyParameters wax() {
   return p;
 }
 
-Matrix4d moved(double x) {
-  return Matrix4d().setTranslation(Vec3d(x, 0, 0));
-}
-
 LightDescription lamp(double x, const char* name) {
   LightDescription light;
   light.type = LightType::sphere;
   light.radius = 0.05f;
-  light.light_to_world = moved(x);
+  light.light_to_world = testing::moved(x);
   light.name = name;
   return light;
 }
@@ -41,7 +37,7 @@ std::vector<Diagnostic> warnings(const SceneBuilder& b, const std::string& code)
 
 TEST(SceneReports, ALightWithinABodyIsNamedWithIt) {
   SceneBuilder b;
-  b.add(b.prototype(testing::sphere_mesh(1, 16, true)), b.material(wax()), moved(4));
+  b.add(b.prototype(testing::sphere_mesh(1, 16, true)), b.material(wax()), testing::moved(4));
   b.description.instances.back().name = "/candle";
   b.add(lamp(0, "/outside")).add(lamp(4.5, "/inside")).add(testing::constant_dome(1, true));
   auto found = warnings(b, "light.within");
@@ -58,14 +54,14 @@ TEST(SceneReports, AnEmissiveMeshWithinABodyIsNamedToo) {
   SceneBuilder b;
   DisneyParameters glow;
   glow.emission = Rgb(1.0f);
-  b.add(b.prototype(testing::sphere_mesh(1, 16, true)), b.material(wax()), moved(4));
-  b.add(b.prototype(testing::sphere_mesh(0.3f, 8, true)), b.material(glow), moved(4.2));
+  b.add(b.prototype(testing::sphere_mesh(1, 16, true)), b.material(wax()), testing::moved(4));
+  b.add(b.prototype(testing::sphere_mesh(0.3f, 8, true)), b.material(glow), testing::moved(4.2));
   b.description.instances[0].name = "/lantern", b.description.instances[1].name = "/bulb";
   const auto found = warnings(b, "light.within");
   ASSERT_EQ(found.size(), 1u);
   EXPECT_EQ(found[0].where, "/bulb");
   EXPECT_NE(found[0].text.find("/lantern"), std::string::npos);
-  b.description.instances[1].object_to_world = moved(5);  // half of it sticks out
+  b.description.instances[1].object_to_world = testing::moved(5);  // half of it sticks out
   EXPECT_TRUE(warnings(b, "light.within").empty());
 }
 
@@ -78,7 +74,7 @@ TEST(SceneReports, ALightInACavityOrAClearBodyOrAnUnscatteringOneIsNotReported) 
   shell.normals.clear(), shell.normal_triangles.clear();
   for (const Corners& c : hole.triangles) shell.triangles.push_back({c[0] + first, c[2] + first, c[1] + first});
   b.add(b.prototype(shell), b.material(wax())).add(lamp(0, "/in_cavity"));
-  b.add(b.prototype(testing::sphere_mesh(1, 16, true)), b.material({}), moved(5)).add(lamp(5, "/in_opaque"));
+  b.add(b.prototype(testing::sphere_mesh(1, 16, true)), b.material({}), testing::moved(5)).add(lamp(5, "/in_opaque"));
   EXPECT_TRUE(warnings(b, "light.within").empty());
   b.add(lamp(0.7, "/in_wall"));
   EXPECT_EQ(warnings(b, "light.within").size(), 1u);

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "core/subsurface/body.h"
+#include "testenv/support/medium_bodies.h"
 #include "testenv/support/memory_texture.h"
 #include "testenv/support/scene_builder.h"
 
@@ -12,12 +13,6 @@ namespace {
 
 using testing::SceneBuilder;
 
-Matrix4d moved(double x) {
-  Matrix4d m;
-  m[3][0] = x;
-  return m;
-}
-
 // Two unions, a lone body, an emissive sphere, a quad and a dome with an image; it holds all in a large box.
 class Edited : public ::testing::Test {
  protected:
@@ -25,12 +20,15 @@ class Edited : public ::testing::Test {
     const auto sphere = b_.prototype(testing::sphere_mesh(1, 12, true));
     const auto wax = b_.material(this->wax(0.8f));
     b_.add(b_.prototype(testing::sphere_mesh(50, 4, false)), b_.material({}));
-    b_.add(sphere, wax).add(sphere, wax, moved(0.5)).add(sphere, wax, moved(9)).add(sphere, wax, moved(9.25));
-    b_.add(sphere, wax, moved(5));
+    b_.add(sphere, wax)
+        .add(sphere, wax, testing::moved(0.5))
+        .add(sphere, wax, testing::moved(9))
+        .add(sphere, wax, testing::moved(9.25));
+    b_.add(sphere, wax, testing::moved(5));
     for (size_t i = 1; i < 5; ++i) b_.description.instances[i].subsurface_set = i < 3 ? "a" : "b";
     DisneyParameters glow;
     glow.emission = Rgb(2.0f);
-    b_.add(sphere, b_.material(glow), moved(-5));
+    b_.add(sphere, b_.material(glow), testing::moved(-5));
     LightDescription dome, quad;
     dome.type = LightType::dome;
     dome.texture = std::make_shared<testing::MemoryTexture>(
@@ -105,7 +103,7 @@ TEST_F(Edited, EditedConstantRecompilesTheMaterialAlone) {
 }
 
 TEST_F(Edited, MovedObjectMovesItsBody) {
-  b_.description.instances[2].object_to_world = moved(0.7);
+  b_.description.instances[2].object_to_world = testing::moved(0.7);
   compile();
   EXPECT_NE(now_->top, before_->top);
   EXPECT_NE(now_->instances[1].body->scene, before_->instances[1].body->scene);
@@ -119,7 +117,7 @@ TEST_F(Edited, EditedLightsCompileAsAFreshScene) {
   compile();
   EXPECT_NE(dome_image(*now_), dome_image(*before_));
   expect_as_fresh();
-  b_.description.instances[6].object_to_world = moved(-6);  // the sphere that glows
+  b_.description.instances[6].object_to_world = testing::moved(-6);  // the sphere that glows
   compile();
   expect_as_fresh();
   b_.description.instances.erase(b_.description.instances.begin() + 5);

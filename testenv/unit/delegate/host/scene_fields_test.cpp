@@ -58,19 +58,16 @@ Names names_of(const std::vector<Row<T>>& rows, const std::string& prefix = "") 
     if (row.name.starts_with(prefix)) names.insert(row.name.substr(prefix.size()));
   return names;
 }
-std::string text_of(const std::string& file) {
-  std::ifstream in(alabaster::testing::source_file(file));
-  return {std::istreambuf_iterator<char>(in), {}};
-}
 Names names_of_schema(const std::string& file) {
   Names names;
-  for (const auto& [name, rest] : nlohmann::json::parse(text_of("schemas/" + file)).at("properties").items())
+  for (const auto& [name, rest] :
+       nlohmann::json::parse(alabaster::testing::source_text("schemas/" + file)).at("properties").items())
     names.insert(name);
   return names;
 }
 /// The names of a table of scene_fields.cpp, read there, so that a row that is added is missed here.
 Names rows_of_table(const std::string& table) {
-  const std::string text = text_of("delegate/host/scene_fields.cpp");
+  const std::string text = alabaster::testing::source_text("delegate/host/scene_fields.cpp");
   const size_t begin = text.find(" " + table + "[] = {");
   const std::string rows = text.substr(begin, text.find("};", begin) - begin);
   const std::regex name(">\\(\\s*\"([^\"]+)\", *dirty::");

@@ -16,15 +16,10 @@ namespace {
 
 constexpr const char* kDescription = "schemas/render_description.json";
 
-std::string text_of(const std::string& name) {
-  std::ifstream file(testing::source_file(name));
-  return {std::istreambuf_iterator<char>(file), {}};
-}
-
 TEST(Schemas, FilesAreThoseOfTheTables) {
   for (const auto& [name, text] : TableFiles())
-    EXPECT_TRUE(text == text_of(name)) << name << ": run 'alabaster schema --write .'";
-  const std::string description = text_of(kDescription);
+    EXPECT_TRUE(text == alabaster::testing::source_text(name)) << name << ": run 'alabaster schema --write .'";
+  const std::string description = alabaster::testing::source_text(kDescription);
   EXPECT_TRUE(WithTables(description) == description) << "run 'alabaster schema --write .'";
 }
 
@@ -46,7 +41,7 @@ TEST(Schemas, EveryKindHasAPage) {
 }
 
 TEST(Schemas, ADescriptionGetsTheParametersAndAovsThatItLacks) {
-  const std::string description = text_of(kDescription);
+  const std::string description = alabaster::testing::source_text(kDescription);
   for (const std::string line :
        {"          \"radius\": {\"$ref\": \"lights.json#/properties/radius\"},\n", "                    \"Peye\",\n"}) {
     std::string lacking = description;

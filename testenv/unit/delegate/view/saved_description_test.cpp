@@ -4,6 +4,7 @@
 #include <nlohmann/json.hpp>
 
 #include "testenv/unit/delegate/description/scene_fixture.h"
+#include "testenv/unit/delegate/view/row_of.h"
 
 namespace alabaster::view {
 namespace {
@@ -14,13 +15,6 @@ using hd::Value;
 using hd::Vec3f;
 using hd::description::SceneFile;
 using hd::host::RetainedSceneDelegate;
-
-ParameterRow row_of(const char* schema, const std::string& name) {
-  for (const ParameterRow& row : parameter_rows(schema))
-    if (row.name == name) return row;
-  ADD_FAILURE() << name;
-  return {};
-}
 
 const Path kBackdropMaterial = "/materials/studio_backdrop";
 

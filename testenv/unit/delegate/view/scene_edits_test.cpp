@@ -3,6 +3,8 @@
 
 #include <gtest/gtest.h>
 
+#include "testenv/unit/delegate/view/row_of.h"
+
 namespace alabaster::view {
 namespace {
 
@@ -11,13 +13,6 @@ using hd::Value;
 using hd::Vec3f;
 
 const Path kSkin = "/materials/skin", kPreview = "/materials/preview", kKey = "/lights/key";
-
-ParameterRow row_of(const char* schema, const std::string& name) {
-  for (const ParameterRow& row : parameter_rows(schema))
-    if (row.name == name) return row;
-  ADD_FAILURE() << name;
-  return {};
-}
 
 // A material with an image as its colour, one that is not ours, and a light.
 class SceneEditsTest : public ::testing::Test {
