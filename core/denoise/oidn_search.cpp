@@ -60,6 +60,9 @@ std::vector<std::string> find_oidn(const std::string& named) {
     add_from_folder(own / "oidn", &files);
     add_from_folder(own.parent_path() / "oidn", &files);
     add_from_folder(own / "alabaster/oidn", &files);  // cmake --install puts it there
+    // In a wheel: pyoidn lies beside the Python module that holds this library.
+    for (fs::path place = own; place.has_relative_path(); place = place.parent_path())
+      if (place.filename() == "site-packages" || place.filename() == "dist-packages") add_from_folder(place, &files);
   }
   files.emplace_back(kLibrary);
   add_from_python(variable("VIRTUAL_ENV"), &files);

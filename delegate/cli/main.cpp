@@ -12,6 +12,7 @@
 #include "delegate/cli/commands.h"
 #include "delegate/cli/console.h"
 #include "delegate/cli/exit_codes.h"
+#include "delegate/cli/parser_pages.h"
 #include "delegate/cli/shell_word.h"
 
 namespace alabaster::cli {
@@ -303,6 +304,12 @@ CLI::App* add_ocio(CLI::App& app, OcioArguments* a) {
   return c;
 }
 
+CLI::App* add_completion(CLI::App& app, std::string* shell) {
+  CLI::App* c = app.add_subcommand("completion", "Prints a script that completes commands and flags in a shell.");
+  c->add_option("shell", *shell, "bash, zsh or fish")->required()->type_name("SHELL");
+  return c;
+}
+
 struct Arguments {
   RenderArguments render;
   InfoArguments info;
@@ -313,7 +320,12 @@ struct Arguments {
   MergeArguments merge;
   FarmArguments farm;
   SchemaArguments schema;
+  std::string shell;
 };
+
+CLI::App* add_man(CLI::App& app, Arguments*) {
+  return app.add_subcommand("man", "Prints the man page: every command and flag, as roff for 'man -l'.");
+}
 
 int run(int argc, char** argv) {
   if (const std::string fault = empty_argument(argc, argv); !fault.empty())
@@ -340,6 +352,8 @@ int run(int argc, char** argv) {
   add_view(app);
   add(add_schema, &a.schema, run_schema);
   add(add_ocio, &a.ocio, run_ocio);
+  add(add_completion, &a.shell, [&app](const std::string& shell) { return run_completion(app, shell); });
+  add(add_man, &a, [&app](const Arguments&) { return run_man(app); });
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& e) {

@@ -1,0 +1,55 @@
+#!/bin/sh
+# Makes the .deb and the wheel, and tries them: the wheel in a fresh virtual environment, the .deb in a bare chroot of this
+# system (root and debootstrap; else it says that it did not).
+#   run_packages.sh [BUILD_FOLDER]    by default build/release, which is built where the program is missing
+# The packages remain in BUILD_FOLDER and in build/wheel/dist.
+set -eu
+top=$(cd "$(dirname "$0")/../.." && pwd)
+build=${1:-$top/build/release}
+. "$top/testenv/install_packages.sh"
+install_packages "$top/testenv/packages.txt" "$top/testenv/packages/packages.txt"
+scratch=$(mktemp -d)
+trap 'rm -rf "$scratch"' EXIT
+
+if [ ! -e "$build/bin/alabaster" ] || [ -z "$(find "$build/python/hdalabaster" -name '*.so' 2>/dev/null)" ]; then
+  cmake -S "$top" -B "$build" -G Ninja -DCMAKE_BUILD_TYPE=Release >/dev/null
+  cmake --build "$build" --target alabaster alabaster_images
+  cmake --build "$build" --target alabaster_python
+fi
+rm -f "$build"/hdalabaster_*.deb
+(cd "$build" && cpack -G DEB >"$scratch/cpack.log" 2>&1) || { cat "$scratch/cpack.log"; exit 1; }
+deb=$(ls "$build"/hdalabaster_*.deb)
+python3 "$top/delegate/packages/make_wheel.py" >"$scratch/wheel.log" 2>&1 || { tail -n 40 "$scratch/wheel.log"; exit 1; }
+wheel=$(ls "$top"/build/wheel/dist/*.whl)
+du -m "$deb" "$wheel"
+
+# The wheel: the program and the module, each to a picture, without this build.
+/usr/bin/python3 -m venv "$scratch/venv"
+"$scratch/venv/bin/pip" install --quiet --disable-pip-version-check "$wheel"
+scene="$top/testenv/scenes/sample/sample.json"
+"$scratch/venv/bin/alabaster" render "$scene" -o "$scratch/wheel.png" -o "$scratch/wheel.exr" --size 96x64 --spp 4 --quiet
+(cd "$scratch" && venv/bin/python - "$scene" <<'PYTHON'
+import sys
+import hdalabaster
+scene = hdalabaster.Scene()
+loaded = scene.load(sys.argv[1])
+render = hdalabaster.Renderer(scene, samples=2).render(settings=loaded["settings"], width=48, height=32)
+assert sum(bytes(render["color"])) > 0, "the picture is black"
+assert "site-packages" in hdalabaster.__file__, hdalabaster.__file__
+print("module of the wheel:", hdalabaster.versions.replace("\n", ", "))
+PYTHON
+)
+"$build/bin/alabaster" render "$scene" -o "$scratch/built.exr" --size 96x64 --spp 4 --quiet
+oiiotool "$scratch/built.exr" --ch R,G,B "$scratch/wheel.exr" --ch R,G,B --fail 0 --warn 0 --diff
+# The colours of files: OpenColorIO of the wheel is another version.
+"$build/bin/alabaster" render "$scene" -o "$scratch/built.png" --size 96x64 --spp 4 --quiet
+oiiotool "$scratch/built.png" "$scratch/wheel.png" --fail 0.008 --warn 0.008 --diff
+ls "$scratch"/venv/lib/python3*/site-packages/hdalabaster-*.dist-info/licenses/alabaster.txt >/dev/null
+
+# The .deb in a bare system.
+if [ "$(id -u)" -ne 0 ] || ! command -v debootstrap >/dev/null; then
+  echo "skipped: the .deb was made, not installed: that needs root and debootstrap"
+  exit 0
+fi
+suite=$(. /etc/os-release && echo "$VERSION_CODENAME")
+sh "$top/testenv/packages/try_in_chroot.sh" "$suite" --deb "$deb" --wheel "$wheel"
