@@ -329,16 +329,31 @@ const char* opening_code(InputFile::Fault fault) {
   }
 }
 
+/// A configuration that OpenColorIO itself holds, such as ocio://default; null and a fault if it does not.
+OCIO::ConstConfigRcPtr named_config(const std::string& name, std::string* fault) {
+#if OCIO_VERSION_HEX >= 0x02020000
+  try {
+    return OCIO::Config::CreateFromBuiltinConfig(name.c_str());
+  } catch (const std::exception& e) {
+    *fault = std::string("OpenColorIO ") + OCIO::GetVersion() + " has no such configuration: " + e.what();
+  }
+#else
+  *fault = name.substr(0, 7) + " names configurations of OpenColorIO 2.2 or later; this is " + OCIO::GetVersion();
+#endif
+  return nullptr;
+}
+
 /// Null + report unless the file is one that OCIO can make sense of.
 OCIO::ConstConfigRcPtr read_config(const ConfigFile& from, std::string* text, const DiagnosticSink& sink) {
   const auto fail = [&](const char* code, const std::string& text) {
     report(sink, Severity::error, code, from.origin, text + "; " + from.remedy);
     return OCIO::ConstConfigRcPtr();
   };
-  if (from.origin.starts_with("ocio://"))
-    return fail(
-        "ocio.config.builtin_name",
-        std::string("names of OpenColorIO's own configurations need OpenColorIO 2.2; this is ") + OCIO::GetVersion());
+  if (from.origin.starts_with("ocio://")) {
+    std::string fault;
+    const OCIO::ConstConfigRcPtr config = named_config(from.origin, &fault);
+    return config ? config : fail("ocio.config.builtin_name", fault);
+  }
   const InputFile file(from.origin, from.within);
   if (file.fault() == InputFile::Fault::not_regular)
     return fail("ocio.config.unreadable", "this is not a file; name the config.ocio inside it");

@@ -40,10 +40,8 @@ print("module of the wheel:", hdalabaster.versions.replace("\n", ", "))
 PYTHON
 )
 "$build/bin/alabaster" render "$scene" -o "$scratch/built.exr" --size 96x64 --spp 4 --quiet
-oiiotool "$scratch/built.exr" --ch R,G,B "$scratch/wheel.exr" --ch R,G,B --fail 0 --warn 0 --diff
-# The colours of files: OpenColorIO of the wheel is another version.
-"$build/bin/alabaster" render "$scene" -o "$scratch/built.png" --size 96x64 --spp 4 --quiet
-oiiotool "$scratch/built.png" "$scratch/wheel.png" --fail 0.008 --warn 0.008 --diff
+# OpenColorIO of the wheel is another version: colours may differ by one step of a half.
+oiiotool "$scratch/built.exr" --ch R,G,B "$scratch/wheel.exr" --ch R,G,B --fail 0.002 --warn 0.002 --diff
 ls "$scratch"/venv/lib/python3*/site-packages/hdalabaster-*.dist-info/licenses/alabaster.txt >/dev/null
 
 # The .deb in a bare system.
