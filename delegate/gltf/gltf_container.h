@@ -61,7 +61,7 @@ struct UriBase {
   std::string folder, within;
 };
 
-/// Percent-decodes a relative URI and joins it to the folder. Empty and `reason` if it is malformed or has a scheme,
+/// Percent-decodes a relative URI and joins it to the folder. Empty and `reason` if it names no file or has a scheme,
 /// and unless it is allowed, if it is absolute or leaves the folder: a document must not reach files that its author
 /// could not have shipped with it.
 std::optional<std::string> resolve_uri(const UriBase& base, std::string_view uri, std::string* reason);

@@ -45,6 +45,7 @@ class StructureCheck {
 
   void check_object(Json& value, const std::string& element, const Schema& schema) {
     if (!value.is_object()) return error(element, "must be an object");
+    leave_out_nulls(value, element);
     for (const Property& property : schema.properties) {
       const auto found = value.find(property.name);
       const std::string name = element_name(element, property.name);
@@ -58,8 +59,22 @@ class StructureCheck {
     if (extensions != value.end()) check_extensions(*extensions, element_name(element, "extensions"), schema);
   }
 
+  // JavaScript's exporters write null for an infinite number and for a value that is not set.
+  void leave_out_nulls(Json& value, const std::string& element) {
+    for (auto member = value.begin(); member != value.end();) {
+      if (!member->is_null()) {
+        ++member;
+        continue;
+      }
+      report_.warning("structure.null", element_name(element, member.key()),
+                      "is null and counts as absent; leave it out");
+      member = value.erase(member);
+    }
+  }
+
   void check_extensions(Json& extensions, const std::string& element, const Schema& schema) {
     if (!extensions.is_object()) return error(element, "must be an object");
+    leave_out_nulls(extensions, element);
     for (auto& [name, value] : extensions.items()) {
       used_.insert(name);
       const Property* property = nullptr;

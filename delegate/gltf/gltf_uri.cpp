@@ -44,20 +44,20 @@ int hex_digit(char c) {
   return -1;
 }
 
-// RFC 3986 section 2.1
-bool percent_decode(std::string_view uri, std::string* text) {
+// RFC 3986 section 2.1. A % without two hexadecimal digits stands for itself: exporters write names as they are.
+std::string percent_decode(std::string_view uri) {
+  std::string text;
   for (size_t i = 0; i < uri.size(); ++i) {
-    if (uri[i] != '%') {
-      text->push_back(uri[i]);
+    const bool escapes = uri[i] == '%' && i + 2 < uri.size();
+    const int high = escapes ? hex_digit(uri[i + 1]) : -1, low = escapes ? hex_digit(uri[i + 2]) : -1;
+    if (high < 0 || low < 0) {
+      text.push_back(uri[i]);
       continue;
     }
-    if (i + 2 >= uri.size()) return false;
-    const int high = hex_digit(uri[i + 1]), low = hex_digit(uri[i + 2]);
-    if (high < 0 || low < 0) return false;
-    text->push_back(char(high * 16 + low));
+    text.push_back(char(high * 16 + low));
     i += 2;
   }
-  return true;
+  return text;
 }
 
 bool is_media_type_character(char c) {
@@ -89,7 +89,7 @@ std::optional<DataUri> decode_data_uri(std::string_view uri, std::string* reason
   DataUri data{type, {}};
   std::string_view payload = uri.substr(comma + 1);
   std::string decoded;
-  if (payload.find('%') != std::string_view::npos && percent_decode(payload, &decoded)) payload = decoded;
+  if (payload.find('%') != std::string_view::npos) payload = decoded = percent_decode(payload);
   if (!decode_base64(payload, &data.bytes)) {
     *reason = "the data URI's payload is not base64; encode the data again";
     return {};
@@ -98,9 +98,9 @@ std::optional<DataUri> decode_data_uri(std::string_view uri, std::string* reason
 }
 
 std::optional<std::string> resolve_uri(const UriBase& base, std::string_view uri, std::string* reason) {
-  std::string path;
-  if (uri.empty() || !percent_decode(uri, &path) || path.find('\0') != std::string::npos) {
-    *reason = "the URI is malformed; write a relative path, with % only as part of %XX";
+  std::string path = percent_decode(uri);
+  if (path.empty() || path.find('\0') != std::string::npos) {
+    *reason = "the URI names no file; write a relative path";
     return {};
   }
   const size_t colon = uri.find(':');

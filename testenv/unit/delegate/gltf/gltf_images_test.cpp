@@ -84,6 +84,17 @@ TEST(GltfImages, Base64MayBePercentEncoded) {
   EXPECT_TRUE(loaded.says(Severity::warning, "images[1] the data URI's payload is not base64")) << loaded.said();
 }
 
+// Blender 3.4 writes names of buffers as they are, other exporters names of images.
+TEST(GltfImages, APercentSignWithoutTwoDigitsStandsForItself) {
+  GltfBuilder b;
+  b.triangle();
+  b.json["images"] = {{{"uri", "10%.png"}}, {{"uri", "20%25.png"}}, {{"uri", "30%2.png"}}, {{"uri", "40%4"}}};
+  const Loaded loaded = b.load();
+  EXPECT_TRUE(loaded.summary.ok) << loaded.said();
+  for (const char* name : {"/10%.png'", "/20%.png'", "/30%2.png'", "/40%4'"})
+    EXPECT_TRUE(loaded.says(Severity::warning, name)) << name << "\n" << loaded.said();  // there is no such file
+}
+
 TEST(GltfImages, BasisUniversalIsRefusedByNameUnlessThereIsAnotherImage) {
   const Json basisu = {{"KHR_texture_basisu", {{"source", 2}}}};
   EXPECT_EQ(image_of(pictures({{"source", 0}, {"extensions", basisu}}).load()), "made.glb#images[0]");

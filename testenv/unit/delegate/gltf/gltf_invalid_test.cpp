@@ -237,6 +237,22 @@ TEST(GltfInvalid, EveryDamageIsReportedWithItsPlace) {
   }
 }
 
+// JSON.stringify writes null for infinity: three.js for the attenuationDistance of glass that does not absorb.
+TEST(GltfInvalid, NullCountsAsAbsent) {
+  Json document = sound_document();
+  document["animations"] = nullptr;
+  document["materials"][0]["extensions"] = {{"KHR_materials_transmission", {{"transmissionFactor", 1}}},
+                                            {"KHR_materials_volume", {{"attenuationDistance", nullptr}}},
+                                            {"KHR_materials_ior", nullptr}};
+  const Loaded loaded = load_document(document);
+  EXPECT_TRUE(loaded.summary.ok) << loaded.said();
+  for (const char* place :
+       {"animations is null", "KHR_materials_volume.attenuationDistance is null", "KHR_materials_ior is null"})
+    EXPECT_TRUE(loaded.says(Severity::warning, place)) << place << "\n" << loaded.said();
+  document["meshes"][0]["primitives"] = nullptr;
+  EXPECT_TRUE(load_document(document).says(Severity::error, "meshes[0].primitives is required and missing"));
+}
+
 // Texts tell the fault, and after a semicolon what to do about it.
 TEST(GltfInvalid, EveryErrorHasARemedy) {
   for (const Case& damaged : kCases) {
