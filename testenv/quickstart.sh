@@ -1,6 +1,8 @@
 #!/bin/sh
-# Builds Alabaster and renders. Without arguments it renders the bundled sample scene into build/quickstart/ (EXR and
-# PNG). Arguments are passed to `alabaster render`. Installs missing Debian packages; may be run again.
+# Builds Alabaster and renders the bundled sample scene into build/quickstart/ (EXR and PNG), 480x320 pixels in twenty
+# seconds. Installs missing Debian packages; may be run again.
+#   quickstart.sh [--large | arguments of alabaster render]
+# --large: 960x640 pixels, as at the top of README. Other arguments are passed to `alabaster render` instead.
 set -eu
 top=$(cd "$(dirname "$0")/.." && pwd)
 . "$top/testenv/install_packages.sh"
@@ -13,6 +15,8 @@ install_denoiser "$build"
 denoise=""
 [ ! -e "$build/oidn" ] || denoise="--denoise"
 
+size=480x320
+[ "${1:-}" != --large ] || { size=960x640; shift; }
 if [ $# -gt 0 ]; then
   exec "$build/bin/alabaster" render "$@"
 fi
@@ -20,7 +24,7 @@ out="$top/build/quickstart"
 mkdir -p "$out"
 "$build/bin/alabaster" render "$top/testenv/scenes/sample/sample.json" \
   -o "$out/sample.exr" -o "$out/sample.png" --stats "$out/sample.stats.json" \
-  --aov albedo --aov normal --aov depth --aov subsurface $denoise
+  --aov albedo --aov normal --aov depth --aov subsurface --size $size $denoise
 python3 - "$out" "$denoise" <<'PYTHON'
 import json, sys
 out, denoise = sys.argv[1:]
