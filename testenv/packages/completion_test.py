@@ -57,7 +57,7 @@ class Completion(unittest.TestCase):
             for flag in flags("render"):
                 self.assertIn(form.format(flag if shell == "zsh" else flag[2:]), script)
             if shutil.which(shell):
-                subprocess.run([shell, "--no-execute", "/dev/stdin"], input=script, text=True, check=True)
+                subprocess.run([shell, "-n", "/dev/stdin"], input=script, text=True, check=True)
 
     def test_man_page_has_every_flag_and_no_warning(self):
         page = output("man")
