@@ -329,7 +329,7 @@ const char* opening_code(InputFile::Fault fault) {
   }
 }
 
-/// A configuration that OpenColorIO itself holds, such as ocio://default; null and a fault if it does not.
+/// A configuration that is built into OpenColorIO, such as ocio://default; null and `fault` if none has this name.
 OCIO::ConstConfigRcPtr named_config(const std::string& name, std::string* fault) {
 #if OCIO_VERSION_HEX >= 0x02020000
   try {
