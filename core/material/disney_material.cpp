@@ -52,8 +52,8 @@ constexpr auto kParameters = std::to_array<MaterialParameter>({
     {{"coatRoughness", &P::coat_roughness, 0, 1, {},
       "none", "Perceived roughness of the coat."}},
     {{"scatterDistance", &P::scatter_distance, 0, kUnbounded, {},
-      "scene unit", "Mean distance that light travels below the surface, per channel; 0 in all channels gives an "
-      "opaque diffuse surface."}},
+      "scene unit", "Mean distance that light travels below the surface, per channel; in a scene in metres, as "
+      "glTF is, 0.001 is one millimetre. 0 in all channels gives an opaque diffuse surface."}},
     {{"scatterAnisotropy", &P::scatter_anisotropy, -0.9, 0.9, {},
       "none", "Mean cosine of scattering below the surface (Henyey-Greenstein g): backward below 0, forward above 0. "
       "Colour and scatterDistance keep their meaning."}},

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "delegate/cli/command_words.h"
 #include "delegate/cli/flags.h"
 #include "delegate/cli/scene_options.h"
 
@@ -30,7 +31,7 @@ struct RenderArguments : SceneArguments, PictureArguments {
   std::optional<hd::Vec2i> size;
   std::optional<hd::Rect2i> crop;
   std::optional<PixelChoice> pixel;
-  std::string words;  // all arguments as typed, quoted for a shell, each after a space
+  Words words;  // of the whole command line
   std::string stats;
   std::optional<std::pair<uint32_t, uint32_t>> samples;  // begin and end
   std::string checkpoint;                                // file

@@ -1,5 +1,6 @@
 #include "delegate/cli/console.h"
 
+#include <sys/ioctl.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -20,10 +21,28 @@ std::string format(const char* pattern, double value) {
   return text;
 }
 
-std::string rate_text(double per_second) {
-  if (per_second >= 1e6) return format("%.1f Mrays/s", per_second / 1e6);
-  return format("%.0f krays/s", per_second / 1e3);
+bool is_denoising(const RecordProgress& p) {
+  return p.denoised >= 0 && p.denoised < 1;
 }
+
+std::string progress_text(const RecordProgress& p, double noise) {
+  if (is_denoising(p)) return format("denoising %.0f %%", p.denoised * 100);
+  // At its end a render has some samples, though less than one per pixel where the time limit cut it short.
+  const std::string done = p.samples_done == 0 && p.fraction >= 1 ? "<1" : std::to_string(p.samples_done);
+  return format("%3.0f %%", std::clamp(p.fraction, 0.0, 1.0) * 100) + "  " + done + "/" +
+         std::to_string(p.samples_total) + " samples" + (noise < 0 ? "" : "  noise " + format("%.3g %%", 100 * noise)) +
+         "  " + (p.fraction < 1 ? time_text(p.seconds_left) + " left" : time_text(p.seconds));
+}
+
+size_t terminal_width() {
+  constexpr size_t kUsual = 80;
+  winsize size{};
+  return ioctl(STDERR_FILENO, TIOCGWINSZ, &size) == 0 && size.ws_col > 0 ? size.ws_col : kUsual;
+}
+
+constexpr size_t kMostMessages = 100;
+
+}  // namespace
 
 std::string time_text(double seconds) {
   if (!(seconds >= 0) || seconds > 1e7) return "--:--";
@@ -36,23 +55,6 @@ std::string time_text(double seconds) {
   }
   return text;
 }
-
-bool is_denoising(const RecordProgress& p) {
-  return p.denoised >= 0 && p.denoised < 1;
-}
-
-std::string progress_text(const RecordProgress& p) {
-  if (is_denoising(p)) return format("denoising %.0f %%", p.denoised * 100);
-  // At its end a render has some samples, though less than one per pixel where the time limit cut it short.
-  const std::string done = p.samples_done == 0 && p.fraction >= 1 ? "<1" : std::to_string(p.samples_done);
-  return format("%3.0f %%", std::clamp(p.fraction, 0.0, 1.0) * 100) + "  " + done + "/" +
-         std::to_string(p.samples_total) + " samples  " + rate_text(p.rays_per_second) + "  " +
-         time_text(p.seconds_left) + " left";
-}
-
-constexpr size_t kMostMessages = 100;
-
-}  // namespace
 
 std::string printable(const std::string& text) {
   std::string out;
@@ -135,30 +137,45 @@ void Console::print_line(const std::string& text) {
   std::fflush(stderr);
 }
 
-void Console::progress(const RecordProgress& p) {
+// A line that is longer than the window would wrap, and the next one would not replace it.
+void Console::print_bar(double done, const std::string& text) {
+  constexpr size_t kWidest = 30, kLeast = 5;
+  const size_t width = terminal_width(), taken = text.size() + 4, room = width > taken ? width - taken : 0;
+  std::string bar;
+  if (room >= kLeast) {
+    const size_t cells = std::min(room, kWidest);
+    const auto filled = static_cast<size_t>(std::clamp(done, 0.0, 1.0) * double(cells));
+    bar = "[" + std::string(filled, '=') + std::string(cells - filled, ' ') + "] ";
+  }
+  std::fprintf(stderr, "\r%s\033[K", (bar + text).substr(0, width - 1).c_str());
+  std::fflush(stderr);
+  bar_shown_ = true;
+}
+
+void Console::progress(const RecordProgress& p, double noise) {
+  constexpr double kPause = 5;  // seconds
   const std::lock_guard lock(mutex_);
   if (quiet_) return;
-  if (terminal_) {
-    constexpr size_t kWidth = 30;
-    const double done = is_denoising(p) ? p.denoised : p.fraction;
-    const auto filled = static_cast<size_t>(std::clamp(done, 0.0, 1.0) * double(kWidth));
-    const std::string bar = std::string(filled, '=') + std::string(kWidth - filled, ' ');
-    std::fprintf(stderr, "\r[%s] %s\033[K", bar.c_str(), progress_text(p).c_str());
-    std::fflush(stderr);
-    bar_shown_ = true;
-    return;
-  }
+  const std::string text = progress_text(p, noise);
+  if (terminal_) return print_bar(is_denoising(p) ? p.denoised : p.fraction, text);
   const int tenths = static_cast<int>(std::clamp(p.fraction, 0.0, 1.0) * 10);
-  if (tenths <= tenths_shown_) return;
+  if (tenths <= tenths_shown_ || p.seconds < seconds_shown_ + kPause) return;
   tenths_shown_ = tenths;
-  print_line(progress_text(p));
+  seconds_shown_ = p.seconds;
+  print_line(text);
+}
+
+size_t Console::warnings() const {
+  const std::lock_guard lock(mutex_);
+  return counts_[int(hd::Severity::warning)];
 }
 
 void Console::end_progress() {
   const std::lock_guard lock(mutex_);
   if (bar_shown_) std::fputs("\n", stderr);
   bar_shown_ = false;
-  tenths_shown_ = -1;
+  tenths_shown_ = 0;
+  seconds_shown_ = 0;
 }
 
 }  // namespace alabaster::cli

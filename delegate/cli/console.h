@@ -38,21 +38,29 @@ class Console {
   void write_file(const std::string& file, const std::string& text, const std::string& what,
                   hd::support::Flush flush = hd::support::Flush::disk);
 
-  /// Shows a bar that redraws itself on a terminal; elsewhere prints a line at the start and at every tenth.
-  void progress(const hd::host::RecordProgress& progress);
+  /// Shows a bar that redraws itself on a terminal, within the width of its window. Elsewhere prints a line at every
+  /// tenth, but not within five seconds of the last one. `noise`: the relative RMSE so far; negative: not known.
+  void progress(const hd::host::RecordProgress& progress, double noise = -1);
   /// Leaves the bar as it is; the next text starts on a new line.
   void end_progress();
+  /// The number of warnings so far.
+  size_t warnings() const;
 
  private:
   void show(const hd::Diagnostic& diagnostic);
   void count_rest();
   void print_line(const std::string& text);
+  void print_bar(double done, const std::string& text);
 
   const bool quiet_, terminal_;
   mutable std::mutex mutex_;
   bool bar_shown_ = false;
   size_t counts_[3] = {0, 0, 0}, unshown_[3] = {0, 0, 0};  // of messages, by severity
-  int tenths_shown_ = -1;
+  int tenths_shown_ = 0;
+  double seconds_shown_ = 0;
 };
+
+/// "1:02:03" or "2:03"; "--:--" of a time that is not known.
+std::string time_text(double seconds);
 
 }  // namespace alabaster::cli

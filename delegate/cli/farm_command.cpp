@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <filesystem>
 
 #include "delegate/cli/checkpoint_options.h"
@@ -31,8 +32,9 @@ class FarmCommand {
 
  private:
   void check_arguments() {
-    if (a_.engine != "slurm" && a_.engine != "openjd" && a_.engine != "script")
-      console_.usage_error("--engine", "'" + a_.engine + "' is not an engine: choose slurm, openjd or script.");
+    if (const Words& known = farm_engines(); std::find(known.begin(), known.end(), a_.engine) == known.end())
+      console_.usage_error("--engine", "'" + a_.engine + "' is not an engine: choose from " + joined(known) + "." +
+                                           did_you_mean(a_.engine, known));
     if (a_.render.outputs.empty()) console_.usage_error("farm", "There is nothing to write: add -o FILE.");
     for (const auto& [flag, given] :
          {std::pair{"--frames", !a_.render.frames.empty()}, std::pair{"--pixel", a_.render.pixel.has_value()},

@@ -1,13 +1,16 @@
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 
 #include "delegate/cli/commands.h"
 #include "delegate/cli/control_characters.h"
 #include "delegate/cli/exit_codes.h"
+#include "delegate/cli/info_overrides.h"
 #include "delegate/cli/interrupt.h"
 #include "delegate/cli/predict.h"
 #include "delegate/cli/scene_session.h"
 #include "delegate/cli/stopwatch.h"
+#include "delegate/description/authored_name.h"
 #include "delegate/host/schemas.h"
 #include "delegate/support/process_usage.h"
 
@@ -18,6 +21,37 @@ using hd::host::MeshDescription;
 
 std::string shown(const hd::Path& path) {
   return printable(path.str());
+}
+
+// A studio and the soft dome are added after all overrides.
+bool is_added(const hd::Path& path) {
+  const std::string name = hd::description::AuthoredName(path, false);
+  return path == hd::Path("/studio/backdrop") || path == hd::Path("/lights/default_dome") ||
+         name.starts_with("studio_");
+}
+
+/// The name by which --set finds a prim, and its path.
+std::string named(const hd::Path& path, bool is_mesh) {
+  if (is_added(path)) return shown(path) + " (added)";
+  return printable(hd::description::AuthoredName(path, is_mesh)) + ": " + shown(path);
+}
+
+/// Prints how --set changes the first prim of a list that it can change and `fits` takes.
+template <class Prims, class Fits>
+void print_overrides(const char* list, const Prims& prims, const Fits& fits) {
+  for (const auto& [path, prim] : prims) {
+    const std::string name = hd::description::AuthoredName(path, list == std::string("meshes"));
+    // An example for a name that a terminal would not show as it is cannot be copied.
+    if (is_added(path) || has_control_character(name) || !fits(prim)) continue;
+    std::fputs(override_lines(list, name).c_str(), stdout);
+    return;
+  }
+}
+
+// Materials of other surfaces take no parameters of AlabasterDisney.
+bool is_disney(const hd::MaterialNetwork& network) {
+  return std::any_of(network.nodes.begin(), network.nodes.end(),
+                     [](const auto& node) { return node.second.nodeTypeId == hd::Token("AlabasterDisney"); });
 }
 
 size_t cage_triangles(const MeshDescription& mesh) {
@@ -52,7 +86,7 @@ void print_geometry(const hd::host::RetainedSceneDelegate& scene) {
         mesh.topology.scheme == hd::Token("none")
             ? ""
             : ", " + mesh.topology.scheme.str() + " level " + std::to_string(mesh.displayStyle.refineLevel);
-    std::printf("  %s: %zu faces%s%s%s%s\n", shown(path).c_str(), mesh.topology.faceVertexCounts.size(),
+    std::printf("  %s: %zu faces%s%s%s%s\n", named(path, true).c_str(), mesh.topology.faceVertexCounts.size(),
                 subdivision.c_str(), mesh.material.empty() ? "" : (", material " + shown(mesh.material)).c_str(),
                 mesh.instancer.empty() ? "" : (", instanced by " + shown(mesh.instancer)).c_str(),
                 mesh.visible ? "" : ", hidden");
@@ -60,6 +94,7 @@ void print_geometry(const hd::host::RetainedSceneDelegate& scene) {
       std::printf("    %s: %zu faces%s\n", shown(subset.id).c_str(), subset.indices.size(),
                   subset.materialId.empty() ? "" : (", material " + shown(subset.materialId)).c_str());
   }
+  print_overrides("meshes", scene.GetMeshes(), [](const MeshDescription&) { return true; });
   for (const auto& [path, instancer] : scene.GetInstancers()) {
     size_t count = 0;
     for (const auto& [prototype, indices] : instancer.indices) count += indices.size();
@@ -87,23 +122,26 @@ void print_choices(const hd::gltf::GltfSummary& model) {
 void print_materials(const hd::host::RetainedSceneDelegate& scene) {
   std::printf("materials: %zu\n", scene.GetMaterials().size());
   for (const auto& [path, network] : scene.GetMaterials()) {
-    std::printf("  %s\n", shown(path).c_str());
+    std::printf("  %s\n", named(path, false).c_str());
     for (const auto& [node_path, node] : network.nodes)
       for (const auto& [name, value] : node.parameters)
         std::printf("    %s.%s = %s\n", node.nodeTypeId.str().c_str(), name.str().c_str(),
                     printable(value.to_string()).c_str());
   }
+  print_overrides("materials", scene.GetMaterials(), is_disney);
 }
 
 void print_lights_and_cameras(const SceneSession& session) {
   std::printf("lights: %zu\n", session.scene.GetLights().size());
   for (const auto& [path, light] : session.scene.GetLights())
-    std::printf("  %s: %s\n", shown(path).c_str(), light.type.str().c_str());
+    std::printf("  %s: %s\n", named(path, false).c_str(), light.type.str().c_str());
+  print_overrides("lights", session.scene.GetLights(), [](const hd::host::LightDescription&) { return true; });
   std::printf("cameras: %zu\n", session.scene.GetCameras().size());
   const auto& settings = session.scene.GetAllRenderSettings();
   const hd::Path used = settings.at(session.file.settings).camera;
   for (const auto& [path, camera] : session.scene.GetCameras())
-    std::printf("  %s%s\n", shown(path).c_str(), path == used ? " (used)" : "");
+    std::printf("  %s%s\n", named(path, false).c_str(), path == used ? " (used)" : "");
+  std::fputs(override_lines("camera", "").c_str(), stdout);
   for (const auto& [path, description] : settings) {
     std::printf("render %s: %s\n", shown(path).c_str(), dimension(description).c_str());
     for (const hd::RenderProduct& product : description.products)
@@ -119,6 +157,10 @@ hd::description::LoadOptions load_options(const InfoArguments& a) {
   options.size = a.size;
   return options;
 }
+
+// Those of SchemaText.
+const std::vector<std::string> kSchemas{"disney_material", "textures",           "mesh",           "lights", "camera",
+                                        "render_settings", "render_description", "quality_presets"};
 
 void write_table_files(const std::string& sources, Console* console) {
   std::map<std::string, std::string> texts = hd::host::TableFiles();
@@ -163,9 +205,8 @@ int run_schema(const SchemaArguments& arguments) {
   if (!arguments.folder.empty()) return write_table_files(arguments.folder, &console), kDone;
   const char* const text = hd::description::SchemaText(arguments.name);
   if (!text)
-    console.usage_error("schema", "There is no schema '" + arguments.name +
-                                      "': choose from disney_material, textures, mesh, lights, camera, "
-                                      "render_settings, render_description and quality_presets.");
+    console.usage_error("schema", "There is no schema '" + arguments.name + "': choose from " + joined(kSchemas) + "." +
+                                      did_you_mean(arguments.name, kSchemas));
   std::fputs(text, stdout);
   return kDone;
 }

@@ -13,7 +13,6 @@
 #include "delegate/cli/console.h"
 #include "delegate/cli/exit_codes.h"
 #include "delegate/cli/parser_pages.h"
-#include "delegate/cli/shell_word.h"
 
 namespace alabaster::cli {
 namespace {
@@ -327,21 +326,39 @@ CLI::App* add_man(CLI::App& app, Arguments*) {
   return app.add_subcommand("man", "Prints the man page: every command and flag, as roff for 'man -l'.");
 }
 
-int run(int argc, char** argv) {
-  if (const std::string fault = empty_argument(argc, argv); !fault.empty())
-    Console(false).usage_error("command line", fault + ": give a value, or leave it out.");
-  if (argc > 1 && std::string(argv[1]) == "view") return run_view(argv + 1);
+/// Reports why the command line was not read, or prints the help that it requests; an exit code.
+int parse_fault(const CLI::App& app, const Words& words, const CLI::ParseError& error) {
+  const bool is_help = error.get_exit_code() == 0, is_value = error.get_name() == "ValidationError";
+  const std::string fault = is_help || is_value ? std::string() : word_fault(app, words, error);
+  if (fault.empty()) return exit_code(app, error);
+  Console(false).error("", fault);
+  return kUsage;
+}
+
+/// Runs a command. Where it ends by bad usage, the choice that an option does not have may be why.
+int run_command(const CLI::App& app, const Words& words, const std::function<int()>& command) {
+  try {
+    return command();
+  } catch (const Exit& exit) {
+    const std::string right = exit.code == kUsage ? with_near_choices(app, words) : std::string();
+    if (!right.empty()) Console(false).note("The command with the nearest choice:\n  " + right);
+    throw;
+  }
+}
+
+int parse_and_run(int argc, char** argv) {
   CLI::App app("Alabaster, a path tracer for translucent materials.", "alabaster");
   app.set_version_flag("--version", std::string(AlabasterVersions()));
   app.require_subcommand(1);
   app.footer(kExitCodes);
   std::vector<std::pair<const CLI::App*, std::function<int()>>> commands;
-  const auto add = [&](auto&& add_command, auto* arguments, auto&& run_command) {
+  const auto add = [&](auto&& add_command, auto* arguments, auto&& runs) {
     const CLI::App* command = add_command(app, arguments);
-    commands.emplace_back(command, [arguments, run_command] { return run_command(*arguments); });
+    commands.emplace_back(command, [arguments, runs] { return runs(*arguments); });
     return command;
   };
   Arguments a;
+  const Words words(argv + 1, argv + argc);
   add(add_render, &a.render, run_render);
   add(add_merge, &a.merge, run_merge);
   const CLI::App* farm_command = add(add_farm, &a.farm, run_farm);
@@ -357,14 +374,24 @@ int run(int argc, char** argv) {
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& e) {
-    return exit_code(app, e);
+    return parse_fault(app, words, e);
   }
-  for (int i = 2; i < argc; ++i) a.render.words += " " + shell_word(argv[i]);
+  a.render.words = words;
   if (farm_command->parsed()) split_options(farm_command, &a.farm);
   a.tradeoff.words = given_options(tradeoff_command, {"--restart", "--quiet"});
-  for (const auto& [command, run_command] : commands)
-    if (command->parsed()) return run_command();
+  for (const auto& [command, run_parsed] : commands)
+    if (command->parsed()) return run_command(app, words, run_parsed);
   return kUsage;
+}
+
+int run(int argc, char** argv) {
+  if (argc < 2) {
+    std::fputs(examples_text().c_str(), stderr);
+    return kUsage;
+  }
+  if (const std::string fault = empty_argument(argc, argv); !fault.empty())
+    Console(false).usage_error("command line", fault + ": give a value, or leave it out.");
+  return std::string(argv[1]) == "view" ? run_view(argv + 1) : parse_and_run(argc, argv);
 }
 
 // Output counts as printed only once it has arrived: a disk may be full.

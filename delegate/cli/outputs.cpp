@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <map>
 
+#include "delegate/cli/command_words.h"
 #include "delegate/cli/exit_codes.h"
 #include "delegate/host/product_limits.h"
 #include "delegate/support/extension.h"
@@ -29,9 +30,8 @@ std::string unknown_aov(const std::vector<std::string>& aovs) {
   for (const std::string& aov : aovs) {
     if (std::find(known.begin(), known.end(), aov) != known.end()) continue;
     if (const std::string primvars = "primvars:"; aov.starts_with(primvars) && aov != primvars) continue;
-    std::string names;
-    for (const std::string& name : known) names += (names.empty() ? "" : ", ") + name;
-    return "--aov: there is no '" + aov + "'; choose from " + names + ", primvars:NAME.";
+    return "--aov: there is no '" + aov + "'; choose from " + joined(known) + ", primvars:NAME." +
+           did_you_mean(aov, known);
   }
   return "";
 }

@@ -4,16 +4,15 @@
 
 #include "core/files/real_path.h"
 #include "delegate/cli/checkpoint_options.h"
-#include "delegate/cli/control_characters.h"
 #include "delegate/cli/exit_codes.h"
 #include "delegate/cli/interrupt.h"
 #include "delegate/cli/outputs.h"
+#include "delegate/cli/render_messages.h"
 #include "delegate/cli/render_options.h"
 #include "delegate/cli/stats_file.h"
 #include "delegate/cli/stopwatch.h"
 #include "delegate/host/product_limits.h"
 #include "delegate/support/output_file.h"
-#include "delegate/support/process_usage.h"
 
 namespace alabaster::cli {
 namespace {
@@ -35,7 +34,7 @@ class RenderCommand {
     if (a_.pixel) return trace_pixel();
     const int code = render();
     write_stats(code);
-    if (code == kDone || code == kDegraded) summarize();
+    if (code == kDone || code == kDegraded) messages_.summarize(stats_, code == kDegraded);
     return code;
   }
 
@@ -199,19 +198,20 @@ class RenderCommand {
       options.colors = session_.colors();
       options.keep_going = a_.keep_going;
       options.aovs = part_aovs_;
-      set_checkpoint(a_, session_.scene.GetAllRenderSettings().at(path), console_, &options);
+      const hd::RenderSettingsDescription frame = session_.scene.GetAllRenderSettings().at(path);
+      set_checkpoint(a_, frame, console_, &options);
       options.cancel = &interrupted();
       options.diagnostics = console_.sink();
-      options.progress = [this](const hd::host::RecordProgress& progress) {
+      options.progress = [&](const hd::host::RecordProgress& progress) {
         if (progress.fraction > 0) set_worth_saving(true);
-        console_.progress(progress);
+        messages_.progress(frame, progress);
       };
       options.writing = [] { set_writing(true); };
       const RecordResult result = hd::host::RecordFrame(session_.index(), &session_.scene, path, options);
       console_.end_progress();
-      stats_.add_render(session_.scene.GetAllRenderSettings().at(path), result);
+      stats_.add_render(frame, result);
       written_.insert(written_.end(), result.written.begin(), result.written.end());
-      say_error(result.stats);
+      messages_.add(frame, result);
       const int one = exit_code(result);
       say_suspect(result.stats, one);
       if (one != kDone) code = one;
@@ -286,16 +286,13 @@ class RenderCommand {
     const bool failed = code == kRender;
     const std::string what = failed ? "A sample failed a check or was not finite."
                                     : "A sample was not finite; the picture has black in its place.";
-    const std::string pixel = " --pixel " + found->second.text_or("");
-    // A terminal shows no control character as one that can be copied.
-    const std::string way =
-        has_control_character(a_.words) ? "add to the command:" + pixel : "run:\n  alabaster render" + pixel + a_.words;
+    const std::string pixel = found->second.text_or("");
+    Words words = a_.words;
+    words.insert(words.begin() + 1, {"--pixel", pixel});
+    const std::string command = command_text(words);
+    const std::string way = command.empty() ? "add to the command: --pixel " + pixel : "run:\n  " + command;
     console_.sink()(
         {failed ? hd::Severity::error : hd::Severity::warning, "render.sample", "", what + " To see its path, " + way});
-  }
-
-  void say_error(const hd::Dictionary& stats) {
-    if (const std::string text = noise_text(stats); !text.empty()) console_.note(text);
   }
 
   void write_stats(int code) {
@@ -319,20 +316,10 @@ class RenderCommand {
     }
   }
 
-  void summarize() {
-    char text[200];
-    const double rays = stats_.total("rays.camera") + stats_.total("rays.bounce") + stats_.total("rays.shadow") +
-                        stats_.total("rays.walk");
-    std::snprintf(text, sizeof text, "load %.2f s, sync %.2f s, render %.2f s, write %.2f s; %.1f Mrays; peak %.0f MB",
-                  stats_.load_wall(), stats_.total("phase.sync.wall"), stats_.total("phase.render.wall"),
-                  stats_.total("phase.write.wall"), rays / 1e6, double(hd::support::peak_memory_bytes()) / 1e6);
-    for (const std::string& file : written_) console_.note("wrote " + file);
-    console_.note(text);
-  }
-
   const RenderArguments& a_;
   Console console_;
   SceneSession session_{!a_.frames.empty()};
+  RenderMessages messages_{a_, session_, &console_};
   RunStats stats_;
   std::vector<std::string> written_;
   std::vector<std::string> part_aovs_;  // of a part without files

@@ -6,6 +6,7 @@
 #include "core/files/real_path.h"
 #include "core/texture/texture.h"
 #include "core/texture/udim.h"
+#include "delegate/description/authored_name.h"
 #include "delegate/description/name_match.h"
 #include "delegate/description/prims.h"
 
@@ -118,7 +119,7 @@ std::vector<Path> find_prims(LoadState& load, PrimKind kind, const std::string& 
     if (matches(pattern, path, is_mesh) ||
         (is_mesh && !matching_subsets(pattern, load.scene->GetMeshes().at(path).topology).empty()))
       found.push_back(path);
-    names.push_back(authored_name(path, is_mesh));
+    names.push_back(AuthoredName(path, is_mesh));
   }
   if (found.empty() && !load.posing) {
     const std::string none = names.empty() ? std::string(" The scene has none.") : suggestion(pattern, names);

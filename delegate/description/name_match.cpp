@@ -4,6 +4,7 @@
 
 #include <algorithm>
 
+#include "delegate/description/authored_name.h"
 #include "delegate/support/nearest_name.h"
 
 namespace alabaster::hd::description {
@@ -29,7 +30,7 @@ std::string suggestion(const std::string& name, const std::vector<std::string>& 
   return nearest.empty() ? "" : " Did you mean '" + nearest + "'?";
 }
 
-std::string authored_name(const Path& path, bool is_mesh) {
+std::string AuthoredName(const Path& path, bool is_mesh) {
   return without_index(component(path.str(), is_mesh));
 }
 

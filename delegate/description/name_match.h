@@ -11,10 +11,6 @@ namespace alabaster::hd::description {
 /// " Did you mean 'roughness'?", or nothing if no name is near enough.
 std::string suggestion(const std::string& name, const std::vector<std::string>& candidates);
 
-/// The name that the author of a model gave: "skin" for "/gltf/bust/materials/2_skin", "head" for the mesh primitive
-/// "/gltf/bust/nodes/3_head/0".
-std::string authored_name(const Path& path, bool is_mesh);
-
 /// True if `pattern` (a glob with * and ?) matches the prim's path, its last component, or its authored name.
 bool matches(const std::string& pattern, const Path& path, bool is_mesh);
 

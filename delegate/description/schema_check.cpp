@@ -139,6 +139,12 @@ std::string expectation(const json& schema) {
   return text;
 }
 
+/// " Did you mean 'walk'?" of a value that is none of the schema's words; empty if none is near.
+std::string near_choice(const json& value, const json& schema) {
+  if (!value.is_string() || !schema.contains("enum")) return {};
+  return suggestion(value.get<std::string>(), schema["enum"].get<std::vector<std::string>>());
+}
+
 std::string shortened(const std::string& text) {
   return text.size() > 60 ? text.substr(0, 57) + "..." : text;
 }
@@ -281,8 +287,10 @@ class Checker {
               retired_text(pointer.substr(0, slash), pointer.substr(slash + 1), value.get<std::string>());
           !retired.empty())
         return fail("description.value", pointer, retired);
+    const std::string near = near_choice(value, schema);
     return fail("description.value", pointer,
-                shortened(value) + " is not valid: expected " + expectation(schema) + ". " + meaning);
+                shortened(value) + " is not valid: expected " + expectation(schema) + "." + near +
+                    (meaning.empty() ? "" : " " + meaning));
   }
 
   const JsonDocument& document_;

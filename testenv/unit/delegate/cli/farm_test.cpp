@@ -161,7 +161,7 @@ TEST_F(Farm, WrongArgumentsAreRefused) {
   refused({"-o", "a.exr", "--tasks", "0"}, "--tasks");
   refused({"-o", "a.exr", "--tasks", "5"}, "cannot be shared");
   refused({"--tasks", "2"}, "add -o");
-  refused({"-o", "a.exr", "--tasks", "2", "--engine", "cloud"}, "choose slurm, openjd or script");
+  refused({"-o", "a.exr", "--tasks", "2", "--engine", "cloud"}, "choose from script, slurm, openjd");
   refused({"-o", "a.exr", "--tasks", "2", "--frames", "1:4"}, "--frames");
   refused({"-o", "a.exr", "--tasks", "2", "--target-error", "0.1"}, "targetError");
   refused({"-o", "a.exr", "--tasks", "2", "--time", "noon"}, "--time");

@@ -1,0 +1,365 @@
+#include "delegate/cli/command_words.h"
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <filesystem>
+#include <nlohmann/json.hpp>
+#include <set>
+
+#include "delegate/cli/control_characters.h"
+#include "delegate/cli/shell_word.h"
+#include "delegate/description/render_description.h"
+#include "delegate/host/product_writer.h"
+#include "delegate/support/extension.h"
+#include "delegate/support/nearest_name.h"
+
+namespace alabaster::cli {
+namespace {
+
+struct Example {
+  const char *command, *line, *meaning;
+};
+// The first five are those of a program without arguments.
+constexpr Example kExamples[] = {
+    {"render", "alabaster render model.glb -o frame.png --quality preview", "a first picture"},
+    {"render", "alabaster render model.glb -o frame.png --set 'materials/*.roughness=0.3'", "with a material changed"},
+    {"info", "alabaster info model.glb", "its materials and meshes, and how to change them"},
+    {"view", "alabaster view model.glb", "a window: look around, edit, save"},
+    {"check", "alabaster check scene.json", "every fault that a render would report"},
+    {"farm", "alabaster farm scene.json -o frame.exr --spp 256 --tasks 8", ""},
+    {"merge", "alabaster merge scene_farm/*.checkpoint -o frame.exr", ""},
+    {"convert", "alabaster convert scene.json -o scene.alab", ""},
+    {"tradeoff", "alabaster tradeoff scene.json --budget 10", ""},
+    {"schema", "alabaster schema disney_material", ""}};
+constexpr size_t kShownExamples = 5;
+
+/// A word of other programs, and ours. `value`: in the place of one that is a plain number; null: it stays.
+struct Alias {
+  const char *word, *ours, *value;
+};
+constexpr Alias kCommands[] = {
+    {"open", "view", nullptr},   {"show", "view", nullptr},      {"gui", "view", nullptr},
+    {"list", "info", nullptr},   {"inspect", "info", nullptr},   {"validate", "check", nullptr},
+    {"submit", "farm", nullptr}, {"export", "convert", nullptr}, {"benchmark", "tradeoff", nullptr}};
+constexpr Alias kFlags[] = {{"sample", "--spp", nullptr},
+                            {"num-samples", "--spp", nullptr},
+                            {"samples-per-pixel", "--spp", nullptr},
+                            {"width", "--size", "1280x720"},
+                            {"height", "--size", "1280x720"},
+                            {"res", "--size", "1280x720"},
+                            {"resolution", "--size", "1280x720"},
+                            {"out", "--output", nullptr},
+                            {"noise", "--target-error", nullptr},
+                            {"noise-threshold", "--target-error", nullptr},
+                            {"env", "--dome", nullptr},
+                            {"envmap", "--dome", nullptr},
+                            {"environment", "--dome", nullptr},
+                            {"hdri", "--dome", nullptr},
+                            {"sky", "--dome", nullptr},
+                            {"bounces", "--max-depth", nullptr},
+                            {"depth", "--max-depth", nullptr},
+                            {"cores", "--threads", nullptr},
+                            {"jobs", "--threads", nullptr},
+                            {"preset", "--quality", nullptr},
+                            {"layer", "--aov", nullptr}};
+
+template <size_t N>
+const Alias* find_alias(const Alias (&aliases)[N], const std::string& word) {
+  const auto found = std::find_if(aliases, aliases + N, [&](const Alias& one) { return word == one.word; });
+  return found == aliases + N ? nullptr : found;
+}
+
+std::string with_example(const std::string& text, const std::string& command) {
+  return command.empty() ? text : text + "\n  " + command;
+}
+
+std::string example_of(const std::string& command) {
+  for (const Example& example : kExamples)
+    if (command == example.command) return example.line;
+  return {};
+}
+
+std::string option_of(const std::string& word) {
+  return word.substr(0, word.find('='));
+}
+
+bool is_option(const std::string& word) {
+  return word.size() > 1 && word[0] == '-' && word.find_first_not_of("0123456789.-") != std::string::npos;
+}
+
+std::vector<const CLI::App*> commands_of(const CLI::App& app) {
+  return app.get_subcommands([](const CLI::App*) { return true; });
+}
+
+const CLI::App* find_command(const CLI::App& app, const std::string& name) {
+  for (const CLI::App* command : commands_of(app))
+    if (command->get_name() == name) return command;
+  return nullptr;
+}
+
+// The extensions of LoadScene.
+bool is_scene(const std::string& word) {
+  const std::set<std::string> extensions{".glb", ".gltf", ".json", ".alab"};
+  return extensions.contains(hd::support::lower_extension(word));
+}
+
+/// The option of a word, which may hold its value: --spp=4, -oframe.png. Null: the command has none of that name.
+const CLI::Option* known_option(const CLI::App& command, const std::string& word, bool* holds_value) {
+  const CLI::Option* option = command.get_option_no_throw(option_of(word));
+  *holds_value = word.find('=') != std::string::npos;
+  if (option || word.starts_with("--")) return option;
+  *holds_value = true;
+  return command.get_option_no_throw(word.substr(0, 2));
+}
+
+/// The name of the option that a wrong one means; empty if none is near. An alias, else the shortest name that begins
+/// as the word does, else the nearest name.
+std::string right_option(const CLI::App& command, const std::string& wrong) {
+  constexpr size_t kLeastLetters = 3;
+  const std::string word = wrong.substr(std::min(wrong.find_first_not_of('-'), wrong.size()));
+  if (const Alias* alias = find_alias(kFlags, word); alias && command.get_option_no_throw(alias->ours))
+    return alias->ours;
+  Words names;
+  std::string longer;
+  for (const CLI::Option* option : command.get_options())
+    for (const std::string& name : option->get_lnames()) {
+      names.push_back(name);
+      const bool begins = word.size() >= kLeastLetters && name.starts_with(word);
+      if (begins && (longer.empty() || name.size() < longer.size())) longer = name;
+    }
+  const std::string name = longer.empty() ? hd::support::NearestName(word, names) : longer;
+  return name.empty() ? name : "--" + name;
+}
+
+/// A command line with right options in the place of wrong ones.
+struct Corrected {
+  Words words;
+  std::string wrong, right;  // the first wrong option, and the right one; empty: none
+  bool complete = true;      // each wrong option has a right one
+};
+
+class Corrector {
+ public:
+  Corrector(const CLI::App& command, const Words& words) : command_(command), words_(words) {
+    result_.words = {words[0]};
+    for (at_ = 1; at_ < words.size() && words[at_] != "--"; ++at_) take();
+    result_.words.insert(result_.words.end(), words.begin() + std::ptrdiff_t(at_), words.end());
+  }
+  const Corrected& result() const { return result_; }
+
+ private:
+  void take() {
+    const std::string& word = words_[at_];
+    if (!is_option(word)) return result_.words.push_back(word);
+    bool holds_value = false;
+    const CLI::Option* option = known_option(command_, word, &holds_value);
+    if (!option) return replace(word);
+    used_.insert(option->get_name());
+    result_.words.push_back(word);
+    if (!holds_value && option->get_expected_max() > 0 && at_ + 1 < words_.size())
+      result_.words.push_back(words_[++at_]);
+  }
+
+  void replace(const std::string& word) {
+    const std::string wrong = option_of(word), right = right_option(command_, wrong);
+    if (result_.wrong.empty()) result_.wrong = wrong, result_.right = right;
+    if (right.empty()) result_.complete = false;
+    if (right.empty()) return;
+    const bool takes_value = command_.get_option_no_throw(right)->get_expected_max() > 0;
+    std::string value = wrong == word ? "" : word.substr(wrong.size() + 1);
+    if (takes_value && wrong == word && at_ + 1 < words_.size() && !is_option(words_[at_ + 1])) value = words_[++at_];
+    if (takes_value && value.empty()) result_.complete = false;
+    if (!used_.insert(right).second) return;  // --width and --height are one --size
+    const Alias* alias = find_alias(kFlags, wrong.substr(std::min(wrong.find_first_not_of('-'), wrong.size())));
+    if (alias && alias->value && value.find_first_not_of("0123456789") == std::string::npos) value = alias->value;
+    result_.words.push_back(right);
+    if (takes_value) result_.words.push_back(value);
+  }
+
+  const CLI::App& command_;
+  const Words& words_;
+  size_t at_ = 0;
+  std::set<std::string> used_;
+  Corrected result_;
+};
+
+// "" if the options of the command are all its own.
+std::string option_fault(const CLI::App& command, const Words& words) {
+  const Corrected corrected = Corrector(command, words).result();
+  if (corrected.wrong.empty()) return {};
+  std::string text = "'alabaster " + words[0] + "' has no option '" + corrected.wrong + "'.";
+  if (!corrected.right.empty()) text += " Did you mean '" + corrected.right + "'?";
+  if (corrected.complete) return with_example(text, command_text(corrected.words));
+  return text + " Its options: alabaster " + words[0] + " --help";
+}
+
+/// The words that render a scene file: with an output, if they name none, and with right options.
+std::string render_command(const CLI::App& app, const std::string& scene, const Words& others) {
+  Words words{"render", scene};
+  words.insert(words.end(), others.begin(), others.end());
+  const bool writes = std::any_of(words.begin(), words.end(), [](const std::string& word) {
+    return word.starts_with("-o") || word.starts_with("--out");
+  });
+  if (!writes) words.insert(words.end(), {"-o", std::filesystem::path(scene).stem().string() + ".png"});
+  const Corrected corrected = Corrector(*find_command(app, "render"), words).result();
+  return corrected.complete ? command_text(corrected.words) : example_of("render");
+}
+
+Words without(const Words& words, size_t at) {
+  Words rest = words;
+  rest.erase(rest.begin() + std::ptrdiff_t(at));
+  return rest;
+}
+
+std::string help_command(const CLI::App& app, const Words& words) {
+  return words.size() > 1 && find_command(app, words[1]) ? command_text({words[1], "--help"}) : "alabaster --help";
+}
+
+// The first word is no command.
+std::string command_fault(const CLI::App& app, const Words& words) {
+  const std::string& word = words[0];
+  Words names;
+  for (const CLI::App* command : commands_of(app)) names.push_back(command->get_name());
+  if (is_scene(word))
+    return with_example("'" + word + "' is a scene, and a command comes before it. To render it:",
+                        render_command(app, word, without(words, 0)));
+  if (word == "help") return with_example("There is no command 'help'. To get help:", help_command(app, words));
+  const Alias* alias = find_alias(kCommands, word);
+  const std::string right = alias ? alias->ours : hd::support::NearestName(word, names);
+  if (right.empty()) {
+    std::error_code error;
+    const bool is_file = std::filesystem::exists(word, error);
+    return with_example("'" + word + "' is " +
+                            (is_file ? "a file, but no scene (.glb, .gltf, .json or .alab)" : "not a command") +
+                            ". The commands are " + joined(names) + ". For example:",
+                        example_of("render"));
+  }
+  Words corrected = words;
+  corrected[0] = right;
+  const CLI::App* command = find_command(app, right);
+  if (command && right != "view") corrected = Corrector(*command, corrected).result().words;
+  const bool is_alone = words.size() == 1;  // it lacks its scene
+  return with_example("There is no command '" + word + "'. Did you mean '" + right + "'?",
+                      is_alone ? example_of(right) : command_text(corrected));
+}
+
+// An option stands where a command does.
+std::string early_option_fault(const CLI::App& app, const Words& words) {
+  for (size_t i = 1; i < words.size(); ++i) {
+    if (find_command(app, words[i])) {
+      Words moved = without(words, i);
+      moved.insert(moved.begin(), words[i]);
+      const Corrected corrected = Corrector(*find_command(app, words[i]), moved).result();
+      return with_example("'" + option_of(words[0]) + "' stands before the command. Write:",
+                          corrected.complete ? command_text(corrected.words) : example_of(words[i]));
+    }
+    if (is_scene(words[i]))
+      return with_example("The command is missing. To render '" + words[i] + "':",
+                          render_command(app, words[i], without(words, i)));
+  }
+  return with_example("'" + option_of(words[0]) + "' is an option without a command. For example:",
+                      example_of("render"));
+}
+
+std::vector<std::string> choices_of(const std::string& option) {
+  if (option == "--engine") return farm_engines();
+  if (option == "--aov") return hd::host::ProductAovs();
+  const std::string name = option.substr(option.find_first_not_of('-'));
+  for (const char* place : {"/properties/settings/properties/", "/properties/"}) {
+    const bool settings = place == std::string("/properties/");
+    const char* text = hd::description::SchemaText(settings ? "render_settings" : "render_description");
+    const auto schema = nlohmann::json::parse(text, nullptr, false);
+    const nlohmann::json::json_pointer at(place + name + "/enum");
+    if (schema.contains(at)) return schema[at].get<std::vector<std::string>>();
+  }
+  return {};
+}
+
+/// The choice that a wrong one means. Empty if it is right, or the option takes other values than choices.
+/// `*complete`: false if no choice is near.
+std::string right_choice(const std::string& option, const std::string& choice, bool* complete) {
+  const std::vector<std::string> choices = choices_of(option);
+  if (choices.empty() || choice.starts_with("primvars:")) return {};
+  if (std::find(choices.begin(), choices.end(), choice) != choices.end()) return {};
+  const std::string right = hd::support::NearestName(choice, choices);
+  *complete = *complete && !right.empty();
+  return right;
+}
+
+}  // namespace
+
+std::string examples_text() {
+  std::string text = "Alabaster renders translucent materials: skin, wax, marble, leaves. Examples:\n\n";
+  for (size_t i = 0; i < kShownExamples; ++i)
+    text += std::string("  # ") + kExamples[i].meaning + "\n  " + kExamples[i].line + "\n";
+  return text + "\nCommands: alabaster --help. Options of one: alabaster render --help.\n";
+}
+
+std::string word_fault(const CLI::App& app, const Words& words, const CLI::ParseError& error) {
+  if (words.empty()) return {};
+  if (is_option(words[0])) return early_option_fault(app, words);
+  const CLI::App* command = find_command(app, words[0]);
+  if (!command) return command_fault(app, words);
+  const std::string fault = option_fault(*command, words);
+  if (!fault.empty() || error.get_name() != "RequiredError") return fault;
+  std::string missing = error.what();
+  if (missing.starts_with("file ")) missing.replace(0, 4, "SCENE");
+  return with_example("alabaster " + words[0] + ": " + missing + ". For example:", example_of(words[0]));
+}
+
+std::string with_near_choices(const CLI::App& app, const Words& words) {
+  const CLI::App* command = words.empty() ? nullptr : find_command(app, words[0]);
+  if (!command) return {};
+  Words corrected = words;
+  bool complete = true, changed = false;
+  for (size_t i = 1; i < words.size() && words[i] != "--"; ++i) {
+    bool holds_value = false;
+    const CLI::Option* option = is_option(words[i]) ? known_option(*command, words[i], &holds_value) : nullptr;
+    if (!option || option->get_expected_max() == 0) continue;
+    const std::string name = option->get_name();
+    if (!holds_value && ++i == words.size()) break;
+    const size_t begin = holds_value ? words[i].find('=') + 1 : 0;
+    const std::string right = right_choice(name, words[i].substr(begin), &complete);
+    if (right.empty()) continue;
+    corrected[i] = words[i].substr(0, begin) + right;
+    changed = true;
+  }
+  return complete && changed ? command_text(corrected) : std::string();
+}
+
+const Words& farm_engines() {
+  static const Words kEngines{"script", "slurm", "openjd"};
+  return kEngines;
+}
+
+std::string did_you_mean(const std::string& name, const Words& known) {
+  const std::string nearest = hd::support::NearestName(name, known);
+  return nearest.empty() ? std::string() : " Did you mean '" + nearest + "'?";
+}
+
+std::string joined(const Words& names) {
+  std::string text;
+  for (const std::string& name : names) text += (text.empty() ? "" : ", ") + name;
+  return text;
+}
+
+Words with_options(const Words& words, const Words& left_out, const Words& added) {
+  Words kept;
+  for (size_t i = 0; i < words.size(); ++i) {
+    if (std::find(left_out.begin(), left_out.end(), option_of(words[i])) == left_out.end())
+      kept.push_back(words[i]);
+    else if (words[i].find('=') == std::string::npos)
+      ++i;  // its value
+  }
+  // After "--" there are no options.
+  kept.insert(std::find(kept.begin(), kept.end(), "--"), added.begin(), added.end());
+  return kept;
+}
+
+std::string command_text(const Words& words) {
+  std::string text = "alabaster";
+  for (const std::string& word : words) text += " " + shell_word(word);
+  return has_control_character(text) ? std::string() : text;
+}
+
+}  // namespace alabaster::cli

@@ -1,0 +1,44 @@
+// Words of a command line that are wrong, the nearest right ones, and commands that work.
+#pragma once
+
+#include <string>
+#include <vector>
+
+namespace CLI {
+class App;
+class ParseError;
+}  // namespace CLI
+
+namespace alabaster::cli {
+
+/// Words of a command line. `words` of the functions below begin with the name of a command.
+using Words = std::vector<std::string>;
+
+/// Five examples and the places of the help, which the program shows without arguments.
+std::string examples_text();
+
+/// The fault of a command line that `app` did not read for `error`: the wrong word, the nearest right one, and a
+/// command that works. Empty if no word is wrong by itself.
+std::string word_fault(const CLI::App& app, const Words& words, const CLI::ParseError& error);
+
+/// The command with the nearest choice in the place of each that its flag does not have. Empty if every flag has a
+/// choice that exists, or one of them has none that is near.
+std::string with_near_choices(const CLI::App& app, const Words& words);
+
+/// The engines of command farm.
+const Words& farm_engines();
+
+/// " Did you mean 'slurm'?"; empty if none of `known` is near.
+std::string did_you_mean(const std::string& name, const Words& known);
+
+/// "slurm, openjd, script"
+std::string joined(const Words& names);
+
+/// `words` without the options `left_out`, each of which has a value, and with `added`.
+Words with_options(const Words& words, const Words& left_out, const Words& added);
+
+/// "alabaster WORDS" as a shell reads it. Empty if a word holds control characters, which cannot be copied from a
+/// terminal.
+std::string command_text(const Words& words);
+
+}  // namespace alabaster::cli

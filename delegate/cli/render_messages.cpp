@@ -1,0 +1,138 @@
+#include "delegate/cli/render_messages.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+
+#include "delegate/cli/next_command.h"
+#include "delegate/cli/render_options.h"
+#include "delegate/support/lookup.h"
+#include "delegate/support/process_usage.h"
+
+namespace alabaster::cli {
+namespace {
+
+using hd::support::number_in;
+
+std::string size_text(int width, int height) {
+  return std::to_string(width) + "x" + std::to_string(height);
+}
+
+std::string size_text(const hd::Rect2i& window) {
+  return size_text(window.width(), window.height());
+}
+
+std::string number_text(const char* pattern, double number) {
+  char text[80];
+  std::snprintf(text, sizeof text, pattern, number);
+  return text;
+}
+
+/// The relative RMSE of statistics; negative: not known.
+double noise_in(const hd::Dictionary& stats) {
+  const double noise = number_in(stats, "error.relativeRmse", -1);
+  return number_in(stats, "error.isKnown", 1) != 0 && std::isfinite(noise) ? noise : -1;
+}
+
+/// The same for the samples that were taken since it was measured: it falls with the square root of their number.
+double present_noise_in(const hd::Dictionary& stats) {
+  const double measured = number_in(stats, "error.samples"), present = number_in(stats, "numCompletedSamples");
+  return noise_in(stats) * (measured > 0 && present > measured ? std::sqrt(measured / present) : 1);
+}
+
+/// The pixels of a product's file.
+std::string product_size(const hd::RenderSettingsDescription& frame, const std::string& file) {
+  for (const hd::RenderProduct& product : frame.products)
+    if (product.file == file && product.width > 0 && product.height > 0 && !frame.crop)
+      return size_text(product.width, product.height);
+  return size_text(frame.window());
+}
+
+}  // namespace
+
+RenderMessages::RenderMessages(const RenderArguments& arguments, const SceneSession& session, Console* console)
+    : a_(arguments), session_(session), console_(*console) {}
+
+void RenderMessages::progress(const hd::RenderSettingsDescription& frame, const hd::host::RecordProgress& progress) {
+  if (a_.quiet) return;
+  if (!begun_) begin(frame, progress);
+  if (!estimated_) estimate(frame, progress);
+  console_.progress(progress, noise_so_far(progress.seconds));
+}
+
+// A measurement takes a little of a render thread's time.
+double RenderMessages::noise_so_far(double seconds) {
+  constexpr double kPause = 3;
+  if (seconds < asked_) asked_ = 0;  // another frame
+  if (seconds >= asked_ + kPause) {
+    session_.delegate()->InvokeCommand("measureNoise", {});
+    asked_ = seconds;
+  }
+  return present_noise_in(session_.delegate()->GetRenderStats());
+}
+
+void RenderMessages::begin(const hd::RenderSettingsDescription& frame, const hd::host::RecordProgress& progress) {
+  begun_ = true;
+  warned_ = console_.warnings() > 0;
+  const double target = number_in(frame.settings, "targetError"), limit = number_in(frame.settings, "timeLimit");
+  std::string text = "rendering " + size_text(frame.window());
+  if (frame.crop) text += " of " + size_text(frame.width, frame.height);
+  if (target > 0) text += number_text(" to %.3g %% noise", 100 * target);
+  if (limit > 0) text += number_text(target > 0 ? ", for %g s at most" : " for %g s", limit);
+  if (!(target > 0) && !(limit > 0)) text += ", " + std::to_string(progress.samples_total) + " samples per pixel";
+  console_.note(text);
+}
+
+// The first seconds tell how long a render takes. A limit of time says it itself.
+void RenderMessages::estimate(const hd::RenderSettingsDescription& frame, const hd::host::RecordProgress& progress) {
+  constexpr double kMeasured = 3, kLong = 20;  // seconds
+  if (progress.seconds < kMeasured || progress.seconds_left < 0 || progress.fraction >= 1) return;
+  estimated_ = true;
+  const double one = progress.seconds + progress.seconds_left;
+  const auto frames = double(std::max<size_t>(a_.frames.size(), 1));
+  if (one * frames < kLong || number_in(frame.settings, "timeLimit") > 0) return;
+  std::string text = "expected time: " + time_text(one);
+  if (frames > 1) text += number_text(" a frame, %.0f frames: ", frames) + time_text(one * frames);
+  console_.note(text + shorter(frame));
+}
+
+std::string RenderMessages::shorter(const hd::RenderSettingsDescription& frame) const {
+  if (a_.samples) return {};  // a part of a farm's frame
+  const auto is_preset = [](const hd::description::Override& one) { return one.place == "quality"; };
+  const bool preset = std::any_of(a_.settings.begin(), a_.settings.end(), is_preset);
+  return std::string(". Shorter: ") + (preset ? "" : "--quality preview, ") + "--size " +
+         size_text(std::max(frame.width / 2, 1), std::max(frame.height / 2, 1)) + ", --time-limit 20";
+}
+
+void RenderMessages::add(const hd::RenderSettingsDescription& frame, const hd::host::RecordResult& result) {
+  for (const std::string& file : result.written) written_.emplace_back(file, product_size(frame, file));
+  noise_ = noise_in(result.stats);
+  denoised_ = result.stats.contains("denoiser") && !result.stats.contains("denoise.error");
+  if (const std::string text = noise_text(result.stats); !text.empty()) console_.note(text);
+}
+
+void RenderMessages::summarize(const RunStats& stats, bool degraded) {
+  const double rays =
+      stats.total("rays.camera") + stats.total("rays.bounce") + stats.total("rays.shadow") + stats.total("rays.walk");
+  const double load = stats.load_wall(), sync = stats.total("phase.sync.wall"),
+               render = stats.total("phase.render.wall"), write = stats.total("phase.write.wall");
+  char text[250];
+  std::snprintf(text, sizeof text,
+                "time: %.2f s (load %.2f s, sync %.2f s, render %.2f s, write %.2f s); %.1f Mrays; peak memory %.0f MB",
+                load + sync + render + write, load, sync, render, write, rays / 1e6,
+                double(hd::support::peak_memory_bytes()) / 1e6);
+  for (const auto& [file, size] : written_) console_.note("wrote " + file + ", " + size + " pixels");
+  console_.note(text);
+  if (a_.samples || a_.quiet) return;
+  const std::vector<std::string>& notes = session_.file.notes;
+  RenderFindings found;
+  found.degraded = degraded;
+  found.warned = warned_;
+  found.has_camera = !session_.file.framed;
+  found.has_light = std::none_of(notes.begin(), notes.end(), [](const auto& n) { return n.starts_with("no light"); });
+  found.denoised = denoised_;
+  found.noise = noise_;
+  if (const std::string next = next_command(a_, found); !next.empty()) console_.note("next: " + next);
+}
+
+}  // namespace alabaster::cli

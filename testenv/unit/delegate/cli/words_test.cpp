@@ -1,0 +1,258 @@
+// Answers of the program to wrong words, and the commands that it proposes: each works as it stands.
+#include <sys/ioctl.h>
+
+#include <cstdlib>
+#include <sstream>
+
+#include "testenv/unit/delegate/cli/run_program.h"
+#include "testenv/unit/delegate/description/scene_fixture.h"
+
+namespace alabaster::cli {
+namespace {
+
+#define EXPECT_HAS(text, part) EXPECT_NE((text).find(part), std::string::npos) << "said: " << (text)
+
+using Words = std::vector<std::string>;
+
+class WordsTest : public hd::description::SceneFiles {
+ protected:
+  Outcome run(const Words& arguments) const { return run_program(folder_, arguments); }
+
+  /// Runs a command in a shell, as a person who copies it; its exit code.
+  int paste(const std::string& command) const {
+    const std::string programs = std::filesystem::path(testing::kProgram).parent_path().string();
+    const std::string line = "cd '" + folder_.string() + "' && PATH='" + programs + "':$PATH && " + command +
+                             " > pasted.txt 2> pasted_errors.txt < /dev/null";
+    const int status = std::system(line.c_str());
+    return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
+  }
+
+  /// The first command that a text proposes, without the prompt of its line.
+  static std::string proposed(const std::string& text, const std::string& before = "\n  ") {
+    const size_t at = text.find(before + "alabaster ");
+    if (at == std::string::npos) return {};
+    const size_t begin = at + before.size();
+    return text.substr(begin, text.find('\n', begin) - begin);
+  }
+
+  /// Expects bad usage, a word in the report, and a proposal that is `command` and works.
+  void expect_proposal(const Words& arguments, const std::string& said, const std::string& command) const {
+    const Outcome outcome = run(arguments);
+    EXPECT_EQ(outcome.code, 2) << outcome.err;
+    EXPECT_HAS(outcome.err, said);
+    EXPECT_EQ(proposed(outcome.err), command) << outcome.err;
+    EXPECT_EQ(paste(proposed(outcome.err)), 0) << outcome.err;
+  }
+
+  const Words quick_{"patch.gltf", "-o", "a.png", "--size", "16x12"};
+  const std::string quick_text_ = "patch.gltf -o a.png --size 16x12";
+  Words quick(const Words& begin, const Words& end) const {
+    Words all = begin;
+    all.insert(all.end(), quick_.begin(), quick_.end());
+    all.insert(all.end(), end.begin(), end.end());
+    return all;
+  }
+};
+
+TEST_F(WordsTest, TheProgramAloneShowsFiveExamplesAndTheHelp) {
+  const Outcome alone = run({});
+  EXPECT_EQ(alone.code, 2);
+  EXPECT_EQ(alone.out, "");
+  size_t examples = 0;
+  std::istringstream lines(alone.err);
+  for (std::string line; std::getline(lines, line);) examples += line.starts_with("  alabaster ");
+  EXPECT_EQ(examples, 5u) << alone.err;
+  for (const char* part : {"render model.glb -o ", "--set ", "alabaster info ", "alabaster view ", "alabaster check ",
+                           "alabaster --help", "alabaster render --help"})
+    EXPECT_HAS(alone.err, part);
+}
+
+TEST_F(WordsTest, AMisspeltCommandNamesTheNearest) {
+  expect_proposal(quick({"rendr"}, {"--spp", "1"}), "no command 'rendr'. Did you mean 'render'?",
+                  "alabaster render " + quick_text_ + " --spp 1");
+  expect_proposal({"inspect", "lit.gltf"}, "Did you mean 'info'?", "alabaster info lit.gltf");
+  expect_proposal({"help", "render"}, "no command 'help'", "alabaster render --help");
+  expect_proposal({"help"}, "no command 'help'", "alabaster --help");
+  const Outcome unknown = run({"qqqqqqq"});
+  EXPECT_EQ(unknown.code, 2);
+  EXPECT_HAS(unknown.err, "The commands are render, merge, farm, ");
+  EXPECT_HAS(run({"patch.bin"}).err, "'patch.bin' is a file, but no scene");
+}
+
+TEST_F(WordsTest, ASceneInThePlaceOfACommandIsRendered) {
+  expect_proposal(quick({}, {"--spp", "1"}), "'patch.gltf' is a scene", "alabaster render " + quick_text_ + " --spp 1");
+  expect_proposal({"--spp", "1", "patch.gltf", "--size", "16x12"}, "The command is missing",
+                  "alabaster render patch.gltf --spp 1 --size 16x12 -o patch.png");
+  write("scene.json", R"({"models": [{"file": "patch.gltf"}], "settings": {"samples": 1, "resolution": [16, 12]}})");
+  expect_proposal({"scene.json"}, "'scene.json' is a scene", "alabaster render scene.json -o scene.png");
+  std::filesystem::copy(folder_ / "patch.gltf", folder_ / "my patch.gltf");
+  expect_proposal({"my patch.gltf", "--size", "16x12", "--spp", "1"}, "is a scene",
+                  "alabaster render 'my patch.gltf' --size 16x12 --spp 1 -o 'my patch.png'");
+}
+
+TEST_F(WordsTest, AMisspeltOptionNamesTheNearest) {
+  const struct {
+    Words wrong;
+    std::string option, right;
+  } cases[] = {{{"--sample", "1"}, "--spp", "--spp 1"},
+               {{"--sp=1"}, "--spp", "--spp=1"},
+               {{"-spp", "1"}, "--spp", "--spp 1"},
+               {{"--spp", "1", "--sead", "3"}, "--seed", "--spp 1 --seed 3"},
+               {{"--spp", "1", "--tagret-error", "0.5"}, "--target-error", "--spp 1 --target-error 0.5"},
+               {{"--spp", "1", "--target", "0.5"}, "--target-error", "--spp 1 --target-error 0.5"},
+               {{"--spp", "1", "--quite"}, "--quiet", "--spp 1 --quiet"},
+               {{"--spp", "1", "--noise", "0.9"}, "--target-error", "--spp 1 --target-error 0.9"},
+               {{"--spp", "1", "--env", "0.5"}, "--dome", "--spp 1 --dome 0.5"}};
+  for (const auto& [wrong, option, right] : cases)
+    expect_proposal(quick({"render"}, wrong), "Did you mean '" + option + "'?",
+                    "alabaster render " + quick_text_ + " " + right);
+  expect_proposal({"render", "--sample", "1", "patch.gltf", "-o", "a.png", "--width", "16", "--height", "12"},
+                  "Did you mean '--spp'?", "alabaster render --spp 1 patch.gltf -o a.png --size 1280x720");
+  const Outcome unknown = run(quick({"render"}, {"--qqqqqqqqq"}));
+  EXPECT_EQ(unknown.code, 2);
+  EXPECT_HAS(unknown.err, "'alabaster render' has no option '--qqqqqqqqq'.");
+  EXPECT_HAS(unknown.err, "alabaster render --help");
+}
+
+TEST_F(WordsTest, AMisspeltChoiceNamesTheNearest) {
+  const struct {
+    Words wrong;
+    std::string choice, right;
+  } cases[] = {{{"--quality", "previw"}, "preview", "--quality preview"},
+               {{"--quality=drafft", "--spp", "1"}, "draft", "--quality=draft --spp 1"},
+               {{"--spp", "1", "--subsurface", "wlak"}, "walk", "--spp 1 --subsurface walk"},
+               {{"--spp", "1", "--studio", "onn"}, "on", "--spp 1 --studio on"},
+               {{"-o", "a.exr", "--spp", "1", "--aov", "nromal"}, "normal", "-o a.exr --spp 1 --aov normal"}};
+  for (const auto& [wrong, choice, right] : cases)
+    expect_proposal(quick({"render"}, wrong), "Did you mean '" + choice + "'?",
+                    "alabaster render " + quick_text_ + " " + right);
+  expect_proposal({"farm", "patch.gltf", "-o", "a.exr", "--tasks", "2", "--spp", "4", "--engine", "slrum"},
+                  "Did you mean 'slurm'?", "alabaster farm patch.gltf -o a.exr --tasks 2 --spp 4 --engine slurm");
+  EXPECT_HAS(run({"schema", "light"}).err, "Did you mean 'lights'?");
+}
+
+TEST_F(WordsTest, AMissingSceneShowsAnExample) {
+  for (const char* command : {"render", "info", "check", "convert", "farm", "tradeoff"}) {
+    const Outcome outcome = run({command});
+    EXPECT_EQ(outcome.code, 2);
+    EXPECT_HAS(outcome.err, "SCENE is required");
+    EXPECT_HAS(outcome.err, std::string("\n  alabaster ") + command + " ");
+  }
+}
+
+TEST_F(WordsTest, InfoNamesWhatMayBeChangedAndHow) {
+  write("lit.json", R"({"models": [{"file": "patch.gltf"}], "lights": [{"name": "key [1]*", "type": "sphereLight"}]})");
+  const Outcome info = run({"info", "lit.json"});
+  ASSERT_EQ(info.code, 0) << info.err;
+  for (const char* part : {"  patch: /", "  skin: /", "  key [1]*: /lights/key [1]*", "baseColor", "subsurfaceSet",
+                           "texture:file", "lookAt", "can be set:"})
+    EXPECT_HAS(info.out, part);
+  size_t examples = 0;
+  std::istringstream lines(info.out);
+  for (std::string line; std::getline(lines, line);) {
+    if (!line.starts_with("  to change: ")) continue;
+    ++examples;
+    EXPECT_EQ(paste("alabaster info lit.json " + line.substr(std::string("  to change: ").size())), 0) << line;
+  }
+  EXPECT_EQ(examples, 4u) << "of materials, meshes, lights and the camera";
+}
+
+TEST_F(WordsTest, ARenderTellsSizesAndOneNextCommand) {
+  const Outcome done = run(quick({"render"}, {"--spp", "4"}));
+  ASSERT_EQ(done.code, 0) << done.err;
+  EXPECT_HAS(done.err, "rendering 16x12, 4 samples per pixel\n");
+  EXPECT_HAS(done.err, "noise: ");
+  EXPECT_HAS(done.err, "wrote a.png, 16x12 pixels\n");
+  EXPECT_HAS(done.err, "time: ");
+  const std::string next = proposed(done.err, "\nnext: ");
+  EXPECT_EQ(paste(next), 0) << done.err;
+  EXPECT_EQ(done.err.find("next: "), done.err.rfind("next: ")) << "one: " << done.err;
+  EXPECT_EQ(run(quick({"render"}, {"--spp", "4", "--quiet"})).err, "");
+}
+
+TEST_F(WordsTest, TheNextCommandIsThatOfTheGreatestNeed) {
+  const auto next = [this](const Words& arguments, const std::function<void()>& prepare = {}) {
+    const std::string command = proposed(run_program(folder_, arguments, prepare).err, "\nnext: ");
+    EXPECT_EQ(paste(command), 0) << command;
+    return command;
+  };
+  const auto no_denoiser = [] { setenv("ALABASTER_OIDN", "/nowhere", 1); };
+  write("lamp.json", R"({"models": [{"file": "patch.gltf"}], "settings": {"resolution": [64, 48], "samples": 2},
+    "camera": {"lookAt": {"eye": [0, 0, 5], "target": [0, 0, 0]}},
+    "lights": [{"name": "key", "type": "rectLight", "intensity": 30, "position": [2, 2, 0.5], "target": [0, 0, 0]}]})");
+  EXPECT_EQ(next({"render", "lamp.json", "-o", "a.exr"}, no_denoiser),
+            "alabaster render lamp.json -o a.exr --target-error 0.05  # until the noise is 5 %");
+  EXPECT_EQ(next({"render", "lamp.json", "-o", "a.exr", "--spp=2"}, no_denoiser),
+            "alabaster render lamp.json -o a.exr --target-error 0.05  # until the noise is 5 %");
+  EXPECT_EQ(next({"render", "lamp.json", "-o", "a.exr", "--target-error", "0.04"}, no_denoiser),
+            "alabaster info lamp.json  # the materials and meshes, and how to change them");
+}
+
+TEST_F(WordsTest, ALongRenderTellsItsTimeAndWhatShortensIt) {
+  Program program(folder_, {"render", "patch.gltf", "--size", "64x48", "--spp", "200000", "-o", "a.png"});
+  ASSERT_TRUE(program.wait_for("expected time: ", 60)) << program.err();
+  program.interrupt();
+  EXPECT_EQ(program.wait(), 130);
+  EXPECT_HAS(program.err(), "Shorter: --quality preview, --size 32x24, --time-limit 20\n");
+}
+
+/// A terminal of some width on which a program writes its errors.
+class Terminal {
+ public:
+  explicit Terminal(unsigned short columns) : master_(posix_openpt(O_RDWR | O_NOCTTY)) {
+    EXPECT_TRUE(grantpt(master_) == 0 && unlockpt(master_) == 0);
+    const char* name = ptsname(master_);
+    name_ = name ? name : "";
+    const winsize size{24, columns, 0, 0};
+    slave_ = open(name_.c_str(), O_RDWR | O_NOCTTY);
+    EXPECT_EQ(ioctl(slave_, TIOCSWINSZ, &size), 0);
+  }
+  ~Terminal() { close(master_); }
+  Terminal(const Terminal&) = delete;
+  Terminal& operator=(const Terminal&) = delete;
+
+  /// For the child.
+  std::function<void()> attach() const {
+    return [this] { dup2(slave_, STDERR_FILENO); };
+  }
+  /// All that is written until the child ends.
+  std::string read_all() {
+    close(slave_);
+    std::string text;
+    char block[4096];
+    for (ssize_t n; (n = read(master_, block, sizeof block)) > 0;) text.append(block, size_t(n));
+    return text;
+  }
+
+ private:
+  int master_, slave_ = -1;
+  std::string name_;
+};
+
+TEST_F(WordsTest, OnATerminalOneLineTellsSamplesNoiseAndTimeLeft) {
+  constexpr size_t kColumns = 60;
+  Terminal terminal(kColumns);
+  Program program(folder_, quick({"render"}, {"--time-limit", "5"}), terminal.attach());
+  const std::string text = terminal.read_all();
+  EXPECT_EQ(program.wait(), 0) << text;
+  bool complete = false;
+  size_t bars = 0;
+  for (size_t at = text.find('\r'); at != std::string::npos; at = text.find('\r', at + 1)) {
+    const std::string line = text.substr(at + 1, text.find_first_of("\r\n\x1b", at + 1) - at - 1);
+    EXPECT_LT(line.size(), kColumns) << line;
+    bars += line.find(" samples") != std::string::npos;
+    complete = complete || (line.find("  noise ") != std::string::npos && line.ends_with(" left"));
+  }
+  EXPECT_GT(bars, 10u);
+  EXPECT_TRUE(complete) << text;
+}
+
+TEST_F(WordsTest, ElsewhereLinesOfProgressComeSeldom) {
+  const Outcome done = run(quick({"render"}, {"--time-limit", "3"}));
+  ASSERT_EQ(done.code, 0) << done.err;
+  EXPECT_EQ(done.err.find(" left\n"), std::string::npos) << done.err;
+  EXPECT_EQ(done.err.find('\r'), std::string::npos);
+}
+
+}  // namespace
+}  // namespace alabaster::cli
