@@ -108,15 +108,16 @@ std::string quoted(const std::string& name) {
 
 // The choices of --scene, --animation and --variant, with the number of each.
 void print_choices(const hd::gltf::GltfSummary& model) {
-  const auto print = [](const char* kind, const std::vector<std::string>& names) {
-    if (!names.empty()) std::printf("%s: %zu\n", kind, names.size());
+  const auto print = [](const char* kind, const std::vector<std::string>& names, const char* option) {
+    if (!names.empty()) std::printf("%s: %zu, chosen by render %s 0\n", kind, names.size(), option);
     for (size_t i = 0; i < names.size(); ++i) std::printf("  %zu%s\n", i, quoted(names[i]).c_str());
   };
-  if (model.scenes.size() > 1) print("scenes", model.scenes);
-  if (!model.animations.empty()) std::printf("animations: %zu\n", model.animations.size());
+  if (model.scenes.size() > 1) print("scenes", model.scenes, "--scene");
+  if (!model.animations.empty())
+    std::printf("animations: %zu, chosen by render --time 0 --animation 0\n", model.animations.size());
   for (size_t i = 0; i < model.animations.size(); ++i)
     std::printf("  %zu%s: %.4g s\n", i, quoted(model.animations[i].name).c_str(), model.animations[i].seconds);
-  print("variants", model.variants);
+  print("variants", model.variants, "--variant");
 }
 
 void print_materials(const hd::host::RetainedSceneDelegate& scene) {

@@ -56,8 +56,9 @@ RenderMessages::RenderMessages(const RenderArguments& arguments, const SceneSess
 void RenderMessages::progress(const hd::RenderSettingsDescription& frame, const hd::host::RecordProgress& progress) {
   if (a_.quiet) return;
   if (!begun_) begin(frame, progress);
-  if (!estimated_) estimate(frame, progress);
-  console_.progress(progress, noise_so_far(progress.seconds));
+  const double noise = noise_so_far(progress.seconds);
+  if (!estimated_) estimate(frame, progress, noise);
+  console_.progress(progress, noise);
 }
 
 // A measurement takes a little of a render thread's time.
@@ -83,12 +84,14 @@ void RenderMessages::begin(const hd::RenderSettingsDescription& frame, const hd:
   console_.note(text);
 }
 
-// The first seconds tell how long a render takes. A limit of time says it itself.
-void RenderMessages::estimate(const hd::RenderSettingsDescription& frame, const hd::host::RecordProgress& progress) {
+// The first seconds tell how long a render takes; to a target error, its first noise. A limit of time says it itself.
+void RenderMessages::estimate(const hd::RenderSettingsDescription& frame, const hd::host::RecordProgress& progress,
+                              double noise) {
   constexpr double kMeasured = 3, kLong = 20;  // seconds
-  if (progress.seconds < kMeasured || progress.seconds_left < 0 || progress.fraction >= 1) return;
+  if (progress.seconds < kMeasured || !(progress.fraction > 0 && progress.fraction < 1)) return;
+  if (number_in(frame.settings, "targetError") > 0 && noise < 0) return;
   estimated_ = true;
-  const double one = progress.seconds + progress.seconds_left;
+  const double one = progress.seconds / progress.fraction;
   const auto frames = double(std::max<size_t>(a_.frames.size(), 1));
   if (one * frames < kLong || number_in(frame.settings, "timeLimit") > 0) return;
   std::string text = "expected time: " + time_text(one);

@@ -26,7 +26,7 @@ class RenderMessages {
  private:
   double noise_so_far(double seconds);
   void begin(const hd::RenderSettingsDescription& frame, const hd::host::RecordProgress& progress);
-  void estimate(const hd::RenderSettingsDescription& frame, const hd::host::RecordProgress& progress);
+  void estimate(const hd::RenderSettingsDescription& frame, const hd::host::RecordProgress& progress, double noise);
   std::string shorter(const hd::RenderSettingsDescription& frame) const;
 
   const RenderArguments& a_;
