@@ -37,31 +37,31 @@ constexpr size_t kShownExamples = 5;
 struct Alias {
   const char *word, *ours, *value;
 };
-constexpr Alias kCommands[] = {
+constexpr Alias kCommandAliases[] = {
     {"open", "view", nullptr},   {"show", "view", nullptr},      {"gui", "view", nullptr},
     {"list", "info", nullptr},   {"inspect", "info", nullptr},   {"validate", "check", nullptr},
     {"submit", "farm", nullptr}, {"export", "convert", nullptr}, {"benchmark", "tradeoff", nullptr}};
-constexpr Alias kFlags[] = {{"sample", "--spp", nullptr},
-                            {"num-samples", "--spp", nullptr},
-                            {"samples-per-pixel", "--spp", nullptr},
-                            {"width", "--size", "1280x720"},
-                            {"height", "--size", "1280x720"},
-                            {"res", "--size", "1280x720"},
-                            {"resolution", "--size", "1280x720"},
-                            {"out", "--output", nullptr},
-                            {"noise", "--target-error", nullptr},
-                            {"noise-threshold", "--target-error", nullptr},
-                            {"env", "--dome", nullptr},
-                            {"envmap", "--dome", nullptr},
-                            {"environment", "--dome", nullptr},
-                            {"hdri", "--dome", nullptr},
-                            {"sky", "--dome", nullptr},
-                            {"bounces", "--max-depth", nullptr},
-                            {"depth", "--max-depth", nullptr},
-                            {"cores", "--threads", nullptr},
-                            {"jobs", "--threads", nullptr},
-                            {"preset", "--quality", nullptr},
-                            {"layer", "--aov", nullptr}};
+constexpr Alias kFlagAliases[] = {{"sample", "--spp", nullptr},
+                                  {"num-samples", "--spp", nullptr},
+                                  {"samples-per-pixel", "--spp", nullptr},
+                                  {"width", "--size", "1280x720"},
+                                  {"height", "--size", "1280x720"},
+                                  {"res", "--size", "1280x720"},
+                                  {"resolution", "--size", "1280x720"},
+                                  {"out", "--output", nullptr},
+                                  {"noise", "--target-error", nullptr},
+                                  {"noise-threshold", "--target-error", nullptr},
+                                  {"env", "--dome", nullptr},
+                                  {"envmap", "--dome", nullptr},
+                                  {"environment", "--dome", nullptr},
+                                  {"hdri", "--dome", nullptr},
+                                  {"sky", "--dome", nullptr},
+                                  {"bounces", "--max-depth", nullptr},
+                                  {"depth", "--max-depth", nullptr},
+                                  {"cores", "--threads", nullptr},
+                                  {"jobs", "--threads", nullptr},
+                                  {"preset", "--quality", nullptr},
+                                  {"layer", "--aov", nullptr}};
 
 template <size_t N>
 const Alias* find_alias(const Alias (&aliases)[N], const std::string& word) {
@@ -117,7 +117,7 @@ const CLI::Option* known_option(const CLI::App& command, const std::string& word
 std::string right_option(const CLI::App& command, const std::string& wrong) {
   constexpr size_t kLeastLetters = 3;
   const std::string word = wrong.substr(std::min(wrong.find_first_not_of('-'), wrong.size()));
-  if (const Alias* alias = find_alias(kFlags, word); alias && command.get_option_no_throw(alias->ours))
+  if (const Alias* alias = find_alias(kFlagAliases, word); alias && command.get_option_no_throw(alias->ours))
     return alias->ours;
   Words names;
   std::string longer;
@@ -170,7 +170,7 @@ class Corrector {
     if (takes_value && wrong == word && at_ + 1 < words_.size() && !is_option(words_[at_ + 1])) value = words_[++at_];
     if (takes_value && value.empty()) result_.complete = false;
     if (!used_.insert(right).second) return;  // --width and --height are one --size
-    const Alias* alias = find_alias(kFlags, wrong.substr(std::min(wrong.find_first_not_of('-'), wrong.size())));
+    const Alias* alias = find_alias(kFlagAliases, wrong.substr(std::min(wrong.find_first_not_of('-'), wrong.size())));
     if (alias && alias->value && value.find_first_not_of("0123456789") == std::string::npos) value = alias->value;
     result_.words.push_back(right);
     if (takes_value) result_.words.push_back(value);
@@ -224,7 +224,7 @@ std::string command_fault(const CLI::App& app, const Words& words) {
     return with_example("'" + word + "' is a scene, and a command comes before it. To render it:",
                         render_command(app, word, without(words, 0)));
   if (word == "help") return with_example("There is no command 'help'. To get help:", help_command(app, words));
-  const Alias* alias = find_alias(kCommands, word);
+  const Alias* alias = find_alias(kCommandAliases, word);
   const std::string right = alias ? alias->ours : hd::support::NearestName(word, names);
   if (right.empty()) {
     std::error_code error;
