@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <filesystem>
 
 #include "core/files/real_path.h"
 #include "delegate/cli/checkpoint_options.h"
@@ -115,6 +116,7 @@ class RenderCommand {
     std::vector<hd::RenderProduct> described;
     for (const hd::Path& path : settings_paths())
       described.insert(described.end(), all.at(path).products.begin(), all.at(path).products.end());
+    if (a_.outputs.empty() && described.empty()) refuse_without_output();
     const auto products = make_products(a_, described, "render", console_);
     check_names(products);
     auto next = products.begin();
@@ -128,6 +130,13 @@ class RenderCommand {
       check_products(settings, session_.colors(), named, console_);
       session_.scene.SetRenderSettings(path, std::move(settings));
     }
+  }
+
+  [[noreturn]] void refuse_without_output() {
+    const std::string picture = std::filesystem::path(a_.scene).stem().string() + ".png";
+    const std::string command = command_text(with_options(a_.words, {}, {"-o", picture}));
+    console_.usage_error("render", "There is nothing to write: add -o FILE, or products to the render description." +
+                                       (command.empty() ? command : "\n  " + command));
   }
 
   // Checks the description's file names, and --stats against them. Names given with -o have been checked before.

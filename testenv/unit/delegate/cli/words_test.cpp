@@ -141,6 +141,11 @@ TEST_F(WordsTest, AMissingSceneShowsAnExample) {
   }
 }
 
+TEST_F(WordsTest, ARenderWithoutAnOutputIsProposedWithOne) {
+  expect_proposal({"render", "patch.gltf", "--size", "16x12", "--spp", "1"}, "There is nothing to write: add -o FILE",
+                  "alabaster render patch.gltf --size 16x12 --spp 1 -o patch.png");
+}
+
 TEST_F(WordsTest, InfoNamesWhatMayBeChangedAndHow) {
   write("lit.json", R"({"models": [{"file": "patch.gltf"}], "lights": [{"name": "key [1]*", "type": "sphereLight"}]})");
   const Outcome info = run({"info", "lit.json"});
