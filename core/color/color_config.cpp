@@ -1,18 +1,22 @@
 #include "core/color/color_config.h"
 
 #include <algorithm>
+#include <cctype>
 #include <cmath>
 #include <cstdlib>
 #include <filesystem>
 #include <mutex>
 #include <optional>
+#include <set>
 #include <sstream>
 
 #include "core/color/builtin_config.h"
 #include "core/color/chromaticities.h"
 #include "core/color/config_check.h"
+#include "core/color/config_inputs.h"
 #include "core/color/config_numbers.h"
 #include "core/color/ocio_transform.h"
+#include "core/math/largest_half.h"
 
 namespace OCIO = OCIO_NAMESPACE;
 
@@ -54,6 +58,20 @@ OCIO::ConstConfigRcPtr parse_config_file(const std::string& text, const std::str
   const OCIO::ConfigRcPtr config = parse_config(text)->createEditableCopy();
   config->setWorkingDir(std::filesystem::absolute(path).lexically_normal().parent_path().c_str());
   return config;
+}
+
+/// Names after a `$`, a `${` or a `%`, as OpenColorIO writes variables.
+std::set<std::string> variable_names(const std::string& text) {
+  const auto is_of_name = [](char c) { return std::isalnum(static_cast<unsigned char>(c)) || c == '_'; };
+  std::set<std::string> names;
+  for (size_t at = text.find_first_of("$%"); at != std::string::npos; at = text.find_first_of("$%", at)) {
+    const size_t first = text.compare(at, 2, "${") == 0 ? at + 2 : at + 1;
+    at = first;
+    while (at < text.size() && is_of_name(text[at])) ++at;
+    if (at > first && !std::isdigit(static_cast<unsigned char>(text[first])))
+      names.insert(text.substr(first, at - first));
+  }
+  return names;
 }
 
 /// The meaning of a colour space name in some config.
@@ -103,6 +121,7 @@ class OcioColorConfig final : public ColorConfig {
   std::shared_ptr<const ColorTransform> display_transform(const DisplayRequest& request,
                                                           const DiagnosticSink& sink) const override;
   std::string serialize() const override;
+  ConfigInputs inputs() const;
 
  private:
   SpaceMeaning meaning_of(const std::string& name) const;
@@ -313,6 +332,37 @@ std::string OcioColorConfig::serialize() const {
   return text_;
 }
 
+ConfigInputs OcioColorConfig::inputs() const {
+  ConfigInputs inputs;
+  inputs.library = OCIO::GetVersion();
+  for (const char* name :
+       {OCIO::OCIO_ACTIVE_DISPLAYS_ENVVAR, OCIO::OCIO_ACTIVE_VIEWS_ENVVAR, OCIO::OCIO_INACTIVE_COLORSPACES_ENVVAR}) {
+    const char* value = std::getenv(name);
+    inputs.variables[name] = value ? std::optional<std::string>(value) : std::nullopt;
+  }
+  const OCIO::ConstContextRcPtr context = config_->getCurrentContext();
+  std::map<std::string, std::string> known;
+  for (int i = 0; i < context->getNumStringVars(); ++i)
+    known[context->getStringVarNameByIndex(i)] = context->getStringVarByIndex(i);
+  for (const std::string& name : variable_names(text_)) {
+    if (const auto found = known.find(name); found != known.end()) {
+      inputs.variables[name] = found->second;
+      continue;
+    }
+    if (config_->getEnvironmentMode() == OCIO::ENV_ENVIRONMENT_LOAD_ALL)
+      inputs.variables.try_emplace(name, std::nullopt);  // else OpenColorIO does not look for it
+    for (const auto& [begin, value] : known)             // "$SHOTS" refers to SHOT where SHOTS is no variable
+      if (name.starts_with(begin)) inputs.variables[begin] = value;
+  }
+  try {
+    const QuietOcio quiet;
+    config_fault(config_, {}, &inputs.luts);
+  } catch (const std::exception&) {
+    // A part that OpenColorIO cannot read is reported where it is used.
+  }
+  return inputs;
+}
+
 /// Where a configuration comes from.
 struct ConfigFile {
   std::string origin, within, remedy;
@@ -443,6 +493,10 @@ std::shared_ptr<const ColorConfig> ColorConfig::load(const std::string& path, co
     report(sink, Severity::error, "ocio.config.invalid", origin, std::string(e.what()) + "; " + remedy);
     return nullptr;
   }
+}
+
+ConfigInputs config_inputs(const ColorConfig& config) {
+  return static_cast<const OcioColorConfig&>(config).inputs();  // there is no other kind
 }
 
 }  // namespace alabaster

@@ -35,7 +35,8 @@ bool refers_to_files(const InputFile& file) {
 /// Walks from a colour space to those that its transforms name.
 class References {
  public:
-  References(const OCIO::ConstConfigRcPtr& config, const std::string& within) : config_(config), within_(within) {}
+  References(const OCIO::ConstConfigRcPtr& config, const std::string& within, std::map<std::string, std::string>* luts)
+      : config_(config), within_(within), luts_(luts) {}
 
   std::string check() {
     const int spaces = config_->getNumColorSpaces(OCIO::SEARCH_REFERENCE_SPACE_ALL, OCIO::COLORSPACE_ALL);
@@ -151,8 +152,10 @@ class References {
     try {
       found = config_->getCurrentContext()->resolveFileLocation(name);
     } catch (const OCIO::Exception&) {
-      return;
+      // `found` stays empty.
     }
+    if (luts_) (*luts_)[name] = found;
+    if (found.empty()) return;
     const InputFile file(found, within_);
     if (file.fault() == InputFile::Fault::outside) fault_ = "the LUT " + file.reason();
     if (file.fault() == InputFile::Fault::not_regular) fault_ = "the LUT '" + found + "' is not a regular file";
@@ -162,7 +165,8 @@ class References {
 
   const OCIO::ConstConfigRcPtr& config_;
   const std::string& within_;
-  std::map<std::string, bool> open_;  // by name: true while inside it
+  std::map<std::string, std::string>* const luts_;  // null: they are not listed
+  std::map<std::string, bool> open_;                // by name: true while inside it
   int depth_ = 0;
   std::string fault_;
 };
@@ -183,8 +187,9 @@ std::string config_text_fault(const std::string& text) {
   return "it has " + std::to_string(spaces) + " colour spaces, and the limit is " + std::to_string(kMostSpaces);
 }
 
-std::string config_fault(const OCIO::ConstConfigRcPtr& config, const std::string& within) {
-  return References(config, within).check();
+std::string config_fault(const OCIO::ConstConfigRcPtr& config, const std::string& within,
+                         std::map<std::string, std::string>* luts) {
+  return References(config, within, luts).check();
 }
 
 }  // namespace alabaster

@@ -3,6 +3,7 @@
 
 #include <OpenColorIO/OpenColorIO.h>
 
+#include <map>
 #include <string>
 
 #include "core/files/input_file.h"
@@ -19,7 +20,9 @@ std::string config_text_fault(const std::string& text);
 /// Checks that no colour space, look, view transform or named transform is made of itself, directly or by way of others
 /// (views of displays included), and that every LUT is a regular file if it is there (a FIFO or device has no end) and
 /// refers to no further file. `within`: a real path of a folder that LUTs must lie in or below; empty: anywhere. Empty,
-/// or the reason.
-std::string config_fault(const OCIO_NAMESPACE::ConstConfigRcPtr& config, const std::string& within);
+/// or the reason. `luts` gets the LUTs of a configuration without a fault, by their names in it: where each is found,
+/// empty where it is not.
+std::string config_fault(const OCIO_NAMESPACE::ConstConfigRcPtr& config, const std::string& within,
+                         std::map<std::string, std::string>* luts = nullptr);
 
 }  // namespace alabaster

@@ -33,6 +33,7 @@ struct RenderArguments : SceneArguments, PictureArguments {
   std::optional<PixelChoice> pixel;
   Words words;  // of the whole command line
   std::string stats;
+  std::string inputs;                                    // file: a farm's list of what decides its picture
   std::optional<std::pair<uint32_t, uint32_t>> samples;  // begin and end
   std::string checkpoint;                                // file
   std::optional<double> checkpoint_interval;             // seconds
@@ -73,6 +74,7 @@ int run_farm(const FarmArguments& arguments);
 struct MergeArguments : PictureArguments {
   std::vector<std::string> parts;
   std::string ocio;
+  std::string inputs;  // as of RenderArguments
   bool quiet = false;
 };
 int run_merge(const MergeArguments& arguments);

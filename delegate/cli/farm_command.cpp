@@ -6,6 +6,7 @@
 #include "delegate/cli/exit_codes.h"
 #include "delegate/cli/farm_jobs.h"
 #include "delegate/cli/outputs.h"
+#include "delegate/cli/picture_inputs.h"
 #include "delegate/cli/render_options.h"
 #include "delegate/cli/scene_session.h"
 #include "delegate/cli/shell_word.h"
@@ -25,6 +26,7 @@ class FarmCommand {
     check_arguments();
     describe();
     count_samples();
+    list_inputs();
     write();
     tell();
     return kDone;
@@ -76,6 +78,19 @@ class FarmCommand {
                                        ". Change to a folder that is there and that may be read.");
     jobs_ = {a_.engine,        program,  home,     (home / folder_).string(), a_.render.scene, a_.task_options,
              a_.merge_options, a_.tasks, a_.tasks, a_.render.keep_going};
+    console_.require_usage("farm", farm_fault(jobs_));
+  }
+
+  // The configuration goes by its variable, because a merge does not read the scene, which may name it.
+  void list_inputs() {
+    const auto colors = hd::host::ReadColorInputs(session_.colors(), console_.sink());
+    if (!colors) throw Exit{kInput};
+    PictureInputs inputs;
+    add_colors(*colors, &inputs);
+    add_files(session_, a_.render.scene, &inputs);
+    jobs_.inputs = to_text(inputs);
+    jobs_.variables = colors->variables;
+    jobs_.variables["OCIO"] = colors->origin;
     console_.require_usage("farm", farm_fault(jobs_));
   }
 

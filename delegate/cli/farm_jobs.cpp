@@ -16,9 +16,10 @@ class Writer {
 
   std::map<std::string, std::string> files() const {
     std::map<std::string, std::string> all{
+        {"inputs.txt", jobs_.inputs},
         {"task.sh", task()},
         {"merge.sh", "#!/bin/sh\n# Adds up all parts and writes the frame: the bytes of one machine's.\n" + at_home() +
-                         all_parts() + "exec " + run("merge", jobs_.merge_options) + " -- \"$@\"\n"},
+                         all_parts() + "exec " + run("merge", jobs_.merge_options) + inputs() + " -- \"$@\"\n"},
         {"status.sh",
          "#!/bin/sh\n# Tells how far the parts are, and the noise so far. A task saves its part each minute.\n" +
              at_home() + all_parts() + "exec " + run("merge", {}) + " -- \"$@\"\n"}};
@@ -35,7 +36,15 @@ class Writer {
 
  private:
   std::string in_folder(const std::string& name) const { return jobs_.folder + "/" + name; }
-  std::string at_home() const { return "set -eu\ncd -- " + shell_word(jobs_.home) + "\n"; }
+  std::string inputs() const { return " --inputs " + shell_word(in_folder("inputs.txt")); }
+
+  /// In the folder and with the variables of the machine that wrote the jobs.
+  std::string at_home() const {
+    std::string text = "set -eu\ncd -- " + shell_word(jobs_.home) + "\n";
+    for (const auto& [name, value] : jobs_.variables)
+      text += value ? "export " + name + "=" + shell_word(*value) + "\n" : "unset " + name + "\n";
+    return text;
+  }
 
   std::string run(const std::string& command, const std::vector<std::string>& options) const {
     std::string text = shell_word(jobs_.program) + " " + command;
@@ -55,7 +64,7 @@ class Writer {
     return "#!/bin/sh\n# task.sh K: renders part K of the samples, from 0 to " + std::to_string(jobs_.tasks - 1) +
            ". Run again, it goes on; a part that is whole stays as it is.\n" + at_home() + "first=$(($1 * " + spp +
            " / " + n + "))\nend=$((($1 + 1) * " + spp + " / " + n + "))\n" + run("render", jobs_.task_options) +
-           " --quiet --samples \"$first:$end\" --resume --checkpoint " + shell_word(in_folder("part.")) +
+           inputs() + " --quiet --samples \"$first:$end\" --resume --checkpoint " + shell_word(in_folder("part.")) +
            "\"$(printf %05d \"$1\")\".checkpoint -- " + shell_word(jobs_.scene) + end;
   }
 
@@ -128,15 +137,17 @@ std::string template_fault(const std::string& folder) {
 }  // namespace
 
 std::string farm_fault(const FarmJobs& jobs) {
-  std::vector<std::pair<const char*, const std::string*>> names{{"The name of the scene", &jobs.scene},
+  std::vector<std::pair<std::string, const std::string*>> names{{"The name of the scene", &jobs.scene},
                                                                 {"The name of the folder for the jobs", &jobs.folder},
                                                                 {"The name of the current folder", &jobs.home},
                                                                 {"The name of the program", &jobs.program}};
   for (const auto* options : {&jobs.task_options, &jobs.merge_options})
     for (const std::string& option : *options) names.emplace_back("The option", &option);
+  for (const auto& [name, value] : jobs.variables)
+    if (value) names.emplace_back("The variable $" + name, &*value);
   for (const auto& [kind, name] : names)
     if (has_control_character(*name))
-      return std::string(kind) + ", '" + without_control_characters(*name) +
+      return kind + ", '" + without_control_characters(*name) +
              "', has a control character, such as the end of a line. Jobs hold none: rename the file or folder, or "
              "leave the character out.";
   if (jobs.engine == "slurm" && jobs.folder.find('\\') != std::string::npos)

@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <map>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -19,6 +20,8 @@ struct FarmJobs {
   uint32_t tasks = 1;
   uint32_t samples = 1;  // per pixel, of the whole frame
   bool keep_going = false;
+  std::map<std::string, std::optional<std::string>> variables = {};  // of the environment; empty: not set
+  std::string inputs = {};                                           // the text of inputs.txt
 };
 
 /// Why no job can hold these names, and the remedy; empty if one can.

@@ -141,10 +141,19 @@ void add_render_options(CLI::App* c, RenderArguments* a) {
   c->footer(kExitCodes);
 }
 
+void add_inputs(CLI::App* c, std::string* file) {
+  c->add_option(
+       "--inputs", *file,
+       "List of versions, colour configuration and files, as 'alabaster farm' writes it: refuse to begin where "
+       "this machine has others")
+      ->type_name("FILE");
+}
+
 CLI::App* add_render(CLI::App& app, RenderArguments* a) {
   CLI::App* c = app.add_subcommand("render", "Renders a scene (.gltf, .glb or a render description .json) to files.");
   add_render_options(c, a);
   add_checkpoint(c, a);
+  add_inputs(c, &a->inputs);
   return c;
 }
 
@@ -177,6 +186,7 @@ CLI::App* add_merge(CLI::App& app, MergeArguments* a) {
       ->type_name("PART...");
   add_picture_options(c, a, "Extra layer for every .exr, which the parts must have; may be repeated");
   c->add_option("--ocio", a->ocio, "OpenColorIO config; default: $OCIO, else the built-in one")->type_name("FILE");
+  add_inputs(c, &a->inputs);
   c->add_flag("--quiet", a->quiet, "Print errors and warnings only");
   c->footer(kExitCodes);
   return c;

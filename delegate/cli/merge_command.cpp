@@ -7,6 +7,7 @@
 #include "delegate/cli/exit_codes.h"
 #include "delegate/cli/interrupt.h"
 #include "delegate/cli/outputs.h"
+#include "delegate/cli/picture_inputs.h"
 #include "delegate/cli/render_options.h"
 #include "delegate/cli/shell_word.h"
 #include "delegate/host/product_limits.h"
@@ -35,6 +36,7 @@ class MergeCommand {
   int run() {
     catch_interrupts();
     session_.choose_colors(a_.ocio, console_.sink(), kUsage);
+    require_inputs(a_.inputs, session_, {}, &console_);
     plan();
     session_.start(console_.sink());
     if (a_.outputs.empty()) return tell();

@@ -8,6 +8,7 @@
 #include "delegate/cli/exit_codes.h"
 #include "delegate/cli/interrupt.h"
 #include "delegate/cli/outputs.h"
+#include "delegate/cli/picture_inputs.h"
 #include "delegate/cli/render_messages.h"
 #include "delegate/cli/render_options.h"
 #include "delegate/cli/stats_file.h"
@@ -30,6 +31,7 @@ class RenderCommand {
     check_combinations();
     check_outputs();
     load();
+    require_inputs(a_.inputs, session_, a_.scene, &console_);
     if (!a_.pixel) plan_products();
     session_.start(console_.sink());
     if (a_.pixel) return trace_pixel();

@@ -28,9 +28,8 @@ void add_files(const std::string& image, std::set<std::string>* inputs) {
 
 }  // namespace
 
-std::string input_overwritten(const std::vector<std::string>& outputs, const SceneSession& session,
-                              const std::string& scene) {
-  std::set<std::string> inputs{scene, session.colors().ocio};
+std::set<std::string> scene_files(const SceneSession& session, const std::string& scene) {
+  std::set<std::string> inputs{scene};
   const auto add_images = [&](const std::map<hd::Token, hd::Value>& parameters) {
     for (const auto& [name, value] : parameters)
       if (const auto* image = value.get<hd::AssetPath>()) add_files(image->resolved, &inputs);
@@ -40,6 +39,14 @@ std::string input_overwritten(const std::vector<std::string>& outputs, const Sce
   for (const auto& [path, light] : session.scene.GetLights()) add_images(light.parameters);
   for (const auto& [path, network] : session.scene.GetMaterials())
     for (const auto& [node_path, node] : network.nodes) add_images(node.parameters);
+  inputs.erase("");
+  return inputs;
+}
+
+std::string input_overwritten(const std::vector<std::string>& outputs, const SceneSession& session,
+                              const std::string& scene) {
+  std::set<std::string> inputs = scene_files(session, scene);
+  inputs.insert(session.colors().ocio);
   for (const std::string& output : outputs)
     for (const std::string& input : inputs) {
       std::error_code error;

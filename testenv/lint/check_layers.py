@@ -34,7 +34,7 @@ CORE_SEEN_BY = {  # room of delegate -> the rooms of core that it may include
     "rendering": CORE_ROOMS,
     "support": ["color", "files", "parameter"],
     # of camera, light, material, scene and session the tables of parameters
-    "host": ["camera", "color", "denoise", "film", "files", "images", "light", "material", "math", "scene", "session"],
+    "host": ["camera", "color", "denoise", "digest", "film", "files", "images", "light", "material", "math", "scene", "session"],
     "archive": ["digest", "files", "memory"],
     "c_api": ["math"],
     "gltf": ["files", "images", "material", "math", "memory", "subsurface", "texture"],

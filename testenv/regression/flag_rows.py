@@ -9,6 +9,7 @@ PARTS = tuple(("render", "model.glb", "--size", "24x16", "--threads", "1", "--ao
 MERGE = ("merge", "0.checkpoint", "2.checkpoint")
 MERGED = (*MERGE, "-o", "a.exr", "-o", "a.png", "--ocio", "colors.ocio")
 FARM = ("farm", "model.glb", "-o", "a.exr", "--spp", "8")
+FARM_OF_TWO = (*FARM, "--tasks", "2")
 REPEATED = {"-o", "--set", "--aov"}
 
 
@@ -165,10 +166,14 @@ RENDER_ROWS = {
     # promise: farm.resume.not_overwritten, farm.resume.samples
     "--resume": [Row(("--resume",), like_the_whole, MORE, (CHECKPOINT,), (*MORE, "--checkpoint", "c.checkpoint", "--resume")),
                  Row(("--resume",), codes(2, 0), (*MORE, "--checkpoint", "c.checkpoint"), (CHECKPOINT,))],
+    "--inputs": [Row(("--inputs", "model_farm/inputs.txt"), same_picture, RENDER, (FARM_OF_TWO,)),
+                 Row(("--inputs", "model_farm/inputs.txt"), codes(0, 3), SHOWN, (FARM_OF_TWO,))],
     "--samples": [Row(("--samples", "1:3", "--checkpoint", "c.checkpoint"), both(picture, lambda a, b: b.stats["samples"]["total"] == 24 * 16 * 2),
                       ("render", *RENDER[1:6], *RENDER[8:], "--set", "samples=3"))],
 }
 MERGE_ROWS = {
+    "--inputs": [Row(("--inputs", "model_farm/inputs.txt"), same_picture, (*MERGE, "-o", "a.exr"), (*PARTS, FARM_OF_TWO)),
+                 Row(("--inputs", "model_farm/inputs.txt"), codes(0, 3), MERGED, (*PARTS, FARM_OF_TWO))],
     "--output": [Row(("-o", "whole.exr"), writes("whole.exr"), MERGE, PARTS)],
     "--ocio": [Row(("--ocio", "colors.ocio"), only_display, (*MERGE, "-o", "a.exr", "-o", "a.png"), PARTS)],
     "--display": [Row(("--display", "second"), only_display, MERGED, PARTS)],

@@ -122,11 +122,13 @@ TEST_F(FarmJobFiles, ATaskAndTheMergeGetTheNamesThatWereGiven) {
     const FarmJobs j = jobs("script", name);
     ASSERT_EQ(farm_fault(j), "") << name;
     write(j);
-    EXPECT_EQ(calls("sh \"$1\" 1", j.folder + "/task.sh"),
-              std::vector<Words>({{"render", "--set=" + name, "--denoise", "--quiet", "--samples", "3:6", "--resume",
-                                   "--checkpoint", part(j, 1), "--", name + ".glb"}}));
+    EXPECT_EQ(
+        calls("sh \"$1\" 1", j.folder + "/task.sh"),
+        std::vector<Words>({{"render", "--set=" + name, "--denoise", "--inputs", j.folder + "/inputs.txt", "--quiet",
+                             "--samples", "3:6", "--resume", "--checkpoint", part(j, 1), "--", name + ".glb"}}));
     EXPECT_EQ(calls("sh \"$1\"", j.folder + "/merge.sh"),
-              std::vector<Words>({{"merge", "--output=" + name + ".exr", "--", part(j, 0), part(j, 1), part(j, 2)}}));
+              std::vector<Words>({{"merge", "--output=" + name + ".exr", "--inputs", j.folder + "/inputs.txt", "--",
+                                   part(j, 0), part(j, 1), part(j, 2)}}));
     EXPECT_EQ(calls("sh \"$1\"", j.folder + "/status.sh"),
               std::vector<Words>({{"merge", "--", part(j, 0), part(j, 1), part(j, 2)}}));
     // As an engine does that takes a line for a command.

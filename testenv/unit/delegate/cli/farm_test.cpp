@@ -107,6 +107,111 @@ TEST_F(Farm, AnOpenJobDescriptionHasTheTasksAndAMergeThatWaitsForThem) {
   EXPECT_EQ(run(refused).code, 2) << "braces begin a variable";
 }
 
+// A configuration whose view halves or doubles, by a LUT that a variable chooses.
+class FarmInputs : public Farm {
+ protected:
+  void SetUp() override {
+    Farm::SetUp();
+    write("show.ocio", R"(ocio_profile_version: 2
+environment: {SHOT: bright}
+search_path: luts/$SHOT
+roles: {default: raw, scene_linear: lin}
+displays:
+  Screen:
+    - !<View> {name: Graded, colorspace: graded}
+    - !<View> {name: Plain, colorspace: lin}
+colorspaces:
+  - !<ColorSpace> {name: raw, isdata: true}
+  - !<ColorSpace> {name: lin}
+  - !<ColorSpace> {name: graded, from_scene_reference: !<FileTransform> {src: grade.cc}}
+)");
+    for (const auto& [shot, slope] : {std::pair("bright", "2 2 2"), std::pair("dark", "0.5 0.5 0.5")}) {
+      std::filesystem::create_directories(folder_ / "luts" / shot);
+      write(std::string("luts/") + shot + "/grade.cc",
+            std::string("<ColorCorrection id=\"x\"><SOPNode><Slope>") + slope +
+                "</Slope><Offset>0 0 0</Offset><Power>1 1 1</Power></SOPNode></ColorCorrection>");
+    }
+  }
+  /// The exit code of the program with these variables and arguments; its messages are in shell.txt.
+  int with(const std::string& variables, const std::string& arguments) const {
+    return shell("env -u OCIO " + variables + " " + testing::kProgram + " " + arguments);
+  }
+  static constexpr const char* kFrame = "--size 12x8 --spp 4 --dome 0.2";
+  void write_farm(const std::string& variables) const {
+    ASSERT_EQ(with(variables, std::string("farm patch.gltf -o farm.png --tasks 2 ") + kFrame), 0) << read("shell.txt");
+  }
+  void expect_refused(const std::string& command, const std::string& where, const std::string& remedy) const {
+    EXPECT_EQ(shell(command) >> 8, 3) << command;
+    EXPECT_NE(read("shell.txt").find(where), std::string::npos) << read("shell.txt");
+    EXPECT_NE(read("shell.txt").find(remedy), std::string::npos) << read("shell.txt");
+    EXPECT_FALSE(std::filesystem::exists(folder_ / "patch_farm/part.00000.checkpoint")) << command;
+  }
+};
+
+// promise: farm.colors
+TEST_F(FarmInputs, TheConfigurationOfTheEnvironmentIsThatOfEveryMachine) {
+  ASSERT_EQ(with("OCIO=show.ocio SHOT=dark", std::string("render patch.gltf -o alone.png ") + kFrame), 0)
+      << read("shell.txt");
+  ASSERT_EQ(with("", std::string("render patch.gltf -o plain.png ") + kFrame), 0) << read("shell.txt");
+  ASSERT_NE(pixels("alone.png"), pixels("plain.png"));
+  write_farm("OCIO=show.ocio SHOT=dark");
+  for (const char* job : {"task.sh 0", "task.sh 1", "merge.sh"})
+    EXPECT_EQ(shell(std::string("env -u OCIO SHOT=bright OCIO_ACTIVE_VIEWS=Plain sh patch_farm/") + job), 0)
+        << read("shell.txt");
+  EXPECT_EQ(pixels("farm.png"), pixels("alone.png"));
+}
+
+TEST_F(FarmInputs, AMachineWithoutAConfigurationOfItsOwnTakesTheBuiltInOne) {
+  ASSERT_EQ(with("", std::string("render patch.gltf -o plain.png ") + kFrame), 0) << read("shell.txt");
+  write_farm("");
+  for (const char* job : {"task.sh 0", "task.sh 1", "merge.sh"})
+    EXPECT_EQ(shell(std::string("OCIO=show.ocio sh patch_farm/") + job), 0) << read("shell.txt");
+  EXPECT_EQ(pixels("farm.png"), pixels("plain.png"));
+}
+
+// A merge reads no scene, so it does not meet the configuration that the scene names.
+TEST_F(FarmInputs, TheConfigurationOfTheSceneIsThatOfTheMerge) {
+  write("scene.json",
+        R"({"gltf": "patch.gltf", "ocio": "show.ocio", "settings": {"samples": 4, "resolution": [12, 8]}})");
+  ASSERT_EQ(with("", "render scene.json -o alone.png"), 0) << read("shell.txt");
+  ASSERT_EQ(with("", "farm scene.json -o farm.png --tasks 2"), 0) << read("shell.txt");
+  for (const char* job : {"task.sh 0", "task.sh 1", "merge.sh"})
+    EXPECT_EQ(shell(std::string("sh scene_farm/") + job), 0) << read("shell.txt");
+  EXPECT_EQ(pixels("farm.png"), pixels("alone.png"));
+}
+
+// promise: farm.files.inputs, farm.inputs
+TEST_F(FarmInputs, AMachineThatDiffersRefusesBeforeItRenders) {
+  write_farm("OCIO=show.ocio SHOT=dark");
+  const std::string task = "sh patch_farm/task.sh 0";
+  const std::string lut = read("luts/dark/grade.cc"), config = read("show.ocio"), buffer = read("patch.bin");
+  write("luts/dark/grade.cc", read("luts/bright/grade.cc"));
+  expect_refused(task, "grade.cc: this LUT of the colour configuration is not that of the farm", "copy the farm's");
+  std::filesystem::remove(folder_ / "luts/dark/grade.cc");
+  expect_refused(task, "grade.cc: this LUT of the colour configuration is not found", "copy the farm's");
+  write("luts/dark/grade.cc", lut);
+  write("show.ocio", config + "# another\n");
+  expect_refused(task, "show.ocio: the colour configuration is not that of the farm", "copy that file here");
+  write("show.ocio", config);
+  write("patch.bin", buffer + "x");
+  expect_refused(task, "patch.bin: this file is not that of the farm", "copy the farm's file here");
+  write("patch.bin", buffer);
+  const std::string inputs = read("patch_farm/inputs.txt");
+  const size_t embree = inputs.find("version Embree ");
+  ASSERT_NE(embree, std::string::npos) << inputs;
+  write("patch_farm/inputs.txt", inputs.substr(0, embree + 15) + "2.17.7" + inputs.substr(inputs.find('\n', embree)));
+  expect_refused(task, "Embree: this machine has version ", "written with 2.17.7: install that version here");
+  write("patch_farm/inputs.txt", "x\n");
+  expect_refused(task, "inputs.txt: this is no list of inputs", "'alabaster farm' writes");
+  write("patch_farm/inputs.txt", inputs);
+  EXPECT_EQ(shell(task), 0) << read("shell.txt");
+  EXPECT_EQ(shell("sh patch_farm/task.sh 1"), 0) << read("shell.txt");
+  write("luts/dark/grade.cc", read("luts/bright/grade.cc"));
+  EXPECT_EQ(shell("sh patch_farm/merge.sh") >> 8, 3);
+  EXPECT_NE(read("shell.txt").find("grade.cc: this LUT"), std::string::npos) << read("shell.txt");
+  EXPECT_FALSE(std::filesystem::exists(folder_ / "farm.png"));
+}
+
 // A scene whose name holds what shells, Slurm and options give a meaning, and an output that looks like an option.
 // promise: farm.names.data, security.no_command
 TEST_F(Farm, ANameIsDataThroughTheWholeFarm) {
