@@ -25,7 +25,7 @@ std::optional<Vec2f> find_missing_tile(const Instance& instance, const DisneyMat
 
 void MissingTiles::find(const InstanceDescription& d, const Instance& instance) {
   for (const auto& material : d.materials) {
-    if (!seen_.insert({instance.prototype, material.get()}).second) continue;
+    if (!seen_.insert({instance.prototype, instance.slots, material.get()}).second) continue;
     for (const MaterialTexture& texture : material->textures) find(d, instance, material.get(), texture.lookup);
     for (const auto* map : {&material->normal_map, &material->coat_normal_map})
       if (*map) find(d, instance, material.get(), **map);

@@ -3,7 +3,7 @@
 
 #include <set>
 #include <string>
-#include <utility>
+#include <tuple>
 #include <vector>
 
 #include "core/scene/scene.h"
@@ -23,7 +23,8 @@ class MissingTiles {
 
   const DiagnosticSink& sink_;
   std::vector<std::string>* faults_;
-  std::set<std::pair<const MeshPrototype*, const DisneyMaterial*>> seen_;  // instances share both
+  /// Instances share these.
+  std::set<std::tuple<const MeshPrototype*, const TriangleSlots*, const DisneyMaterial*>> seen_;
 };
 
 }  // namespace alabaster

@@ -234,17 +234,22 @@ struct SnapshotCompiler::Compilation {
   }
 
   void plan(const InstanceArrayDescription& array, BoundsDouble* bounds) {
-    const PlacedArray* const known = find_last(*array.look.prototype);
+    const PlacedArray* const known = find_last(array.look);
     plans.push_back(plan_array(array, known ? &known->plan : nullptr, memory_of(*compiler.device_), cancel));
     looks.push_back(&array.look);
     for (const auto& block : plans.back().blocks) bounds->extend(block->bounds);
   }
 
-  const PlacedArray* find_last(const MeshPrototype& prototype) const {
+  // Meshes of equal geometry have one prototype.
+  const PlacedArray* find_last(const InstanceDescription& look) const {
     if (!last) return nullptr;
-    for (const InstanceArray& array : last->arrays)
-      if (array.look.prototype == &prototype) return array.placed.get();
-    return nullptr;
+    const PlacedArray* any = nullptr;
+    for (const InstanceArray& array : last->arrays) {
+      if (array.look.prototype != look.prototype.get()) continue;
+      if (array.look.prim_id == look.prim_id) return array.placed.get();
+      any = array.placed.get();
+    }
+    return any;
   }
 
   using Blocks = std::set<const ArrayBlock*>;
@@ -351,8 +356,8 @@ struct SnapshotCompiler::Compilation {
     snapshot->arrays.reserve(plans.size());
     for (size_t i = 0; i < plans.size(); ++i) {
       const InstanceDescription& d = *looks[i];
-      auto placed = place_array(std::move(plans[i]), {snapshot->origin, farthest_ray()}, find_last(*d.prototype),
-                                compiler.device_, cancel);
+      auto placed =
+          place_array(std::move(plans[i]), {snapshot->origin, farthest_ray()}, find_last(d), compiler.device_, cancel);
       if (!placed) return false;
       if (report_left_out(*placed, d.name, compiler.sink_)) snapshot->left_out.push_back(d.name);
       snapshot->memory_bytes += placed->memory_bytes();

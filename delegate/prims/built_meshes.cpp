@@ -1,6 +1,7 @@
 #include "delegate/prims/built_meshes.h"
 
 #include <algorithm>
+#include <set>
 
 namespace alabaster::hd::prims {
 namespace {
@@ -151,6 +152,43 @@ void BuiltMeshes::build_missing(const Scene& scene, SceneParam* param, const Can
   const std::vector<Entry*> to_build = collect(scene, param->memory());
   if (to_build.empty()) return;
   release_dropped();  // their memory may be needed
+  build_batch(build_first(to_build, param, cancel), param, cancel);
+}
+
+// Builds one of each geometry that no mesh has yet. Answers with the others, which then have its shape.
+std::vector<BuiltMeshes::Entry*> BuiltMeshes::build_first(const std::vector<Entry*>& to_build, SceneParam* param,
+                                                          const CancelToken& cancel) {
+  std::set<const MeshPrototype*> known;
+  std::vector<Entry*> all;
+  MeshJobs built, jobs;
+  for (Entry& entry : held_)
+    if (const Held& held = entry.second; held.done && held.has_shape && known.insert(held.built.prototype.get()).second)
+      all.push_back(&entry), built.push_back(held.job);
+  for (const Entry* entry : to_build) jobs.push_back(entry->second.job);
+  const std::vector<size_t> first = find_equal_meshes(built, jobs, cancel);
+  all.insert(all.end(), to_build.begin(), to_build.end());
+  std::vector<Entry*> alone, others;
+  for (size_t i = 0; i < to_build.size(); ++i) (first[i] == built.size() + i ? alone : others).push_back(to_build[i]);
+  build_batch(alone, param, cancel);
+  for (size_t i = 0; i < to_build.size(); ++i) {
+    const Held& from = all[first[i]]->second;
+    Held& held = to_build[i]->second;
+    if (&held == &from || !from.done || !from.has_shape) continue;
+    if (*held.job->slots == *from.job->slots) {
+      adopt(&held, {from.built, {}}, param->sink());
+      continue;
+    }
+    MeshJob job = *held.job;
+    job.shape = held.built = from.built;
+    held.has_shape = true;
+    held.job = std::make_shared<const MeshJob>(std::move(job));
+  }
+  std::erase_if(others, [](const Entry* entry) { return entry->second.done; });
+  return others;
+}
+
+void BuiltMeshes::build_batch(const std::vector<Entry*>& to_build, SceneParam* param, const CancelToken& cancel) {
+  if (to_build.empty()) return;
   std::vector<std::shared_ptr<const MeshJob>> jobs;
   for (const Entry* entry : to_build) jobs.push_back(entry->second.job);
   std::list<MeshBatch> batches;

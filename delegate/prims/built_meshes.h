@@ -3,6 +3,7 @@
 
 #include <list>
 
+#include "delegate/prims/equal_meshes.h"
 #include "delegate/prims/mesh_batch.h"
 #include "delegate/support/selection.h"
 
@@ -17,7 +18,7 @@ struct MeshView {
 
 /// The built meshes of a scene. A mesh is built where it is first drawn, again when its shape, its displacement or its
 /// dicing changes, and kept until then, also while no selection includes it. Other material slots of its faces build
-/// nothing again. One thread at a time.
+/// nothing again, and meshes of equal geometry share what is built of the first. One thread at a time.
 class BuiltMeshes {
  public:
   struct Scene {
@@ -59,6 +60,8 @@ class BuiltMeshes {
   std::vector<Entry*> collect(const Scene& scene, const std::shared_ptr<MemoryBudget>& budget);
   static void adopt(Held* held, MeshResult result, const alabaster::DiagnosticSink& sink);
   void build_missing(const Scene& scene, SceneParam* param, const CancelToken& cancel);
+  std::vector<Entry*> build_first(const std::vector<Entry*>& to_build, SceneParam* param, const CancelToken& cancel);
+  void build_batch(const std::vector<Entry*>& to_build, SceneParam* param, const CancelToken& cancel);
   std::shared_ptr<PointEdits> edits_after(const Held& from, const MeshJob& next,
                                           const std::shared_ptr<MemoryBudget>& budget) const;
 

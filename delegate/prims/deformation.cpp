@@ -92,15 +92,20 @@ DeformedMeshes Deformations::in(const Shutter& shutter, const BuiltMeshes& meshe
                                 const CancelToken& cancel) {
   DeformedMeshes drawn;
   std::set<Path> deforming;
+  std::map<const Deformation*, std::shared_ptr<const MeshPrototype>> shared;  // by meshes of equal geometry
   meshes.for_each([&](const Path& path, const MeshBuild& mesh) {
     if (!mesh.deformation || !mesh.prototype) return;
     deforming.insert(path);
     Built& built = built_[path];
     if (built.from != mesh.deformation || !(built.shutter == shutter) || !built.prototype) {
       cancel.check();
-      built.from = mesh.deformation, built.shutter = shutter, built.prototype = nullptr;
-      build(path, *mesh.prototype, &built, param, cancel);
+      built.from = mesh.deformation, built.shutter = shutter, built.prototype = shared[mesh.deformation.get()];
+      if (built.prototype)
+        built.fault = std::nullopt;
+      else
+        build(path, *mesh.prototype, &built, param, cancel);
     }
+    shared[mesh.deformation.get()] = built.prototype;
     if (built.prototype) drawn[path] = built.prototype;
   });
   std::erase_if(built_, [&](const auto& entry) { return !deforming.contains(entry.first); });
