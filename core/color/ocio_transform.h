@@ -9,7 +9,7 @@
 
 namespace alabaster {
 
-inline constexpr float kLargestHalf = 65504.0f, kLargestFloat = std::numeric_limits<float>::max();
+inline constexpr float kLargestFloat = std::numeric_limits<float>::max();
 
 /// Scales rgb by `scale`, sets what is not finite to 0, clamps to +-`largest`, and runs it through `processor` (null:
 /// identity). May throw OCIO's exceptions.

@@ -2,10 +2,11 @@
 
 #include <tbb/parallel_for.h>
 
+#include "core/math/largest_half.h"
+
 namespace alabaster {
 namespace {
 
-constexpr float kLargestHalf = 65504;
 constexpr float kLargest = 1e30f;  // sums over an image, and products with a light's scale, stay floats
 
 float clean(float channel) {

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/math/largest_half.h"
 #include "core/texture/cube_map.h"
 
 namespace alabaster {
@@ -47,7 +48,6 @@ class LatLongImage final : public ImageInput {
     return true;
   }
   Rgb color(const ImageRows& rows, size_t texel) const {
-    constexpr float kLargestHalf = 65504;
     const ImageLayout& layout = cube_->layout();
     const auto value = [&](size_t i) {
       const float v =

@@ -4,10 +4,10 @@
 #include <bit>
 #include <cmath>
 
+#include "core/math/largest_half.h"
+
 namespace alabaster {
 namespace {
-
-constexpr float kLargestHalf = 65504.0f;
 
 uint16_t half_bits(float value) {
   return Imath::half(value).bits();
@@ -141,6 +141,7 @@ void TexelPacker::widen() {
 
 // Texels that were added keep their values.
 void TexelPacker::leave_halves() {
+  needs_floats_ = true;
   const auto as_floats = [](std::vector<uint16_t>* from, size_t room, std::vector<uint32_t>* to) {
     to->reserve(room);
     for (const uint16_t half : *from) to->push_back(float_bits(from_bits(half)));

@@ -32,6 +32,8 @@ class TexelPacker {
   TexelPacker(const ImageLayout& layout, MemoryReservation* memory, bool floats = true);
   /// The texels of `rows` from `first` on whose colours were found, and then converted.
   void add(const DistinctColors& colors, const ImageRows& rows, size_t first);
+  /// True once texels have come that halves do not hold. Without the right to floats it stays false.
+  bool needs_floats() const { return needs_floats_; }
   /// After the last row, once.
   PackedImage take();
 
@@ -62,6 +64,7 @@ class TexelPacker {
   const ImageLayout layout_;
   MemoryReservation& memory_;
   const bool may_be_floats_;
+  bool needs_floats_ = false;
   Storage storage_;
   size_t count_ = 0;  // texels so far
   bool is_grey_ = true;

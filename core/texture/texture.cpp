@@ -9,6 +9,7 @@
 #include <optional>
 #include <span>
 
+#include "core/math/largest_half.h"
 #include "core/texture/distinct_colors.h"
 #include "core/texture/image_reader.h"
 #include "core/texture/texel_packer.h"
@@ -212,7 +213,7 @@ std::shared_ptr<const Texture> make_texture(PackedImage image, const TextureSour
 
 /// Replaces the infinities of an image by its largest value, or that of a half if it is larger.
 struct Infinity {
-  float value = 65504;
+  float value = kLargestHalf;
   bool is_used = false;
   float largest = 0;  // of the finite values so far
 
@@ -241,6 +242,8 @@ class RowPacker {
     infinity.value = infinity.largest;  // which is known at the end
     return pack(colors, floats, &infinity);
   }
+  /// After MemoryRefused: halves would have taken less.
+  bool needs_floats() const { return needs_floats_; }
 
  private:
   std::optional<PackedImage> pack(const ColorConfig& colors, bool floats, Infinity* infinity) {
@@ -276,7 +279,7 @@ class RowPacker {
   };
 
   /// From the values that the file holds to those that its header says they are; in "auto", of its primaries.
-  std::optional<Matrix> own_colors_of(const ImageReader& reader, const ColorConfig& colors) const {
+  std::optional<Matrix> own_colors_of(const ImageReader& reader, const ColorConfig& colors) {
     Matrix matrix{{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}};
     const Matrix none = matrix;
     if (const auto& own = reader.chromaticities(); own && source_.color_space == "auto") {
@@ -284,7 +287,7 @@ class RowPacker {
       const auto is_near = [](float a, float b) { return std::abs(a - b) < 1e-4f; };
       if (!std::equal(own->begin(), own->end(), rendering.begin(), is_near)) {
         const auto converted = rgb_to_rgb(*own, rendering);
-        if (!converted)
+        if (!converted && !std::exchange(told_of_colors_, true))  // the image may be packed several times
           report(
               sink_, Severity::warning, "texture.chromaticities", source_.path,
               "the chromaticities of its header are those of no colour space, and are ignored; name its colour space");
@@ -312,13 +315,19 @@ class RowPacker {
       if (!layout.bytes) to.infinity->replace_in(&colors_->rgba());
       if (to.own_colors) apply(*to.own_colors, &colors_->rgba());
       to.transform.apply(colors_->rgba().data(), colors_->rgba().size() / 4);
-      packer->add(*colors_, rows, first);
+      try {
+        packer->add(*colors_, rows, first);
+      } catch (const MemoryRefused&) {
+        needs_floats_ = packer->needs_floats();
+        throw;
+      }
     }
   }
 
   const TextureSource& source_;
   const TextureLoading& loading_;
   const DiagnosticSink& sink_;
+  bool told_of_colors_ = false, needs_floats_ = false;
   const std::unique_ptr<DistinctColors> colors_ = std::make_unique<DistinctColors>();
 };
 
@@ -329,6 +338,7 @@ std::optional<PackedImage> pack_image(const TextureSource& source, const ColorCo
   try {
     return packer.pack(colors, true);
   } catch (const MemoryRefused&) {
+    if (!packer.needs_floats()) throw;
     auto packed = packer.pack(colors, false);
     if (packed)
       report(sink, Severity::warning, "texture.precision", source.path,

@@ -5,6 +5,7 @@
 #include <filesystem>
 
 #include "core/images/image_file.h"
+#include "core/math/largest_half.h"
 #include "core/texture/cube_map.h"
 #include "core/texture/texture.h"
 #include "delegate/gltf/gltf_nodes.h"
@@ -38,7 +39,7 @@ class HalfRows final : public RowSource {
   void encode(int begin, int end, uint8_t* out) const override {
     for (size_t i = size_t(begin) * width_; i < size_t(end) * width_; ++i)
       for (int c = 0; c < 3; ++c, out += sizeof(Half)) {
-        const Half value(std::min(texels_[i][c], 65504.0f));
+        const Half value(std::min(texels_[i][c], kLargestHalf));
         std::memcpy(out, &value, sizeof value);
       }
   }

@@ -10,11 +10,10 @@
 #include <limits>
 
 #include "core/color/color_config.h"
+#include "core/math/largest_half.h"
 
 namespace alabaster::hd::host {
 namespace {
-
-constexpr float kLargestHalf = 65504.0f;
 
 /// A number in [0, 1) that depends only on the pixel's place in the full frame, so that crops and re-renders agree
 /// (PCG's output permutation, O'Neill 2014, over a multiplicative mix of the position).

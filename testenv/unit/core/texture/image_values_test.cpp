@@ -1,10 +1,12 @@
 // Values of image files and their place, by their headers: precision, exposure, primaries, orientation, cubes.
 #include <zlib.h>
 
+#include <algorithm>
 #include <array>
 #include <limits>
 
 #include "core/color/chromaticities.h"
+#include "core/texture/texel_store.h"
 #include "testenv/support/texture_file.h"
 
 namespace alabaster {
@@ -19,6 +21,9 @@ Bytes bytes_of(const std::string& text) {
 
 class ImageValues : public TextureFile {
  protected:
+  long count(const std::string& code) const {
+    return std::count_if(reports_.all.begin(), reports_.all.end(), [&](const Diagnostic& d) { return d.code == code; });
+  }
   /// Pixels of four bytes: red, green, blue, exponent.
   std::string write_hdr(const std::string& header, const std::vector<std::array<uint8_t, 4>>& pixels) const {
     Bytes file = bytes_of("#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n" + header + "\n");
@@ -75,6 +80,31 @@ TEST_F(ImageValues, InfinityIsTheLargest) {
   EXPECT_EQ(hot->texel(0, 0), Rgb(5e6f, 1, 2)) << "the image's largest";
 }
 
+// From the least memory to enough of it: no texture, halves with a warning, floats.
+TEST_F(ImageValues, MemoryThatIsShortOfFloatsHoldsHalvesAndSaysSo) {
+  std::vector<float> pixels = testing::noise(size_t(128) * 128 * 3);
+  const std::string floats = write("a.exr", 128, 128, 3, OIIO::TypeFloat, pixels);
+  const std::string bytes = write("a.png", 128, 128, 3, OIIO::TypeUInt8, pixels);
+  std::string order;
+  for (size_t limit = size_t(16) << 10; limit < size_t(4) << 20; limit += size_t(16) << 10) {
+    reports_.all.clear();
+    const auto memory = std::make_shared<MemoryBudget>(limit);
+    const TextureLoading loading = {.store = std::make_shared<TexelStore>(reports_.sink, memory)};
+    const auto t = load_texture({floats, nullptr, "raw"}, *colors_, reports_.sink, loading);
+    const char found = !t ? '0' : t->texel(5, 5).r == pixels[3 * (5 * 128 + 5)] ? 'f' : 'h';
+    if (order.empty() || order.back() != found) order += found;
+    ASSERT_EQ(count("texture.precision"), found == 'h' ? 1 : 0) << limit << reports_.text();
+    ASSERT_EQ(count("texture.memory"), found == '0' ? 1 : 0) << limit << reports_.text();
+    if (t) {
+      EXPECT_NEAR(t->texel(5, 5).r, pixels[3 * (5 * 128 + 5)], 5e-4f);
+    }
+    reports_.all.clear();
+    load_texture({bytes, nullptr, "raw"}, *colors_, reports_.sink, loading);
+    ASSERT_EQ(count("texture.precision"), 0) << "bytes are never floats";
+  }
+  EXPECT_EQ(order, "0hf");
+}
+
 TEST_F(ImageValues, FilteredFloatsAreFloats) {
   std::vector<float> pixels(3 * 16 * 16, 1e6f);
   const auto t = load(write("a.exr", 16, 16, 3, OIIO::TypeFloat, pixels));
@@ -118,6 +148,11 @@ TEST_F(ImageValues, PrimariesAreTheFiles) {
   write_exr({1, 0, 0, 1, 0, 0, 1 / 3.0f, 1 / 3.0f}, {0.9505f, 1, 1.0891f, 0.4124f, 0.2126f, 0.0193f});
   near(load(path("x.exr"))->texel(0, 0), Rgb(1));
   near(load(path("x.exr"))->texel(1, 0), {1, 0, 0});
+  // Primaries on one line. The infinity is known after the last row, so that the rows are read twice.
+  write_exr({0.1f, 0.1f, 0.2f, 0.2f, 0.3f, 0.3f, 1 / 3.0f, 1 / 3.0f},
+            {std::numeric_limits<float>::infinity(), 0, 0, 5e6f, 1, 1});
+  EXPECT_EQ(load(path("x.exr"))->texel(0, 0), Rgb(5e6f, 0, 0));
+  EXPECT_EQ(count("texture.chromaticities"), 1) << reports_.text();
 }
 
 // Orientation ---------------------------------------------------------------------------------------
