@@ -175,21 +175,29 @@ class MeshBuilder {
     {
       const SyncClock::Running running(&param_.clock, SyncPhase::refine);
       prototype->mesh = build_mesh(cage, options, sink_);
-      const auto& [times, values] = mesh_.point_samples;
-      if (const size_t samples = std::max(times.size(), values.size()); samples > 1) {
-        const Mesh& mesh = prototype->mesh;
-        const size_t pose = (mesh.points.capacity() + mesh.normals.capacity()) * sizeof(Vec3f);
-        MemoryReservation memory(param_.memory(), MemoryUse::meshes, samples * pose,
-                                 "its shape at " + std::to_string(samples) + " times");
-        options.memory = nullptr;
-        const auto deformation = deform(mesh_, cage, options, mesh, sink_);
-        if (deformation) deformation->memory = std::move(memory);
-        out.deformation = deformation;
-      }
+      out.deformation = deform_mesh(cage, options, prototype->mesh, cage_memory.bytes());
     }
     cancel_.check();
     if (!prototype->mesh.triangles.empty()) add_bvh(std::move(prototype), &out);
     return out;
+  }
+
+  // Null: it does not deform.
+  std::shared_ptr<const Deformation> deform_mesh(const Cage& cage, RefinementOptions options, const Mesh& mesh,
+                                                 size_t cage_bytes) {
+    const auto& [times, values] = mesh_.point_samples;
+    const size_t samples = std::max(times.size(), values.size());
+    if (samples < 2) return nullptr;
+    const size_t pose = (mesh.points.capacity() + mesh.normals.capacity()) * sizeof(Vec3f);
+    MemoryReservation memory(param_.memory(), MemoryUse::meshes, samples * pose,
+                             "its shape at " + std::to_string(samples) + " times");
+    // Each pose is made by a mesh of its own, of another copy of the cage.
+    const MemoryReservation posed(param_.memory(), MemoryUse::meshes, cage_bytes + mesh.memory_bytes(),
+                                  "a mesh at another time");
+    options.memory = nullptr;
+    const auto deformation = deform(mesh_, cage, options, mesh, sink_);
+    if (deformation) deformation->memory = std::move(memory);
+    return deformation;
   }
 
   void add_bvh(std::shared_ptr<MeshPrototype> prototype, MeshBuild* out) {
