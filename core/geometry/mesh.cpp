@@ -9,6 +9,8 @@
 #include "core/geometry/grouped_items.h"
 #include "core/geometry/mend_vectors.h"
 #include "core/geometry/mesh_memory.h"
+#include "core/geometry/reversed_edges.h"
+#include "core/geometry/shell_topology.h"
 #include "core/geometry/subdivision.h"
 #include "core/geometry/triangle_pairs.h"
 #include "core/geometry/triangulation.h"
@@ -49,23 +51,49 @@ GroupedItems<uint32_t> edges_of(const Mesh& mesh, const std::vector<int>& weld, 
   return {mesh.points.size(), each_edge, cancel};
 }
 
-bool every_edge_is_paired(const Mesh& mesh, const std::vector<int>& weld, const CancelToken& cancel) {
+// By the number of triangles at edges: odd somewhere; two everywhere; even, and more than two somewhere.
+enum class Pairing { odd, pairs, even };
+
+Pairing pairing_of(const Mesh& mesh, const std::vector<int>& weld, const CancelToken& cancel) {
   const GroupedItems<uint32_t> edges = edges_of(mesh, weld, cancel);
-  bool any = false;
+  bool any = false, more = false;
   for (size_t point = 0; point < edges.size(); ++point) {
     const auto ends = edges[point];
     any |= !ends.empty();
-    for (size_t i = 0; i < ends.size(); i += 2)
-      if (i + 1 == ends.size() || ends[i] != ends[i + 1]) return false;
+    for (size_t i = 0; i < ends.size(); i += 2) {
+      if (i + 1 == ends.size() || ends[i] != ends[i + 1]) return Pairing::odd;
+      more |= i > 0 && ends[i] == ends[i - 1];
+    }
   }
-  return any;
+  return !any ? Pairing::odd : more ? Pairing::even : Pairing::pairs;
+}
+
+std::shared_ptr<const ShellTopology> topology_of(const Mesh& mesh, const std::vector<int>& weld,
+                                                 const CancelToken& cancel) {
+  const auto first = [&](uint32_t point) { return static_cast<uint32_t>(weld[point]); };
+  std::vector<WeldedCorners> corners;
+  corners.reserve(mesh.triangles.size());
+  for (const auto& t : mesh.triangles) corners.push_back({first(t[0]), first(t[1]), first(t[2])});
+  return find_shell_topology(std::move(corners), mesh.points.size(), cancel);
+}
+
+// A sheet that was doubled encloses nothing, though its edges are paired.
+bool has_closed_shell(const ShellTopology& topology) {
+  for (size_t s = 0; s < topology.shells.size(); ++s)
+    if (!topology.open[s] && !topology.inner[s]) return true;
+  return false;
 }
 
 // Welding only adds up even numbers, so what is closed without it stays closed.
 void find_closed(const Mesh* before, const CancelToken& cancel, Mesh* mesh) {
-  mesh->sealed =
-      (before && before->sealed && before->triangles == mesh->triangles) || every_edge_is_paired(*mesh, {}, cancel);
-  mesh->closed = mesh->sealed || every_edge_is_paired(*mesh, weld_by_position(mesh->points, cancel), cancel);
+  mesh->sealed = before && before->sealed && before->triangles == mesh->triangles;
+  if (!mesh->sealed) mesh->sealed = pairing_of(*mesh, {}, cancel) == Pairing::pairs;
+  mesh->closed = mesh->sealed;
+  if (mesh->sealed) return;
+  const std::vector<int> weld = weld_by_position(mesh->points, cancel);
+  const Pairing welded = pairing_of(*mesh, weld, cancel);
+  mesh->closed =
+      welded == Pairing::pairs || (welded == Pairing::even && has_closed_shell(*topology_of(*mesh, weld, cancel)));
 }
 
 // By tetrahedra over the centre of the bounds, so that no digits cancel. Those of doubled faces do.
@@ -241,15 +269,71 @@ std::vector<int> weld_by_position(const std::vector<Vec3f>& points, const Cancel
   return first;
 }
 
+namespace {
+
+/// The faces at an edge. Triangles that lie on each other count once.
+struct EdgeFaces {
+  Vec3f from, to;               // the edge's ends
+  size_t count = 0, along = 0;  // along: that run from one end to the other
+};
+
+/// Calls visit(EdgeFaces) for each edge after welding. Walls within a body do not count.
+template <class Visit>
+void for_each_edge(const Mesh& mesh, const Visit& visit) {
+  const auto topology = topology_of(mesh, weld_by_position(mesh.points, {}), {});
+  using Kind = ShellTopology::Kind;
+  struct Face {
+    uint32_t other;  // point
+    bool along, is_doubled;
+    bool operator<(const Face& f) const { return other < f.other; }
+  };
+  const auto each = [&](const auto& add) {
+    for (size_t t = 0; t < topology->corners.size(); ++t) {
+      const Kind kind = topology->kind[t];
+      if (kind == Kind::kCopy || kind == Kind::kDegenerate || topology->inner[topology->shell[t]]) continue;
+      for (size_t i = 0; i < 3; ++i) {
+        const uint32_t a = topology->corners[t][i], b = topology->corners[t][(i + 1) % 3];
+        add(std::min(a, b), Face{std::max(a, b), a < b, kind == Kind::kBackToBack});
+      }
+    }
+  };
+  const GroupedItems<Face> faces(mesh.points.size(), each, {});
+  for (uint32_t point = 0; point < faces.size(); ++point)
+    for_each_run(
+        faces[point], [](const Face& a, const Face& b) { return a.other == b.other; },
+        [&](std::span<const Face> edge) {
+          EdgeFaces all{mesh.points[point], mesh.points[edge[0].other]};
+          size_t doubled = 0;
+          for (const Face& face : edge) {
+            doubled += face.is_doubled;
+            all.count += !face.is_doubled;
+            all.along += face.along && !face.is_doubled;
+          }
+          all.count += doubled / 2;
+          if (doubled > 0) all.along = all.count / 2;  // they wind either way
+          visit(all);
+        });
+}
+
+void add_edge(const EdgeFaces& edge, OpenEdges::Kind* kind) {
+  if (kind->count++ == 0) kind->first = {edge.from, edge.to};
+}
+
+}  // namespace
+
 OpenEdges find_open_edges(const Mesh& mesh) {
   OpenEdges found;
-  const GroupedItems<uint32_t> edges = edges_of(mesh, weld_by_position(mesh.points, {}), {});
-  for (uint32_t point = 0; point < edges.size(); ++point)
-    for_each_run(edges[point], std::equal_to<>(), [&](std::span<const uint32_t> edge) {
-      if (edge.size() % 2 == 0) return;
-      OpenEdges::Kind& kind = edge.size() == 1 ? found.of_one : found.of_more;
-      if (kind.count++ == 0) kind.first = {mesh.points[point], mesh.points[edge[0]]};
-    });
+  for_each_edge(mesh, [&](const EdgeFaces& edge) {
+    if (edge.count % 2 == 1) add_edge(edge, edge.count == 1 ? &found.of_one : &found.of_more);
+  });
+  return found;
+}
+
+OpenEdges::Kind find_reversed_edges(const Mesh& mesh) {
+  OpenEdges::Kind found;
+  for_each_edge(mesh, [&](const EdgeFaces& edge) {
+    if (edge.count % 2 == 0 && 2 * edge.along != edge.count) add_edge(edge, &found);
+  });
   return found;
 }
 

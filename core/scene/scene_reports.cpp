@@ -4,6 +4,7 @@
 #include <map>
 #include <set>
 
+#include "core/diagnostics/plain_format.h"
 #include "core/scene/mesh_lights.h"
 #include "core/scene/world_placement.h"
 #include "core/subsurface/body.h"
@@ -17,6 +18,42 @@ const std::string& name_of(const ReportedScene& scene, uint32_t index) {
   const auto after =
       std::upper_bound(arrays.begin(), arrays.end(), index, [](uint32_t i, const auto& a) { return i < a.first; });
   return scene.drawn.looks[static_cast<size_t>(std::prev(after) - arrays.begin())]->name;
+}
+
+// The members of a body that have open shells: the first in the order of their names, and how many names there are.
+struct OpenMembers {
+  const Instance* first = nullptr;
+  std::set<std::string> names;
+};
+OpenMembers open_members(const ReportedScene& scene, const SubsurfaceBody& body) {
+  OpenMembers open;
+  for (const auto& member : body.members) {
+    if (!member.shells->any_open) continue;
+    const std::string& name = name_of(scene, member.instance);
+    if (open.names.empty() || name < *open.names.begin()) open.first = &scene.snapshot.instance(member.instance);
+    open.names.insert(name);
+  }
+  return open;
+}
+
+void report_open_bodies(const ReportedScene& scene) {
+  std::set<std::string> reported;  // instances share a name
+  for (const auto& body : scene.snapshot.bodies) {
+    scene.cancel.check();
+    const OpenMembers open = open_members(scene, *body);
+    if (!open.first || !reported.insert(*open.names.begin()).second) continue;
+    const MeshPrototype& prototype = *open.first->prototype;
+    std::string text =
+        "subsurface scattering in a mesh that is not closed: the medium goes on behind it without end, and light that "
+        "does not come back is lost (stats: walk.lostEnergy)" +
+        describe_open_edges(prototype.interior.open_edges(prototype.mesh)) +
+        "; or bind a material without scatterDistance";
+    if (const size_t others = open.names.size() - 1; others > 0)
+      text += "; " + std::to_string(others) +
+              (others == 1 ? " other mesh of its subsurfaceSet is" : " other meshes of its subsurfaceSet are") +
+              " not closed either: a set does not close the meshes that it unites";
+    report(scene.sink, Severity::warning, "mesh.open", *open.names.begin(), text);
+  }
 }
 
 // True if walks begin beyond the far side of the member's thinnest shell: as far below the surface as rounding can
@@ -129,7 +166,23 @@ void report_lights_within(const ReportedScene& scene) {
 
 }  // namespace
 
+std::string describe_open_edges(const OpenEdges& edges) {
+  std::string text;
+  const auto add = [&](const OpenEdges::Kind& kind, const char* have, const char* remedy) {
+    if (kind.count == 0) return;
+    const Vec3f &a = kind.first[0], &b = kind.first[1];
+    text += "; " + std::to_string(kind.count) + have +
+            plain_format(", one from (%g, %g, %g) to (%g, %g, %g): ", double(a.x), double(a.y), double(a.z),
+                         double(b.x), double(b.y), double(b.z)) +
+            remedy;
+  };
+  add(edges.of_one, " of its edges have one face", "close it there, or join it with the mesh that it meets there");
+  add(edges.of_more, " have three faces or another odd number", "delete the faces inside");
+  return text;
+}
+
 void report_bodies(const ReportedScene& scene) {
+  report_open_bodies(scene);
   report_thin_shells(scene);
   report_lights_within(scene);
 }

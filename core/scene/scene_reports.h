@@ -1,6 +1,8 @@
 // Reports of what a picture cannot show as the scene means it. They name the prims.
 #pragma once
 
+#include <string>
+
 #include "core/scene/bodies.h"
 
 namespace alabaster {
@@ -13,8 +15,12 @@ struct ReportedScene {
   const CancelToken& cancel;
 };
 
-/// Warns of closed shells that are thinner than the rounding of positions, in which no walk can begin, and of lights
-/// and meshes that emit within a body: walks meet no light before they leave. Throws BuildCancelled.
+/// "; 4 of its edges have one face, one from (0, 0, 0) to (1, 0, 0): close it there, ...": each kind with its remedy.
+std::string describe_open_edges(const OpenEdges& edges);
+
+/// Warns of bodies that are not closed, once for a union, of closed shells that are thinner than the rounding of
+/// positions, in which no walk can begin, and of lights and meshes that emit within a body: walks meet no light before
+/// they leave. Throws BuildCancelled.
 void report_bodies(const ReportedScene& scene);
 
 }  // namespace alabaster

@@ -415,6 +415,21 @@ struct SnapshotCompiler::Compilation {
                       same_looks);
   }
 
+  // Each report where it is found first, and again only if it was gone in between.
+  void report_new_faults_of_bodies() {
+    std::vector<Diagnostic> found;
+    const DiagnosticSink keep = [&](const Diagnostic& d) { found.push_back(d); };
+    if (snapshot->features.subsurface) report_bodies({description, {drawn, looks}, *snapshot, keep, cancel});
+    const auto is_known = [&](const Diagnostic& d) {
+      return std::any_of(compiler.reported_.begin(), compiler.reported_.end(), [&](const Diagnostic& t) {
+        return t.code == d.code && t.where == d.where && t.text == d.text;
+      });
+    };
+    for (const Diagnostic& d : found)
+      if (compiler.sink_ && !is_known(d)) compiler.sink_(d);
+    compiler.reported_ = std::move(found);
+  }
+
   bool run(uint64_t number) {
     snapshot->number = number;
     choose_drawn();
@@ -427,7 +442,7 @@ struct SnapshotCompiler::Compilation {
     cancel.check();
     keep_alive({drawn, looks}, snapshot.get());
     const bool same_lights = light();
-    if (snapshot->features.subsurface) report_bodies({description, {drawn, looks}, *snapshot, compiler.sink_, cancel});
+    report_new_faults_of_bodies();
     const bool alike = same_lights && snapshot->top == last->top && are_linked_alike();
     plan_lit_surfaces(alike ? last : nullptr, snapshot.get());
     snapshot->memory_bytes += snapshot->lights.memory_bytes() + texture_bytes(*snapshot);

@@ -27,7 +27,7 @@ class SnapshotCompiler {
   std::shared_ptr<const SceneSnapshot> compile(const SceneDescription& description, uint64_t number,
                                                const CancelToken& cancel = {});
 
-  /// Frees what the next snapshot would have shared.
+  /// Frees what the next snapshot would have shared. Reports about bodies are not repeated all the same.
   void forget() { last_ = nullptr; }
 
  private:
@@ -38,6 +38,7 @@ class SnapshotCompiler {
   std::shared_ptr<const SceneSnapshot> last_;
   std::vector<LightDescription> last_lights_;
   std::vector<std::vector<uint32_t>> last_category_sets_;
+  std::vector<Diagnostic> reported_;  // of the last snapshot's bodies
 };
 
 }  // namespace alabaster

@@ -4,8 +4,8 @@
 #include <limits>
 
 #include "core/geometry/embree_scene.h"
+#include "core/geometry/shell_topology.h"
 #include "core/geometry/surface_hit.h"
-#include "core/subsurface/shell_topology.h"
 
 namespace alabaster {
 

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <utility>
 
+#include "core/geometry/reversed_edges.h"
+#include "core/scene/scene_reports.h"
 #include "delegate/prims/built_meshes.h"
 
 namespace alabaster::hd::prims {
@@ -139,6 +141,13 @@ CameraParameters posed_camera(const CameraRecord& record, const Shutter& scene) 
   camera.camera_to_world = poses.front();
   if (poses.size() > 1) camera.poses = std::move(poses);
   return camera;
+}
+
+const OpenEdges::Kind& SceneTranslator::reversed_edges_of(const std::shared_ptr<const MeshPrototype>& mesh) {
+  std::erase_if(reversed_edges_, [](const auto& entry) { return entry.first.expired(); });
+  const auto [found, is_new] = reversed_edges_.try_emplace(mesh);
+  if (is_new) found->second = find_reversed_edges(mesh->mesh);
+  return found->second;
 }
 
 SceneTranslator::SceneTranslator(alabaster::DiagnosticSink sink) : sink_(std::move(sink)) {
@@ -335,30 +344,34 @@ struct SceneTranslator::Run {
     return "material " + mesh.materials[slots.front()].str();
   }
 
-  // A sheet that spreads light alone may be open: both of its sides are lit.
+  // Bodies that scatter are reported as the unions that they are (core/scene/scene_reports.h). A sheet that spreads
+  // light alone may be open: both of its sides are lit.
   void check_closed(const InstanceDescription& instance) {
     const MeshPrototype& prototype = *instance.prototype;
-    if (prototype.mesh.closed) return;
-    const bool scatters = !scattering_slots(instance).empty();
     const bool is_clear = !used_slots(instance, [](const DisneyMaterial& material) {
                              const DisneyParameters& p = material.constants;
                              return !p.thin && (p.spec_trans > 0 || (p.diff_trans > 0 && p.attenuation_distance > 0));
                            }).empty();
-    if (!scatters && !is_clear) return;
-    const OpenEdges& edges = prototype.interior.open_edges(prototype.mesh);
-    std::string text = scatters ? "subsurface scattering in a mesh that is not closed: the medium goes on behind it "
-                                  "without end, and light that does not come back is lost (stats: walk.lostEnergy)"
-                                : "a clear material in a mesh that is not closed: all that lies behind it is in its "
-                                  "interior, which absorbs nothing and which light reaches by refraction alone";
-    const auto add = [&](const OpenEdges::Kind& kind, const char* have, const char* remedy) {
-      if (kind.count == 0) return;
-      text += "; " + std::to_string(kind.count) + have + ", one from " + Value(kind.first[0]).to_string() + " to " +
-              Value(kind.first[1]).to_string() + ": " + remedy;
-    };
-    add(edges.of_one, " of its edges have one face", "close it there, or join it with the mesh that it meets there");
-    add(edges.of_more, " have three faces or another odd number", "delete the faces inside");
-    text += scatters ? "; or bind a material without scatterDistance" : "; or make the material `thin`";
-    translator.warn("mesh.open", Path(instance.name), text);
+    if (!is_clear || !scattering_slots(instance).empty()) return;
+    if (prototype.mesh.closed) return check_winding(instance);
+    translator.warn("mesh.open", Path(instance.name),
+                    "a clear material in a mesh that is not closed: all that lies behind it is in its interior, which "
+                    "absorbs nothing and which light reaches by refraction alone" +
+                        describe_open_edges(prototype.interior.open_edges(prototype.mesh)) +
+                        "; or make the material `thin`");
+  }
+
+  // The winding of a face says which of its sides is in the interior.
+  void check_winding(const InstanceDescription& instance) {
+    if (!instance.prototype->mesh.outward) return;  // then the path of a ray says where it is
+    const OpenEdges::Kind& edges = translator.reversed_edges_of(instance.prototype);
+    if (edges.count == 0) return;
+    translator.warn("mesh.winding", Path(instance.name),
+                    "a clear material in a mesh whose faces do not all wind alike: the interior is taken to lie on the "
+                    "wrong side of some. At " +
+                        std::to_string(edges.count) + " of its edges they run in one direction, one from " +
+                        Value(edges.first[0]).to_string() + " to " + Value(edges.first[1]).to_string() +
+                        ": turn the faces that wind against the others");
   }
 
   // Few faces without a direction, such as those at a pole, show nowhere.

@@ -55,12 +55,14 @@ class SceneTranslator {
   struct Run;
   void warn(const char* code, const Path& where, const std::string& text);
   void fail(const char* code, const Path& where, const std::string& text);
+  const OpenEdges::Kind& reversed_edges_of(const std::shared_ptr<const MeshPrototype>& mesh);
 
   alabaster::DiagnosticSink sink_;
   // Without displayColor, with it, with displayOpacity, with both.
   std::array<std::shared_ptr<const DisneyMaterial>, 4> default_materials_;
   std::vector<alabaster::Diagnostic> found_;
   KnownFaults faults_;
+  std::map<std::weak_ptr<const MeshPrototype>, OpenEdges::Kind, std::owner_less<>> reversed_edges_;
 };
 
 /// Stable text of a translated scene and its cameras: the answer to command "dumpScene".

@@ -7,6 +7,7 @@
 #include <ctime>
 #include <random>
 
+#include "core/geometry/reversed_edges.h"
 #include "core/geometry/triangulation.h"
 #include "testenv/support/cages.h"
 
@@ -186,6 +187,59 @@ TEST(Mesh, ClosedMeansEveryEdgeIsPairedAfterWelding) {
   flap.face_vertex_counts.push_back(3);
   flap.face_vertex_indices.insert(flap.face_vertex_indices.end(), {5, 7, 8});
   EXPECT_FALSE(build_mesh(flap, {}, {}).closed);
+}
+
+Cage with_faces(Cage cage, const Cage& more, bool reversed) {
+  size_t first = 0;
+  const auto offset = static_cast<int>(cage.points.size());
+  cage.points.insert(cage.points.end(), more.points.begin(), more.points.end());
+  for (const int count : more.face_vertex_counts) {
+    const auto begin = more.face_vertex_indices.begin() + static_cast<std::ptrdiff_t>(first);
+    std::vector<int> face(begin, begin + count);
+    if (reversed) std::reverse(face.begin() + 1, face.end());
+    cage.face_vertex_counts.push_back(count);
+    for (const int i : face) cage.face_vertex_indices.push_back(i + offset);
+    first += static_cast<size_t>(count);
+  }
+  return cage;
+}
+
+// Walks, glass and warnings ask one notion: a sheet is open, however often its faces are there.
+TEST(Mesh, DoubledSheetsAreOpenAndDoubledBodiesAreClosed) {
+  const Cage cube = test::cube_cage(), sheet = test::grid_cage(2);
+  for (const bool reversed : {false, true}) {
+    EXPECT_TRUE(build_mesh(with_faces(cube, cube, reversed), {}, {}).closed) << reversed;
+    const Mesh doubled = build_mesh(with_faces(sheet, sheet, reversed), {}, {});
+    EXPECT_FALSE(doubled.closed) << reversed;
+    const OpenEdges edges = find_open_edges(doubled), single = find_open_edges(build_mesh(sheet, {}, {}));
+    EXPECT_EQ(edges.of_one.count, single.of_one.count) << reversed;
+    EXPECT_EQ(edges.of_one.first, single.of_one.first) << reversed;
+    EXPECT_EQ(edges.of_more.count, 0u) << reversed;
+  }
+  // The doubled faces may share the points of the first ones.
+  Cage shared = sheet;
+  size_t first = 0;
+  for (const int count : sheet.face_vertex_counts) {
+    for (int i = count - 1; i >= 0; --i)
+      shared.face_vertex_indices.push_back(sheet.face_vertex_indices[first + static_cast<size_t>(i)]);
+    shared.face_vertex_counts.push_back(count);
+    first += static_cast<size_t>(count);
+  }
+  const Mesh mesh = build_mesh(shared, {}, {});
+  EXPECT_FALSE(mesh.closed);
+  EXPECT_FALSE(mesh.sealed);
+}
+
+TEST(Mesh, ReversedEdgesAreThoseAroundTurnedFaces) {
+  Cage cube = test::cube_cage();
+  EXPECT_EQ(find_reversed_edges(build_mesh(cube, {}, {})).count, 0u);
+  std::reverse(cube.face_vertex_indices.begin() + 8, cube.face_vertex_indices.begin() + 12);
+  const Mesh turned = build_mesh(cube, {}, {});
+  EXPECT_TRUE(turned.closed);
+  EXPECT_EQ(find_reversed_edges(turned).count, 4u);
+  EXPECT_EQ(find_open_edges(turned).of_one.count, 0u);
+  EXPECT_EQ(find_reversed_edges(build_mesh(with_faces(test::cube_cage(), test::cube_cage(), true), {}, {})).count, 0u);
+  EXPECT_EQ(find_reversed_edges(build_mesh(test::grid_cage(2), {}, {})).count, 0u) << "open edges are no reversed ones";
 }
 
 // The pose of a mesh is the mesh of the posed cage.

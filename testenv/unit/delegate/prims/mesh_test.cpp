@@ -108,6 +108,86 @@ TEST(MeshSync, OpenMeshesOfClearMaterialsAreReportedWithTheirEdges) {
   EXPECT_NE(said({{"diffTrans", 1.0f}, {"attenuationDistance", 1.0f}}, Stage::quad()), "");
 }
 
+// A union is one body: one report, for its first open mesh.
+TEST(MeshSync, SubsurfaceInASetOfOpenMeshesIsReportedOnce) {
+  Stage stage;
+  stage.scene.SetMaterial("/wax", scattering());
+  host::MeshDescription open = Stage::quad(), closed = Stage::quad();
+  open.material = closed.material = "/wax";
+  closed.topology.faceVertexCounts = {3, 3, 3, 3};
+  closed.topology.faceVertexIndices = {0, 2, 1, 0, 1, 3, 1, 2, 3, 2, 0, 3};
+  closed.primvars["points"].value = Array<Vec3f>{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
+  for (host::MeshDescription* mesh : {&open, &closed})
+    mesh->primvars["subsurfaceSet"] = {Interpolation::constant, {}, std::string("head"), {}};
+  stage.scene.SetMesh("/a", closed);
+  for (const char* name : {"/b", "/c", "/d"}) stage.scene.SetMesh(name, open);
+  const auto said = [&] {
+    stage.index->SyncAll();
+    std::vector<std::string> texts;
+    for (const Diagnostic& d : stage.take_diagnostics())
+      if (d.code == "mesh.open") texts.push_back(d.where + ": " + d.text);
+    return texts;
+  };
+  const std::vector<std::string> texts = said();
+  ASSERT_EQ(texts.size(), 1u);
+  EXPECT_EQ(texts[0].find("/b: "), 0u) << texts[0];
+  EXPECT_NE(texts[0].find("4 of its edges have one face"), std::string::npos) << texts[0];
+  EXPECT_NE(texts[0].find("2 other meshes of its subsurfaceSet are not closed either"), std::string::npos) << texts[0];
+  stage.scene.SetLight("/dome", {.type = "domeLight", .transform = {}, .parameters = {}});
+  EXPECT_TRUE(said().empty()) << "an edit of something else";
+  stage.scene.SetMesh("/d", closed);
+  EXPECT_EQ(said().size(), 1u) << "another report: one mesh less is open";
+}
+
+TEST(MeshSync, SheetsThatAreDoubledAreOpenForScatteringAndClearMaterials) {
+  Stage stage;
+  host::MeshDescription doubled = Stage::quad();
+  doubled.topology.faceVertexCounts = {4, 4};
+  doubled.topology.faceVertexIndices = {0, 1, 2, 3, 3, 2, 1, 0};
+  doubled.material = "/wax";
+  stage.scene.SetMaterial("/wax", scattering());
+  stage.scene.SetMesh("/a", doubled);
+  stage.index->SyncAll();
+  EXPECT_EQ(stage.count("mesh.open"), 1u);
+  MaterialNetwork clear = scattering();
+  for (auto& [path, node] : clear.nodes) node.parameters = {{"specTrans", 1.0f}};
+  stage.scene.SetMaterial("/glass", clear);
+  doubled.material = "/glass";
+  stage.scene.SetMesh("/b", doubled);
+  stage.index->SyncAll();
+  EXPECT_EQ(stage.count("mesh.open"), 2u);
+}
+
+// The winding of glass says where its interior is; walks find out by themselves.
+TEST(MeshSync, TurnedFacesOfClearMaterialsAreReportedWithTheirEdges) {
+  Stage stage;
+  MaterialNetwork clear = scattering();
+  for (auto& [path, node] : clear.nodes) node.parameters = {{"specTrans", 1.0f}};
+  stage.scene.SetMaterial("/glass", clear);
+  stage.scene.SetMaterial("/wax", scattering());
+  host::MeshDescription closed = Stage::quad();
+  closed.topology.faceVertexCounts = {3, 3, 3, 3};
+  closed.topology.faceVertexIndices = {0, 2, 1, 0, 1, 3, 1, 2, 3, 2, 0, 3};
+  closed.primvars["points"].value = Array<Vec3f>{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
+  closed.material = "/glass";
+  stage.scene.SetMesh("/a", closed);
+  stage.index->SyncAll();
+  EXPECT_EQ(stage.count("mesh.winding"), 0u);
+  closed.topology.faceVertexIndices = {0, 2, 1, 0, 1, 3, 1, 2, 3, 2, 3, 0};
+  stage.scene.SetMesh("/a", closed);
+  stage.index->SyncAll();
+  ASSERT_EQ(stage.count("mesh.winding"), 1u);
+  for (const Diagnostic& d : stage.take_diagnostics())
+    if (d.code == "mesh.winding") {
+      EXPECT_NE(d.text.find("At 3 of its edges they run in one direction, one from (0, 0, 0)"), std::string::npos)
+          << d.text;
+    }
+  closed.material = "/wax";
+  stage.scene.SetMesh("/b", closed);
+  stage.index->SyncAll();
+  EXPECT_EQ(stage.count("mesh.winding"), 0u);
+}
+
 TEST(MeshSync, AnisotropyWithoutADirectionIsReportedOnceForEachPrim) {
   Stage stage;
   MaterialNetwork brushed;

@@ -1,4 +1,4 @@
-#include "core/subsurface/shell_topology.h"
+#include "core/geometry/shell_topology.h"
 
 #include <algorithm>
 #include <bit>
