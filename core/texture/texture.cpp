@@ -287,7 +287,7 @@ class RowPacker {
       const auto is_near = [](float a, float b) { return std::abs(a - b) < 1e-4f; };
       if (!std::equal(own->begin(), own->end(), rendering.begin(), is_near)) {
         const auto converted = rgb_to_rgb(*own, rendering);
-        if (!converted && !std::exchange(told_of_colors_, true))  // the image may be packed several times
+        if (!converted && !std::exchange(reported_colors_, true))  // the image may be packed several times
           report(
               sink_, Severity::warning, "texture.chromaticities", source_.path,
               "the chromaticities of its header are those of no colour space, and are ignored; name its colour space");
@@ -327,7 +327,7 @@ class RowPacker {
   const TextureSource& source_;
   const TextureLoading& loading_;
   const DiagnosticSink& sink_;
-  bool told_of_colors_ = false, needs_floats_ = false;
+  bool reported_colors_ = false, needs_floats_ = false;
   const std::unique_ptr<DistinctColors> colors_ = std::make_unique<DistinctColors>();
 };
 
