@@ -40,7 +40,7 @@ std::string unescaped(const std::string& text) {
 }
 
 // The text of a variable, for people.
-std::string shown(const std::string& value) {
+std::string variable_text(const std::string& value) {
   return value.empty() ? "not set" : "'" + value.substr(1) + "'";
 }
 
@@ -54,8 +54,8 @@ InputDifference describe(InputKind kind, const std::string& name, const std::str
     case InputKind::colors:
       return {name, "the colour configuration is not that of the farm: copy that file here, " + again};
     case InputKind::variable:
-      return {"$" + name, "the colour configuration names this variable, which is " + shown(here ? *here : "") +
-                              " here and " + shown(farm ? *farm : "") + " for the farm: set it so, " + again};
+      return {"$" + name, "the colour configuration names this variable, which is " + variable_text(here ? *here : "") +
+                              " here and " + variable_text(farm ? *farm : "") + " for the farm: set it so, " + again};
     case InputKind::lut:
       return {name, std::string("this LUT of the colour configuration ") +
                         (!here || here->empty() ? "is not found" : "is not that of the farm") +
