@@ -167,7 +167,7 @@ class MergeCommand {
       samples = std::max(samples, dictionary->at("samples").get_or(int64_t(0)));
       std::optional<hd::host::FrameNote> note = hd::host::ReadFrameNote(dictionary->at("note").text_or(""));
       degraded_ = degraded_ || (note && note->degraded);
-      if (!frame && note) frame = std::move(note->frame);
+      if (!frame && note) frame = std::move(note->frame), metadata_ = std::move(note->metadata);
       if (!frame)
         console_.fail(kInput, part,
                       "it does not say what frame it is of: only checkpoints of 'alabaster render' can be merged");
@@ -185,6 +185,7 @@ class MergeCommand {
   int write() {
     hd::host::RecordOptions options;
     options.colors = session_.colors();
+    options.metadata = metadata_;
     options.cancel = &interrupted();
     options.diagnostics = console_.sink();
     options.progress = [this](const hd::host::RecordProgress& progress) { console_.progress(progress); };
@@ -215,6 +216,7 @@ class MergeCommand {
   SceneSession session_;
   const hd::Path path_{"/merge"};
   std::vector<hd::RenderProduct> products_;
+  hd::Dictionary metadata_;
   bool degraded_ = false;
 };
 

@@ -392,7 +392,11 @@ class Recording {
     checkpoints_.add_to(&result_.stats);
   }
 
-  Dictionary metadata() const { return product_metadata(*delegate_, result_.stats, request().description.camera); }
+  Dictionary metadata() const {
+    Dictionary all = product_metadata(*delegate_, result_.stats, request().description.camera);
+    all.insert(options_.metadata.begin(), options_.metadata.end());
+    return all;
+  }
 
   void write() {
     if (options_.writing) options_.writing();

@@ -28,6 +28,7 @@ struct RecordOptions {
   /// Renders a scene that has faults (see RenderDelegate::GetRenderStats) without what they leave out, and marks its
   /// files with the attribute "alabaster/sceneFaults". Else such a scene is not rendered.
   bool keep_going = false;
+  Dictionary metadata;            // added to that of the files
   std::vector<std::string> aovs;  // that `picture` gets besides those of the products
   /// A file that the state of the render is written to every so many seconds, when it is cancelled and at its end; each
   /// time, the file holds either the last state or the one before. Empty: none.
@@ -74,6 +75,7 @@ ALABASTER_API RecordResult RecordFrame(RenderIndex* index, RetainedSceneDelegate
 struct FrameNote {
   RenderSettingsDescription frame;
   bool degraded = false;  // rendered without all of its scene
+  Dictionary metadata;    // of its files, that a merge does not know: the matrices of its camera
 };
 /// `text`: the note of a checkpoint, as command describeCheckpoint has it. Empty if RecordFrame did not write it.
 ALABASTER_API std::optional<FrameNote> ReadFrameNote(const std::string& text);

@@ -42,6 +42,8 @@ Dictionary product_metadata(const RenderDelegate& delegate, const Dictionary& st
                                                       {"peakMemory", "peakMemory"}};
   for (const auto& [name, key] : kept)
     if (const auto found = stats.find(key); found != stats.end()) m[std::string("alabaster/") + name] = found->second;
+  for (const char* name : kCameraMatrices)
+    if (const auto found = stats.find(std::string("camera.") + name); found != stats.end()) m[name] = found->second;
   return m;
 }
 

@@ -13,6 +13,7 @@
 #include "core/math/float_environment.h"
 #include "delegate/host/output_transform.h"
 #include "delegate/host/product_limits.h"
+#include "delegate/host/product_metadata.h"
 #include "delegate/host/product_pixels.h"
 #include "delegate/support/output_file.h"
 
@@ -64,9 +65,14 @@ decltype(ImageAttribute::value) attribute_value(const Value& value) {
   }
 }
 
-std::vector<ImageAttribute> attributes_of(const ProductImage& image, const OutputTransform& out) {
+bool is_camera_matrix(const std::string& key) {
+  return std::any_of(std::begin(kCameraMatrices), std::end(kCameraMatrices), [&](const char* n) { return key == n; });
+}
+
+std::vector<ImageAttribute> attributes_of(const ProductImage& image, const OutputTransform& out, FileKind kind) {
   std::vector<ImageAttribute> attributes;
   for (const auto& [key, value] : image.metadata) {
+    if (kind != FileKind::exr && is_camera_matrix(key)) continue;  // others have no matrices
     if (key.starts_with("oiio:") || value.empty()) continue;       // directions to OpenImageIO are not the host's
     const std::string name = key == "capDate" ? "DateTime" : key;  // OpenImageIO's name for EXR's attribute
     attributes.push_back({name, attribute_value(value)});
@@ -92,7 +98,7 @@ ImageDescription describe(const ProductPlan& plan, const ProductImage& image, co
   const int x = int(std::lround(framing.displayMin.x)), y = int(std::lround(framing.displayMin.y));
   file.display = {x, y, std::max(1, int(std::lround(framing.displayMax.x)) - x),
                   std::max(1, int(std::lround(framing.displayMax.y)) - y)};
-  file.attributes = attributes_of(image, out);
+  file.attributes = attributes_of(image, out, plan.kind);
   file.fast = image.incomplete;
   return file;
 }

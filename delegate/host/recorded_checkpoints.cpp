@@ -1,12 +1,30 @@
 #include "delegate/host/recorded_checkpoints.h"
 
+#include <algorithm>
 #include <nlohmann/json.hpp>
 #include <utility>
 
+#include "delegate/host/product_metadata.h"
 #include "delegate/host/scene_fields.h"
 #include "delegate/support/json_values.h"
 
 namespace alabaster::hd::host {
+namespace {
+
+using Numbers = std::vector<double>;
+Numbers numbers_of(const Value& matrix) {
+  Numbers numbers;
+  for (size_t i = 0; i < 16; ++i) numbers.push_back(matrix.component(i));
+  return numbers;
+}
+std::optional<Matrix4d> matrix_of(const Numbers& numbers) {
+  Matrix4d matrix;
+  if (numbers.size() != 16) return std::nullopt;
+  std::copy(numbers.begin(), numbers.end(), matrix.getValue());
+  return matrix;
+}
+
+}  // namespace
 
 void RecordedCheckpoints::report(Severity severity, const std::string& text) const {
   if (options_.diagnostics) options_.diagnostics({severity, kCode, settings_.str(), text});
@@ -23,12 +41,16 @@ std::string RecordedCheckpoints::note(const RenderSettingsDescription& d) const 
   RenderSettingsDescription frame = d;
   frame.products.clear();
   frame.settings.clear();
-  nlohmann::json note = {{"degraded", delegate_->GetRenderStats().contains("scene.faults")},
+  const Dictionary stats = delegate_->GetRenderStats();
+  nlohmann::json note = {{"degraded", stats.contains("scene.faults")},
                          {"fields", nlohmann::json::object()},
                          {"settings", nlohmann::json::object()}};
   for (const auto& [name, value] : GetFields(frame)) note["fields"][name] = support::json_of(value);
   for (const RenderSettingDescriptor& setting : delegate_->GetRenderSettingDescriptors())
     note["settings"][setting.key.str()] = support::json_of(delegate_->GetRenderSetting(setting.key));
+  for (const char* name : kCameraMatrices)
+    if (const auto found = stats.find(std::string("camera.") + name); found != stats.end())
+      note["camera"][name] = numbers_of(found->second);
   return note.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
 }
 
@@ -41,6 +63,9 @@ std::optional<FrameNote> ReadFrameNote(const std::string& text) {
     read.degraded = note.at("degraded").get<bool>();
     if (!ReadSettings(fields, &read.frame).empty()) return std::nullopt;
     for (const auto& [name, value] : note.at("settings").items()) read.frame.settings[name] = support::value_of(value);
+    if (const auto camera = note.find("camera"); camera != note.end())
+      for (const char* name : kCameraMatrices)
+        if (const auto matrix = matrix_of(camera->value(name, Numbers()))) read.metadata[name] = *matrix;
     for (const char* limit : {"memoryLimit", "textureMemory", "threads"}) read.frame.settings.erase(limit);
     return read;
   } catch (const nlohmann::json::exception&) {

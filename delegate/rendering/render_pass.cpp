@@ -219,6 +219,8 @@ void PassControl::start(PassInputs next) {
   {
     const std::lock_guard lock(error_mutex_);
     error_.clear();
+    const bool has_camera = running_.error.empty() && !running_.shows_checkpoint && running_.framed.width > 0;
+    camera_ = has_camera ? std::optional(running_.framed.camera) : std::nullopt;
   }
   set_converged(false);
   const bool is_empty = running_.bindings.empty() || running_.framed.data_window.empty() || running_.framed.width <= 0;
@@ -408,6 +410,11 @@ PassState PassControl::state() const {
 std::string PassControl::error() const {
   const std::lock_guard lock(error_mutex_);
   return error_;
+}
+
+std::optional<CameraParameters> PassControl::camera() const {
+  const std::lock_guard lock(error_mutex_);
+  return camera_;
 }
 
 size_t PassControl::film_memory() const {

@@ -70,6 +70,8 @@ class PassControl : public std::enable_shared_from_this<PassControl> {
   /// RenderSession::save().
   bool save(const BlockSink& sink) { return session_->save(sink); }
   std::string error() const;
+  /// The camera that is or was rendered last, framed. Empty: there is none, or a checkpoint is shown.
+  std::optional<CameraParameters> camera() const;
   /// Bytes of the film that is or was rendered last.
   size_t film_memory() const;
 
@@ -108,6 +110,7 @@ class PassControl : public std::enable_shared_from_this<PassControl> {
   std::optional<CameraDescription> free_camera_;  // of the last Execute, under executing_ as its record
   prims::CameraRecord free_record_;
   mutable std::mutex error_mutex_;
+  std::optional<CameraParameters> camera_;  // under error_mutex_
   std::string error_;
   std::mutex executing_;  // one at a time draws: the host, who waits for the scene, or the builder
   std::vector<std::pair<std::string, std::string>> reported_;  // faults of the last Execute

@@ -1,6 +1,7 @@
 #include <cmath>
 
 #include "core/diagnostics/plain_format.h"
+#include "delegate/rendering/camera_matrices.h"
 #include "delegate/rendering/render_delegate_impl.h"
 #include "delegate/rendering/render_pass.h"
 #include "delegate/support/process_usage.h"
@@ -127,6 +128,11 @@ void add_progress(const PassControl& pass, Dictionary* stats) {
   if (const auto suspect = p.failed_sample ? p.failed_sample : p.counters.first_nonfinite)
     s["suspectSample"] =
         std::to_string(suspect->x) + "," + std::to_string(suspect->y) + "," + std::to_string(suspect->sample);
+  if (const auto camera = pass.camera()) {
+    const CameraMatrices matrices = camera_matrices(*camera);
+    s["camera.worldToCamera"] = matrices.world_to_camera;
+    s["camera.worldToNDC"] = matrices.world_to_ndc;
+  }
   if (const std::string error = pass.error(); !error.empty()) s["error"] = error;
   if (pass.is_refused()) s["refused"] = true;
 }

@@ -24,7 +24,13 @@ struct AttributeSetter {
   void operator()(const std::array<float, 3>& v) const { vector(OIIO::TypeDesc::FLOAT, OIIO::TypeDesc::VEC3, &v); }
   void operator()(const std::array<int, 2>& v) const { vector(OIIO::TypeDesc::INT, OIIO::TypeDesc::VEC2, &v); }
   void operator()(const std::array<int, 3>& v) const { vector(OIIO::TypeDesc::INT, OIIO::TypeDesc::VEC3, &v); }
+  // OpenEXR's own attributes are of floats.
   void operator()(const std::array<double, 16>& v) const {
+    if (name == "worldToCamera" || name == "worldToNDC") {
+      std::array<float, 16> floats{};
+      std::transform(v.begin(), v.end(), floats.begin(), [](double number) { return static_cast<float>(number); });
+      return vector(OIIO::TypeDesc::FLOAT, OIIO::TypeDesc::MATRIX44, &floats);
+    }
     vector(OIIO::TypeDesc::DOUBLE, OIIO::TypeDesc::MATRIX44, &v);
   }
   void operator()(const std::array<float, 8>& v) const {

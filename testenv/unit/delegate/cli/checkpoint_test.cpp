@@ -66,6 +66,12 @@ TEST_F(CheckpointTest, PartsMergeToTheFilesOfOneRender) {
   EXPECT_EQ(pixels("sum.exr"), pixels("whole.exr"));
   EXPECT_EQ(pixels("sum.png"), pixels("whole.png"));
   EXPECT_EQ(attributes("sum.exr"), attributes("whole.exr"));
+  // OpenImageIO's names of OpenEXR's matrices of floats.
+  const auto whole = OIIO::ImageInput::open(folder_ / "whole.exr");
+  for (const char* name : {"worldtocamera", "worldtoNDC"})
+    EXPECT_TRUE(whole->spec().find_attribute(name, OIIO::TypeMatrix)) << name;
+  const auto png = OIIO::ImageInput::open(folder_ / "whole.png");
+  EXPECT_EQ(png->spec().get_string_attribute("ImageDescription").find("worldTo"), std::string::npos);
 
   EXPECT_EQ(run({"merge", "a", "c", "-o", "sum.exr"}), 3);
   EXPECT_TRUE(says("samples 5:9 are missing: no part has them")) << said_;
