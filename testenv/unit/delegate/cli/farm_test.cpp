@@ -171,8 +171,9 @@ TEST_F(FarmInputs, AMachineWithoutAConfigurationOfItsOwnTakesTheBuiltInOne) {
 
 // A merge reads no scene, so it does not meet the configuration that the scene names.
 TEST_F(FarmInputs, TheConfigurationOfTheSceneIsThatOfTheMerge) {
-  write("scene.json",
-        R"({"gltf": "patch.gltf", "ocio": "show.ocio", "settings": {"samples": 4, "resolution": [12, 8]}})");
+  write(
+      "scene.json",
+      R"({"models": [{"file": "patch.gltf"}], "ocio": "show.ocio", "settings": {"samples": 4, "resolution": [12, 8]}})");
   ASSERT_EQ(with("", "render scene.json -o alone.png"), 0) << read("shell.txt");
   ASSERT_EQ(with("", "farm scene.json -o farm.png --tasks 2"), 0) << read("shell.txt");
   for (const char* job : {"task.sh 0", "task.sh 1", "merge.sh"})
