@@ -31,19 +31,39 @@ bool finite(const Vec3d& p) {
   return std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z);
 }
 
-void add_mesh(const host::MeshDescription& mesh, const std::vector<Matrix4d>& instances, std::vector<Vec3d>* all) {
+// The points of the faces that are drawn.
+std::vector<Vec3f> drawn_points(const host::MeshDescription& mesh) {
   const auto primvar = mesh.primvars.find("points");
   const Value value = primvar == mesh.primvars.end() ? Value() : support::FloatValues(primvar->second.value);
   const auto* points = value.get<Array<Vec3f>>();
-  if (!points || points->empty()) return;
+  const MeshTopology& topology = mesh.topology;
+  if (!points) return {};
+  std::vector<char> is_hidden(topology.faceVertexCounts.size(), 0), is_drawn(points->size(), 0);
+  for (const auto* faces : {&topology.holeIndices, &topology.invisibleFaces})
+    for (const int32_t face : *faces)
+      if (face >= 0 && static_cast<size_t>(face) < is_hidden.size()) is_hidden[static_cast<size_t>(face)] = 1;
+  size_t corner = 0;
+  for (size_t face = 0; face < is_hidden.size(); ++face)
+    for (int32_t i = 0; i < topology.faceVertexCounts[face] && corner < topology.faceVertexIndices.size(); ++i) {
+      const int32_t point = topology.faceVertexIndices[corner++];
+      if (!is_hidden[face] && point >= 0 && static_cast<size_t>(point) < is_drawn.size())
+        is_drawn[static_cast<size_t>(point)] = 1;
+    }
+  std::vector<Vec3f> drawn;
+  for (size_t i = 0; i < is_drawn.size(); ++i)
+    if (is_drawn[i] && is_finite((*points)[i])) drawn.push_back((*points)[i]);
+  return drawn;
+}
+
+void add_mesh(const host::MeshDescription& mesh, const std::vector<Matrix4d>& instances, std::vector<Vec3d>* all) {
+  const std::vector<Vec3f> points = drawn_points(mesh);
   if (instances.size() == 1) {
-    for (const Vec3f& p : *points)
+    for (const Vec3f& p : points)
       if (const Vec3d world = Vec3d(p) * mesh.transform * instances[0]; finite(world)) all->push_back(world);
     return;
   }
   Bounds box;
-  for (const Vec3f& p : *points)
-    if (is_finite(p)) box.extend(p);
+  for (const Vec3f& p : points) box.extend(p);
   if (box.empty()) return;
   for (const Matrix4d& instance : instances)
     for (const Vec3f& corner : box.corners())

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "core/geometry/used_points.h"
+
 #include "delegate/prims/motion.h"
 
 namespace alabaster::hd::prims {
@@ -157,6 +159,7 @@ class MeshBuilder {
     Cage cage = make_cage(mesh_, request.primvars, where_, sink_);
     cage.face_material = slots_of_faces(*job_.slots, faces, where_, sink_);
     if (!sanitize_cage(cage, where_, sink_)) return out;
+    if (mesh_.point_samples.values.size() < 2) drop_unused_points(&cage);  // samples have values for all points
     cancel_.check();
     auto prototype = std::make_shared<MeshPrototype>();
     RefinementOptions options;
