@@ -14,7 +14,7 @@ void keep_at(const std::vector<uint32_t>& places, std::vector<T>* values) {
   *values = std::move(kept);
 }
 
-// Of points, in a sanitized cage: all but those of face corners.
+// In a sanitized cage all primvars but those of face corners have a value for each point.
 template <class T>
 void keep_primvar(const std::vector<uint32_t>& places, Primvar<T>* primvar) {
   if (primvar->empty() || primvar->interpolation == Interpolation::face_varying) return;

@@ -6,7 +6,7 @@
 namespace alabaster::hd::rendering {
 
 /// For row vectors: p' = p M, then divided by its fourth coordinate. As RenderMan and Arnold write them, which readers
-/// of other programs expect. Of a camera that moves: where its shutter opens.
+/// of other programs expect. A camera that moves has those of its shutter's opening.
 struct CameraMatrices {
   Matrix4d world_to_camera;  // x right, y up, z into the picture; world units
   /// x and y from -1 to 1 over the display window, y up. z from 0 at the near plane to 1 at the far one; without a near

@@ -206,6 +206,13 @@ void PassControl::fail(std::string error) {
   set_converged(true);
 }
 
+void PassControl::note_start() {
+  const std::lock_guard lock(error_mutex_);
+  error_.clear();
+  const bool has_camera = running_.error.empty() && !running_.shows_checkpoint && running_.framed.width > 0;
+  camera_ = has_camera ? std::optional(running_.framed.camera) : std::nullopt;
+}
+
 // The render of before may end while the host goes on. One that nothing follows ends here.
 void PassControl::start(PassInputs next) {
   set_converged(false);
@@ -216,12 +223,7 @@ void PassControl::start(PassInputs next) {
   failed_ = false;
   refused_ = running_.refused;
   finish_seen_ = false;
-  {
-    const std::lock_guard lock(error_mutex_);
-    error_.clear();
-    const bool has_camera = running_.error.empty() && !running_.shows_checkpoint && running_.framed.width > 0;
-    camera_ = has_camera ? std::optional(running_.framed.camera) : std::nullopt;
-  }
+  note_start();
   set_converged(false);
   const bool is_empty = running_.bindings.empty() || running_.framed.data_window.empty() || running_.framed.width <= 0;
   if (is_empty || !running_.error.empty()) session_->stop();

@@ -91,6 +91,7 @@ class PassControl : public std::enable_shared_from_this<PassControl> {
   void choose_denoiser(PassInputs* in);
   void update(PassInputs next, bool building, std::vector<alabaster::Diagnostic>* faults);
   void start(PassInputs next);
+  void note_start();
   /// Takes up the end of the session; the error of a failure that is new.
   std::string see_end();
   void fail(std::string error);

@@ -86,6 +86,14 @@ void add_end(const RenderProgress& p, double samples, Dictionary* stats) {
   s["target.cpuSeconds"] = p.cpu_seconds * more;
 }
 
+void add_camera(const PassControl& pass, Dictionary* stats) {
+  const auto camera = pass.camera();
+  if (!camera) return;
+  const CameraMatrices matrices = camera_matrices(*camera);
+  (*stats)["camera.worldToCamera"] = matrices.world_to_camera;
+  (*stats)["camera.worldToNDC"] = matrices.world_to_ndc;
+}
+
 void add_progress(const PassControl& pass, Dictionary* stats) {
   Dictionary& s = *stats;
   const RenderProgress p = pass.progress();
@@ -128,11 +136,6 @@ void add_progress(const PassControl& pass, Dictionary* stats) {
   if (const auto suspect = p.failed_sample ? p.failed_sample : p.counters.first_nonfinite)
     s["suspectSample"] =
         std::to_string(suspect->x) + "," + std::to_string(suspect->y) + "," + std::to_string(suspect->sample);
-  if (const auto camera = pass.camera()) {
-    const CameraMatrices matrices = camera_matrices(*camera);
-    s["camera.worldToCamera"] = matrices.world_to_camera;
-    s["camera.worldToNDC"] = matrices.world_to_ndc;
-  }
   if (const std::string error = pass.error(); !error.empty()) s["error"] = error;
   if (pass.is_refused()) s["refused"] = true;
 }
@@ -154,6 +157,7 @@ void add_scene_faults(const DelegateState& delegate, Dictionary* stats) {
 Dictionary pass_stats(const PassControl& pass) {
   Dictionary stats;
   add_progress(pass, &stats);
+  add_camera(pass, &stats);
   stats.erase("filmMemory");
   return stats;
 }
@@ -181,7 +185,10 @@ Dictionary RenderDelegateImpl::GetRenderStats() const {
     stats["sync.bvhWallSeconds"] = bvh.wall;
     stats["sync.commitSeconds"] = delegate_->commit_seconds();
     const auto passes = delegate_->passes();
-    if (!passes.empty()) return add_progress(*passes.back(), &stats);
+    if (!passes.empty()) {
+      add_camera(*passes.back(), &stats);
+      return add_progress(*passes.back(), &stats);
+    }
     for (const auto& [key, value] : delegate_->stats_of_last_pass()) stats[key] = value;
   });
   return stats;
