@@ -216,15 +216,11 @@ TEST(Mesh, DoubledSheetsAreOpenAndDoubledBodiesAreClosed) {
     EXPECT_EQ(edges.of_one.first, single.of_one.first) << reversed;
     EXPECT_EQ(edges.of_more.count, 0u) << reversed;
   }
-  // The doubled faces may share the points of the first ones.
-  Cage shared = sheet;
-  size_t first = 0;
-  for (const int count : sheet.face_vertex_counts) {
-    for (int i = count - 1; i >= 0; --i)
-      shared.face_vertex_indices.push_back(sheet.face_vertex_indices[first + static_cast<size_t>(i)]);
-    shared.face_vertex_counts.push_back(count);
-    first += static_cast<size_t>(count);
-  }
+  // The doubled faces may share the points of the first ones. Each begins where the first one does, so that both are
+  // cut along the same diagonal.
+  Cage shared = with_faces(sheet, sheet, true);
+  shared.points = sheet.points;
+  for (int& i : shared.face_vertex_indices) i %= static_cast<int>(sheet.points.size());
   const Mesh mesh = build_mesh(shared, {}, {});
   EXPECT_FALSE(mesh.closed);
   EXPECT_FALSE(mesh.sealed);

@@ -143,7 +143,7 @@ TEST(MeshSync, SheetsThatAreDoubledAreOpenForScatteringAndClearMaterials) {
   Stage stage;
   host::MeshDescription doubled = Stage::quad();
   doubled.topology.faceVertexCounts = {4, 4};
-  doubled.topology.faceVertexIndices = {0, 1, 2, 3, 3, 2, 1, 0};
+  doubled.topology.faceVertexIndices = {0, 1, 2, 3, 0, 3, 2, 1};  // both are cut along the same diagonal
   doubled.material = "/wax";
   stage.scene.SetMaterial("/wax", scattering());
   stage.scene.SetMesh("/a", doubled);
