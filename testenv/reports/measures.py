@@ -65,7 +65,7 @@ class Lab:
         return self.command([sys.executable, *words], {"PYTHONPATH": self.module})
 
     def has_module(self):
-        return self.module and self.python("-c", "import alabaster").code == 0
+        return self.module and self.python("-c", "import hdalabaster").code == 0
 
     def render(self, scene, *options):
         """The picture of a scene as {channel: rows}, and the run."""

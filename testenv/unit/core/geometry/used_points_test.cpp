@@ -58,8 +58,8 @@ TEST(UsedPoints, TheMeshIsThatWithoutLoosePoints) {
       const Mesh a = build_mesh(plain, options, {}), b = build_mesh(loose, options, {});
       EXPECT_EQ(a.points, b.points);
       EXPECT_EQ(a.triangles, b.triangles);
-      EXPECT_EQ(a.normals, b.normals);
       if (indexed) continue;  // values that no index names stay
+      EXPECT_EQ(a.normals, b.normals);
       EXPECT_EQ(a.uv_sets[0].values, b.uv_sets[0].values);
       EXPECT_EQ(a.colors.values, b.colors.values);
       EXPECT_EQ(a.memory_bytes(), b.memory_bytes());

@@ -48,6 +48,8 @@ TEST(LookAt, PointsItsMinusZAtTheTarget) {
 
 host::MeshDescription segment() {
   host::MeshDescription mesh;
+  mesh.topology.faceVertexCounts = {3};
+  mesh.topology.faceVertexIndices = {0, 1, 1};
   mesh.primvars["points"].value = Array<Vec3f>{{0, 0, 0}, {1, 0, 0}};
   return mesh;
 }
@@ -92,6 +94,28 @@ TEST(EnclosingPoints, VisibleMeshesInWorldSpaceCount) {
   const auto [low, high] = bounds(scene);
   expect_near(low, {0, 2, 0});
   expect_near(high, {1, 2, 0});
+}
+
+TEST(EnclosingPoints, PointsOfFacesThatAreDrawnCount) {
+  for (const bool instanced : {false, true}) {
+    host::RetainedSceneDelegate scene;
+    host::MeshDescription mesh;
+    mesh.topology.faceVertexCounts = {3, 3, 3, 3};
+    mesh.topology.faceVertexIndices = {1, 2, 3, 3, 2, 4, 1, 2, 5, 1, 2, 77};
+    mesh.topology.holeIndices = {1};
+    mesh.topology.invisibleFaces = {2};
+    mesh.primvars["points"].value =
+        Array<Vec3f>{{-900, 0, 0}, {0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 700, 0}, {0, 0, 600}, {0, 0, -500}};
+    if (instanced) {
+      mesh.instancer = "/instancer";
+      scene.SetInstancer("/instancer", instancer({{"hydra:instanceTranslations", Array<Vec3f>{{0, 0, 0}, {0, 0, 0}}}},
+                                                 "/mesh", {0, 1}));
+    }
+    scene.SetMesh("/mesh", mesh);
+    const auto [low, high] = bounds(scene);
+    expect_near(low, {0, 0, 0});
+    expect_near(high, {1, 1, 0});
+  }
 }
 
 // A quarter turn about z, given by a quaternion of length 3: drawing normalises it (Instancer::Sync), and so must this.
