@@ -1,4 +1,4 @@
-// Words of a command line that are wrong, the nearest right ones, and commands that work.
+// Corrections of command lines: wrong words, the nearest right ones, and commands that work.
 #pragma once
 
 #include <string>
@@ -17,12 +17,12 @@ using Words = std::vector<std::string>;
 /// Five examples and the places of the help, which the program shows without arguments.
 std::string examples_text();
 
-/// The fault of a command line that `app` did not read for `error`: the wrong word, the nearest right one, and a
+/// Describes the fault `error` of a command line that `app` refused: the wrong word, the nearest right one, and a
 /// command that works. Empty if no word is wrong by itself.
 std::string word_fault(const CLI::App& app, const Words& words, const CLI::ParseError& error);
 
-/// The command with the nearest choice in the place of each that its flag does not have. Empty if every flag has a
-/// choice that exists, or one of them has none that is near.
+/// The command with each unknown choice of a flag replaced by the nearest one. Empty if all choices are known, or if
+/// one of them has no near one.
 std::string with_near_choices(const CLI::App& app, const Words& words);
 
 /// The engines of command farm.

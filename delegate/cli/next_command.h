@@ -17,7 +17,7 @@ struct RenderFindings {
   double noise = -1;  // relative RMSE before denoising; negative: not known
 };
 
-/// "alabaster ...  # purpose": the one command that improves most on the picture. Empty if it would hold a word that
+/// "alabaster ...  # purpose": the one command that improves the picture most. Empty if it would hold a word that
 /// cannot be copied.
 std::string next_command(const RenderArguments& arguments, const RenderFindings& findings);
 
