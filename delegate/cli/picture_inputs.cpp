@@ -12,10 +12,10 @@ namespace alabaster::cli {
 namespace {
 
 constexpr const char* kTitle = "alabaster farm inputs 1";
-constexpr std::array<const char*, 5> kKinds{"version", "variable", "colors", "lut", "file"};  // by InputKind
+constexpr std::array<const char*, 5> kInputKinds{"version", "variable", "colors", "lut", "file"};  // by InputKind
 
 // Bytes other than visible ASCII as %XX.
-std::string escaped(const std::string& text) {
+std::string percent_escaped(const std::string& text) {
   constexpr const char* kDigits = "0123456789abcdef";
   std::string out;
   for (const char c : text) {
@@ -28,7 +28,7 @@ std::string escaped(const std::string& text) {
   return out;
 }
 
-std::string unescaped(const std::string& text) {
+std::string percent_unescaped(const std::string& text) {
   const auto digit = [](char c) { return c <= '9' ? c - '0' : c - 'a' + 10; };
   std::string out;
   for (size_t i = 0; i < text.size(); ++i) {
@@ -95,8 +95,8 @@ void add_files(const SceneSession& session, const std::string& scene, PictureInp
 std::string to_text(const PictureInputs& inputs) {
   std::string text = std::string(kTitle) + "\n";
   for (const auto& [input, value] : inputs)
-    text += std::string(kKinds[static_cast<size_t>(input.first)]) + " " + escaped(input.second) + " " + escaped(value) +
-            "\n";
+    text += std::string(kInputKinds[static_cast<size_t>(input.first)]) + " " + percent_escaped(input.second) + " " +
+            percent_escaped(value) + "\n";
   return text;
 }
 
@@ -108,10 +108,11 @@ PictureInputs parse_inputs(const std::string& text) {
   while (std::getline(lines, line)) {
     const size_t first = line.find(' '), second = line.find(' ', first + 1);
     if (first == std::string::npos || second == std::string::npos) return {};
-    const auto kind = std::find(kKinds.begin(), kKinds.end(), line.substr(0, first));
-    if (kind == kKinds.end()) return {};
-    inputs[{static_cast<InputKind>(kind - kKinds.begin()), unescaped(line.substr(first + 1, second - first - 1))}] =
-        unescaped(line.substr(second + 1));
+    const auto kind = std::find(kInputKinds.begin(), kInputKinds.end(), line.substr(0, first));
+    if (kind == kInputKinds.end()) return {};
+    inputs[{static_cast<InputKind>(kind - kInputKinds.begin()),
+            percent_unescaped(line.substr(first + 1, second - first - 1))}] =
+        percent_unescaped(line.substr(second + 1));
   }
   return inputs;
 }
