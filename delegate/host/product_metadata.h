@@ -5,11 +5,11 @@
 
 namespace alabaster::hd::host {
 
-/// The date, the camera, all settings, and what `stats` tell about the picture.
 /// OpenEXR's own attributes of a camera: matrices for row vectors (delegate/rendering/camera_matrices.h). Statistics
 /// have them after "camera.".
 inline constexpr const char* kCameraMatrices[] = {"worldToCamera", "worldToNDC"};
 
+/// The date, the camera, all settings, and the statistics of the picture in `stats`.
 Dictionary product_metadata(const RenderDelegate& delegate, const Dictionary& stats, const Path& camera);
 
 }  // namespace alabaster::hd::host
