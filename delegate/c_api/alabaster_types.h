@@ -90,7 +90,7 @@ typedef void (*AlabasterReport)(void* user, const AlabasterDiagnostic* diagnosti
 
    Kinds are mesh, instancer, material, camera, renderSettings, rectLight, diskLight, cylinderLight, sphereLight,
    distantLight and domeLight. Each has a page of fields in delegate/manual/parameters, which is installed as
-   share/doc/alabaster/parameters: name, type, range or words, default, unit and meaning. */
+   share/doc/hdalabaster/parameters: name, type, range or words, default, unit and meaning. */
 typedef struct AlabasterRect {
   int32_t min_x, min_y, max_x, max_y; /* pixels, y-down, half open; empty: none */
 } AlabasterRect;
