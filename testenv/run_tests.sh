@@ -1,7 +1,7 @@
 #!/bin/sh
 # Builds Alabaster and runs its tests; in CI (environment variable CI set) warnings are errors. Installs missing Debian
 # packages; may be run again.
-#   run_tests.sh [--long] [--nightly] [--hosts] [--systems] [--sanitize address,undefined | --sanitize thread] [arguments for ctest]
+#   run_tests.sh [--long] [--nightly] [--hosts] [--systems] [--sanitize address,undefined | --sanitize thread] [[--] arguments for ctest]
 # Without an option: the tests labelled fast, and what they need is built. --long: also those labelled long. --hosts: also
 # those labelled host, whose programs (Blender, Slurm, openjd-cli, OpenUSD) it installs. --systems: on Debian 12 and 13 from
 # bare (systems/run_systems.sh, needs root); alone, nothing else. --nightly: also those labelled nightly, for hours.
@@ -22,6 +22,8 @@ while [ $# -gt 0 ]; do
       sanitize=$2
       build="$top/build/sanitize-$(echo "$2" | tr ',' '-')"
       shift ;;
+    --) shift; break ;;
+    --*) echo "error: there is no option $1; options of ctest follow --" >&2; exit 2 ;;
     *) break ;;
   esac
   shift
@@ -30,6 +32,7 @@ if [ -n "$systems" ]; then
   failed=0
   sh "$top/testenv/systems/run_systems.sh" || failed=$?
   [ -n "$labels$sanitize" ] || [ $# -gt 0 ] || exit "$failed"
+  export SYSTEMS_RAN=yes
   [ "$failed" -eq 0 ] || { echo "error: --systems failed; the other tests were not started" >&2; exit "$failed"; }
 fi
 target=all

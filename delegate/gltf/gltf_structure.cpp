@@ -62,7 +62,7 @@ class StructureCheck {
   // JavaScript's exporters write null for an infinite number and for a value that is not set.
   void leave_out_nulls(Json& value, const std::string& element) {
     for (auto member = value.begin(); member != value.end();) {
-      if (!member->is_null()) {
+      if (!member->is_null() || member.key() == "extras") {
         ++member;
         continue;
       }

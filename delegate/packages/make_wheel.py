@@ -70,8 +70,12 @@ def download(tools):
                 run(tools / "pip", "download", "--quiet", "--disable-pip-version-check", "--no-deps", *kind, "--dest", folder,
                     f"{name}=={version}", env={**os.environ, "PATH": f"{tools}:{os.environ['PATH']}"})
             file = next(folder.glob(f"{name}-{version}*{suffix}"))
-            if not (folder / f"{name}{suffix}").exists():
-                shutil.unpack_archive(file, folder / f"{name}{suffix}", "zip" if suffix == ".whl" else "gztar")
+            unpacked = folder / f"{name}{suffix}"
+            if not unpacked.exists():  # renamed when complete
+                part = folder / f"{name}{suffix}.part"
+                shutil.rmtree(part, ignore_errors=True)
+                shutil.unpack_archive(file, part, "zip" if suffix == ".whl" else "gztar")
+                part.rename(unpacked)
     return folder
 
 
@@ -236,7 +240,8 @@ def main():
             name = archive.extract(entry, root)
             os.chmod(name, entry.external_attr >> 16 & 0o777 or 0o644)
     add_licences(root, prefix, downloads)
-    shutil.rmtree(options.output, ignore_errors=True)
+    for older in options.output.glob("hdalabaster-*.whl"):
+        older.unlink()
     wheel = pack(root, options.output / repaired.name)
     print(f"{wheel}: {wheel.stat().st_size / 1e6:.1f} MB, {sum(one.stat().st_size for one in root.rglob('*') if one.is_file()) / 1e6:.1f} MB installed")
 

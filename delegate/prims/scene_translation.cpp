@@ -144,7 +144,6 @@ CameraParameters posed_camera(const CameraRecord& record, const Shutter& scene) 
 }
 
 const OpenEdges::Kind& SceneTranslator::reversed_edges_of(const std::shared_ptr<const MeshPrototype>& mesh) {
-  std::erase_if(reversed_edges_, [](const auto& entry) { return entry.first.expired(); });
   const auto [found, is_new] = reversed_edges_.try_emplace(mesh);
   if (is_new) found->second = find_reversed_edges(mesh->mesh);
   return found->second;
@@ -411,6 +410,7 @@ struct SceneTranslator::Run {
 };
 
 Translation SceneTranslator::translate(const Parts& parts) {
+  std::erase_if(reversed_edges_, [](const auto& entry) { return entry.first.expired(); });
   Run run{.translator = *this, .parts = parts, .out = {}, .category_sets = CategorySets(parts.records)};
   run.out.shutter = parts.shutter;
   run.out.memory = std::make_shared<MemoryReservation>(parts.memory, MemoryUse::scene);

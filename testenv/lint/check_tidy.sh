@@ -9,5 +9,5 @@ cmake -S . -B "$build" -DCMAKE_BUILD_TYPE=Release -DALABASTER_UNITY=OFF -DALABAS
 [ $# -gt 0 ] || set -- $(git ls-files 'core/*.cpp' 'delegate/*.cpp')
 # Files of parts that are not configured have no command.
 for file; do ! grep -q "/$file\"" "$build/compile_commands.json" || echo "$file"; done |
-  xargs -P "$(nproc)" -n 2 clang-tidy -p "$build" --quiet --warnings-as-errors='*' \
+  xargs -r -P "$(nproc)" -n 2 clang-tidy -p "$build" --quiet --warnings-as-errors='*' \
     --extra-arg=-Wno-unknown-warning-option --extra-arg=-Wno-unused-command-line-argument 2>/dev/null

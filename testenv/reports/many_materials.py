@@ -358,7 +358,7 @@ def scene_of(name, distance, size, samples, surface):
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("program")
+    parser.add_argument("program", type=lambda name: str(pathlib.Path(name).resolve()))
     parser.add_argument("--out", type=pathlib.Path, default=pathlib.Path("build/many_materials"))
     parser.add_argument("--only", default="")
     parser.add_argument("--size", default="200x200")
