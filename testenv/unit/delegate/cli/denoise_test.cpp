@@ -34,7 +34,7 @@ TEST_F(DenoiseProgram, WritesAndSaysOfWhichPictureTheNoiseIs) {
       << err_;
   EXPECT_HAS(err_, "after 4 samples per pixel, before denoising");
   EXPECT_EQ(run({"render", "wax.json", "-o", "b.png", "--spp", "4", "--size", "16x16"}), 0) << err_;
-  EXPECT_EQ(err_.find("denois"), std::string::npos) << err_;
+  EXPECT_EQ(err_.find("before denoising"), std::string::npos) << err_;
   EXPECT_EQ(run({"render", "wax.json", "--pixel", "3,3", "--size", "16x16", "--denoise"}), 0) << err_;
 }
 

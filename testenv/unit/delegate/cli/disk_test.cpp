@@ -5,8 +5,6 @@
 #include <sys/mount.h>
 #include <sys/stat.h>
 
-#include <regex>
-
 #include "testenv/support/build_paths.h"
 #include "testenv/unit/delegate/cli/run_program.h"
 #include "testenv/unit/delegate/description/scene_fixture.h"
@@ -37,21 +35,21 @@ class DiskTest : public hd::description::SceneFiles {
       if (prepare) prepare();
     });
   }
-  /// Renders to the end; calls `meanwhile` after the first tenth.
+  /// Renders to the end; calls `meanwhile` when the render has begun.
   Outcome render(const std::vector<std::string>& arguments, const std::function<void()>& meanwhile) const {
     std::vector<std::string> all{"render", "patch.gltf", "--size", "64x48", "--spp", "400"};
     all.insert(all.end(), arguments.begin(), arguments.end());
     Program program(folder_, all, [&] { setenv("TMPDIR", temporary_.c_str(), 1); });
-    EXPECT_TRUE(wait_for_a_tenth(program)) << program.err();
+    EXPECT_TRUE(wait_for_begin(program)) << program.err();
     meanwhile();
     const int code = program.wait();
     return {code, program.out(), program.err()};
   }
-  static bool wait_for_a_tenth(const Program& program) {
-    const std::regex some("[1-9][0-9]*/400 samples");
-    for (int i = 0; i < 3000 && !std::regex_search(program.err(), some); ++i)
+  static bool wait_for_begin(const Program& program) {
+    const std::string begun = "rendering 64x48";
+    for (int i = 0; i < 3000 && program.err().find(begun) == std::string::npos; ++i)
       std::this_thread::sleep_for(std::chrono::milliseconds(10));
-    return std::regex_search(program.err(), some);
+    return program.err().find(begun) != std::string::npos;
   }
   /// The file that a message says the picture was kept as.
   static std::string kept(const std::string& message) {
