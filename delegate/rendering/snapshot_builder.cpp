@@ -274,8 +274,11 @@ void SnapshotBuilder::choose_variants(const std::vector<support::Selection>& sel
 }
 
 void SnapshotBuilder::translate(Variant* variant, const prims::DeformedMeshes& deformed, const CancelToken& cancel) {
-  prims::Translation translation =
-      translator_.translate({records_, variant->selection, view_->shutter, meshes_, deformed, param_->memory()});
+  prims::Translation translation;
+  param_->run([&] {
+    translation =
+        translator_.translate({records_, variant->selection, view_->shutter, meshes_, deformed, param_->memory()});
+  });
   prims::SceneFaults faults = this->faults(variant->selection);
   faults.insert(translation.faults.begin(), translation.faults.end());
   if (auto same = snapshot_of(translation.scene))  // faults may differ, and paths

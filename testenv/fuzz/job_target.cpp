@@ -94,14 +94,16 @@ void check_scripts(const cli::FarmJobs& jobs, const std::map<std::string, std::s
   const Words task = lines_of(files.at("task.sh")), merge = lines_of(files.at("merge.sh"));
   const std::string part = jobs.folder + "/part.", number = "$(printf %05d ";
   expect(words_of(task.at(1)), {"cd", "--", jobs.home});
-  Words run = joined({jobs.program, "render"}, jobs.task_options,
+  const Words inputs = {"--inputs", jobs.folder + "/inputs.txt"};
+  Words run = joined({jobs.program, "render"}, joined(jobs.task_options, inputs, {}),
                      {"--quiet", "--samples", "$first:$end", "--resume", "--checkpoint",
                       part + number + "\x01$1).checkpoint", "--", jobs.scene});
   if (jobs.keep_going) run.insert(run.end(), {"\x01|\x01|", "code=\x01$\x01?"});
   expect(words_of(task.at(4)), run);
   expect(words_of(merge.at(1)), {"cd", "--", jobs.home});
   expect(words_of(merge.at(5)), {"set", "--", "$@", part + number + "$k).checkpoint"});
-  expect(words_of(merge.at(8)), joined({"exec", jobs.program, "merge"}, jobs.merge_options, {"--", "$@"}));
+  expect(words_of(merge.at(8)),
+         joined({"exec", jobs.program, "merge"}, joined(jobs.merge_options, inputs, {}), {"--", "$@"}));
   expect(words_of(lines_of(files.at("status.sh")).at(8)), {"exec", jobs.program, "merge", "--", "$@"});
   if (task.size() != (jobs.keep_going ? 6u : 5u) || merge.size() != 9) broken("a job has lines that are not its own");
 }
