@@ -187,7 +187,7 @@ def sheet(host, names, out):
 
 
 def table(rows):
-    lines = ["## USD stages by the engine of usdrecord", "",
+    lines = ["# USD stages by the engine of usdrecord", "",
              f"OpenUSD 24.05, {SIZE[0]} x {SIZE[1]}, {SAMPLES} samples, by `run_stages.py --results`. Each stage of `stage_cases.py` against its expectation: the "
              "program's picture of the archive that the plug-in writes, another stage, or values that are known. Those that have a picture are in `stages.jpg` in this order.", "",
              "| stage | found |", "| --- | --- |"]

@@ -18,6 +18,7 @@ import tempfile
 
 TOP = pathlib.Path(__file__).resolve().parents[2]
 CONFIGURATION = TOP / "delegate/manual/mkdocs.yml"
+STYLE = TOP / "delegate/manual/site.css"
 LINK = re.compile(r"(!?\[(?:[^\]\[]|\[[^\]]*\])*\])\(([^)\s]+)\)")
 NAMED = re.compile(r"(?<!\[)`((?:core|delegate|schemas|testenv)/[\w./-]+\.md)`(?!\])")
 SECTION = re.compile(r"\]\(([^)\s]+\.md)\),\s\"([^\"]+)\"")
@@ -29,15 +30,21 @@ def without_code(text):
 
 
 def for_site(text, page):
-    """As MkDocs reads it: names of pages become links to them, except in blocks of code, and lists stand apart."""
+    """As MkDocs reads it: names of pages become links to them, and lists and tables stand apart; blocks of code stay as they are."""
     def link(match):
         file = TOP / match[1]
         return f"[{match[0]}]({os.path.relpath(file, page.parent)})" if file.exists() else match[0]
 
-    # Python's Markdown begins a list below a paragraph only after an empty line.
-    text = re.sub(r"^(?![-|#*] |\d+\. |\s)(.+)\n(?=(?:-|1\.) )", r"\1\n\n", text, flags=re.M)
+    def prose(part):
+        # Python's Markdown begins a list or a table below a paragraph only after an empty line.
+        part = re.sub(r"^(?![-|#*] |\d+\. |\s)(.+)\n(?=(?:-|1\.) )", r"\1\n\n", part, flags=re.M)
+        part = re.sub(r"^([^|\n].*)\n(?=\|.*\n\|[-:| ]+\n)", r"\1\n\n", part, flags=re.M)
+        # It shows the backslash of a bar in code in a table, and needs none there.
+        part = re.sub(r"(?<=`)[^`\n]*\\\|[^`\n]*(?=`)", lambda match: match[0].replace("\\|", "|"), part)
+        return NAMED.sub(link, part)
+
     parts = re.split(r"(^```.*?^```$)", text, flags=re.M | re.S)
-    return "".join(part if part.startswith("```") else NAMED.sub(link, part) for part in parts)
+    return "".join(part if part.startswith("```") else prose(part) for part in parts)
 
 
 def links_of(page, text):
@@ -91,7 +98,7 @@ def write_pages(folder, pages, others):
         place = folder / page.relative_to(TOP)
         place.parent.mkdir(parents=True, exist_ok=True)
         place.write_text(text)
-    for file in others:
+    for file in {*others, STYLE}:
         place = folder / file.relative_to(TOP)
         place.parent.mkdir(parents=True, exist_ok=True)
         shutil.copy(file, place)
