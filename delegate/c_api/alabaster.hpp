@@ -247,7 +247,7 @@ inline Pass make_pass(const Delegate& delegate) {
 inline Buffer make_buffer(const Delegate& delegate, const std::string& aov, int32_t width, int32_t height) {
   int32_t format = ALABASTER_FORMAT_NONE;
   check(api().aov_format(delegate.get(), aov.c_str(), &format));
-  if (format == ALABASTER_FORMAT_NONE) throw Error(ALABASTER_NOT_FOUND, "there is no AOV '" + aov + "'");
+  if (format == ALABASTER_FORMAT_NONE) throw Error(ALABASTER_NOT_FOUND, api().last_error());
   AlabasterBuffer* made = nullptr;
   check(api().buffer_create(delegate.get(), width, height, format, &made));
   return Buffer(made);

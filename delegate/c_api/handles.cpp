@@ -114,7 +114,7 @@ class ShownMark {
     pid_t none = 0;
     if (!scene || scene->shown_in.compare_exchange_strong(none, getpid())) return;
     scene->check_process();
-    throw bad_argument("another delegate draws this scene");
+    throw bad_argument("another delegate draws this scene: destroy it, or let it show another one");
   }
   ~ShownMark() {
     if (scene_) scene_->shown_in = 0;

@@ -155,7 +155,7 @@ PassInputs PassControl::inputs(const DrawRequest& asked, std::vector<alabaster::
   else if (!in.scene)
     in.error = delegate_->commit_error(in.scene.get());
   else if (!parameters)
-    in.error = camera.empty() ? "no camera is named: set RenderPassState::camera or the camera of the RenderSettings"
+    in.error = camera.empty() ? "no camera is named: name one for the pass or in the render settings"
                               : "camera " + camera.str() + " does not exist";
   else if (!is_valid_affine(parameters->camera_to_world))
     in.error = "the transform of camera " + camera.str() + " is not finite or not invertible";

@@ -18,7 +18,7 @@ class DoorShow : public Door {
 
 TEST_F(DoorShow, ASceneIsDrawnByOneDelegate) {
   EXPECT_EQ(api().show(other_, scene_), ALABASTER_INVALID_ARGUMENT);
-  EXPECT_STREQ(api().last_error(), "another delegate draws this scene");
+  EXPECT_STREQ(api().last_error(), "another delegate draws this scene: destroy it, or let it show another one");
   EXPECT_EQ(api().show(delegate_, nullptr), ALABASTER_OK);
   EXPECT_EQ(api().show(other_, scene_), ALABASTER_OK);
   EXPECT_EQ(api().show(delegate_, scene_), ALABASTER_INVALID_ARGUMENT);
