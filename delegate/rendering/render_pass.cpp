@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <utility>
 
 #include "core/denoise/denoise_film.h"
 #include "core/session/frame_memory.h"
@@ -298,7 +299,8 @@ void PassControl::execute(const RenderPassState& state) {
 void PassControl::start_deferred() {
   const std::lock_guard lock(executing_);
   if (!deferred_ || delegate_->is_building() || delegate_->is_stopped()) return;
-  draw(std::move(*deferred_));
+  const std::optional<DrawRequest> asked = std::exchange(deferred_, std::nullopt);
+  draw(*asked);
 }
 
 void PassControl::retire() {
@@ -306,7 +308,7 @@ void PassControl::retire() {
   deferred_.reset();
 }
 
-void PassControl::draw(DrawRequest asked) {
+void PassControl::draw(const DrawRequest& asked) {
   executed_ = true;
   deferred_.reset();
   const bool building = delegate_->is_building();  // asked before the scene is taken

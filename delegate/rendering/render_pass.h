@@ -83,7 +83,7 @@ class PassControl : public std::enable_shared_from_this<PassControl> {
     std::vector<std::shared_ptr<BufferState>> buffers;
   };
   void set_view(const RenderPassState& state);
-  void draw(DrawRequest asked);
+  void draw(const DrawRequest& asked);
   PassInputs inputs(const DrawRequest& asked, std::vector<alabaster::Diagnostic>* faults);
   static void add_bindings(const DrawRequest& asked, PassInputs* in, std::vector<alabaster::Diagnostic>* faults);
   std::optional<CameraParameters> camera_of(const RenderPassState& state, const Path& path,
