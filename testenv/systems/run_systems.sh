@@ -21,7 +21,7 @@ steps=${SYSTEMS_STEPS:-picture tests packages}
 
 # Unmounts the machine's folders below the root, which is removed only then.
 leave() {
-  for place in proc dev/shm dev assets; do
+  for place in proc dev/shm dev/pts dev assets; do
     if mountpoint -q "$root/$place"; then umount "$root/$place" || return 1; fi
   done
 }
@@ -30,6 +30,7 @@ enter() {
   mount -t proc proc "$root/proc"
   mount --bind /dev "$root/dev"
   mount -t tmpfs tmpfs "$root/dev/shm"
+  mount --bind /dev/pts "$root/dev/pts"
   if [ -d "${ALABASTER_TEST_ASSETS:-}" ]; then
     mkdir -p "$root/assets"
     mount --bind -o ro "$ALABASTER_TEST_ASSETS" "$root/assets"
@@ -39,13 +40,19 @@ enter() {
   for file in /etc/pip.conf /etc/ssl/certs/ca-certificates.crt /etc/apt/apt.conf.d/*proxy*; do
     if [ -e "$file" ]; then mkdir -p "$root$(dirname "$file")" && cp "$file" "$root$file"; fi
   done
+  # A copy that the package ca-certificates does not overwrite.
+  certificates=""
+  if [ -e /etc/ssl/certs/ca-certificates.crt ]; then
+    cp /etc/ssl/certs/ca-certificates.crt "$root/etc/certificates_of_host.crt"
+    certificates=PIP_CERT=/etc/certificates_of_host.crt
+  fi
 }
 
 inside() {
   assets=""
   [ ! -d "$root/assets" ] || assets=ALABASTER_TEST_ASSETS=/assets
   # shellcheck disable=SC2086  # an empty assignment is none
-  chroot "$root" env -i HOME=/root PATH=/usr/sbin:/usr/bin:/sbin:/bin LC_ALL=C.UTF-8 TERM=dumb $assets sh -c "cd /alabaster && $1"
+  chroot "$root" env -i HOME=/root PATH=/usr/sbin:/usr/bin:/sbin:/bin LC_ALL=C.UTF-8 TERM=dumb $assets $certificates sh -c "cd /alabaster && $1"
 }
 
 # step NAME COMMAND: seconds of a step, or "failed", in the variable that has its name.
@@ -83,7 +90,7 @@ for release in "$@"; do
   if [ -e "$top/testenv/packages/run_packages.sh" ]; then step packages "sh testenv/packages/run_packages.sh"; fi
   debian=$(cat "$root/etc/debian_version")
   revision=$(git -C "$top" rev-parse --short HEAD)
-  versions="g++ $(version g++), Embree $(version libembree-dev), OpenImageIO $(version libopenimageio-dev), OpenColorIO $(version libopencolorio-dev), Python $(version python3)"
+  versions="g++ $(chroot "$root" g++ -dumpfullversion), Embree $(version libembree-dev), OpenImageIO $(version libopenimageio-dev), OpenColorIO $(version libopencolorio-dev), Python $(version python3)"
   echo "| $(date -u +%F) | $revision | Debian $debian | $versions | $(nproc) | $picture | $tests | $packages |" >> "$here/results.md"
   leave
   trap - EXIT

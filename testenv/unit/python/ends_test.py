@@ -204,7 +204,7 @@ class Ends(unittest.TestCase):
                 if child == 0:
                     del renderer, scene
                     sys.exit(0)
-                print(os.waitstatus_to_exitcode(os.waitpid(child, 0)[1]))
+                print(os.waitstatus_to_exitcode(os.waitpid(child, 0)[1]), flush=True)  # else a child prints it, too
             """, "0\n" * 5)
 
     def test_a_fork_while_other_threads_edit_a_scene(self):

@@ -210,6 +210,7 @@ TEST_F(WordsTest, ALongRenderTellsItsTimeAndWhatShortensIt) {
 class Terminal {
  public:
   explicit Terminal(unsigned short columns) : master_(posix_openpt(O_RDWR | O_NOCTTY)) {
+    if (!exists()) return;
     EXPECT_TRUE(grantpt(master_) == 0 && unlockpt(master_) == 0);
     const char* name = ptsname(master_);
     name_ = name ? name : "";
@@ -218,6 +219,8 @@ class Terminal {
     EXPECT_EQ(ioctl(slave_, TIOCSWINSZ, &size), 0);
   }
   ~Terminal() { close(master_); }
+  /// Containers may have no pseudo-terminals.
+  bool exists() const { return master_ >= 0; }
   Terminal(const Terminal&) = delete;
   Terminal& operator=(const Terminal&) = delete;
 
@@ -242,6 +245,7 @@ class Terminal {
 TEST_F(WordsTest, OnATerminalOneLineTellsSamplesNoiseAndTimeLeft) {
   constexpr size_t kColumns = 60;
   Terminal terminal(kColumns);
+  if (!terminal.exists()) GTEST_SKIP() << "there is no pseudo-terminal (/dev/pts)";
   Program program(folder_, quick({"render"}, {"--time-limit", "5"}), terminal.attach());
   const std::string text = terminal.read_all();
   EXPECT_EQ(program.wait(), 0) << text;
