@@ -16,13 +16,15 @@ constexpr const char* kRemedy =
     "render without denoising.";
 
 // The library's C interface, from its manual: handles are opaque, enumerations are ints.
-struct DeviceHandle;
-struct FilterHandle;
 constexpr int kCpuDevice = 1, kFloat3 = 3;
 constexpr int kNoError = 0, kOutOfMemory = 4, kCancelled = 6;
 constexpr int kOldestVersion = 20000;  // 10000 major + 100 minor + patch
 
 }  // namespace
+
+// Outside of the unnamed namespace: g++ 14 fails on pointers to functions of its types in a unity build.
+struct DeviceHandle;
+struct FilterHandle;
 
 /// Addresses of the functions that are used; all of them exist.
 struct Denoiser::Functions {
