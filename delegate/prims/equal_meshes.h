@@ -10,10 +10,10 @@ namespace alabaster::hd::prims {
 
 using MeshJobs = std::vector<std::shared_ptr<const MeshJob>>;
 
-/// For each job of `to_build` the first that is built as it is but for its material slots, to the bit: its number among
-/// `built`, or built.size() and the number among `to_build`, which may be its own. Decided by a digest of all values
-/// that the mesh is made of, for meshes that have as many faces, corners and points as another. Meshes whose points are
-/// edited stand alone. Throws BuildCancelled.
+/// Returns, for each job of `to_build`, the index of the first job with bitwise equal geometry; material slots may
+/// differ. Indices below built.size() refer to `built`, the others, less built.size(), to `to_build`. A job without an
+/// equal one gets its own index. Jobs are compared by digest if their numbers of faces, corners and points are equal. A
+/// mesh with edited points equals no other. Throws BuildCancelled.
 std::vector<size_t> find_equal_meshes(const MeshJobs& built, const MeshJobs& to_build, const CancelToken& cancel);
 
 }  // namespace alabaster::hd::prims
