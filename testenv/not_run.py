@@ -11,7 +11,7 @@ import sys
 from xml.etree import ElementTree
 
 SHOWN = 12  # names of tests that were not chosen
-STATISTICS = re.compile(r"^statistical tests: (\d+), to run again: (\d+), chance of a false alarm: (\S+)$", re.M)
+STATISTICS = re.compile(r"^statistical tests: (\d+), to run again: (\d+), chance of a false alarm: (\d\S*)$", re.M)
 SKIPPED = re.compile(r"^\S+:\d+: Skipped\n((?:.+\n)*?)\n?\[  SKIPPED \] (\S+) \(\d+ ms\)$", re.M)  # of GoogleTest
 NOT_BUILT = "_NOT_BUILT"  # discover_suites.cmake
 RUN_BY = {"long": "--long runs them", "host": "--hosts installs what they need and runs them", "nightly": "--nightly runs them, for hours"}
