@@ -176,6 +176,8 @@ class AlabasterRenderEngine(bpy.types.RenderEngine):
         aspect = view.pixel_aspect_x / view.pixel_aspect_y
         eye = scene.camera.evaluated_get(depsgraph)
         parameters = camera.final(eye, depsgraph, width, height, aspect)
+        if eye.data.type == "PANO":
+            exporter.note(f"camera '{eye.name}': panoramic cameras are not translated; it renders as perspective")
         moved = exporter.motion.get((scene.camera.name_full, ()))
         if shutter.moves:
             parameters.update(shutterOpen=shutter.open, shutterClose=shutter.close)

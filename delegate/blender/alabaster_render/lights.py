@@ -5,6 +5,7 @@ import bpy
 import mathutils
 
 from . import names
+from .sockets import Reader, Source
 
 MODERN = bpy.app.version >= (4, 0, 0)
 
@@ -94,23 +95,38 @@ def _area(light, matrix):
 MAKERS = {"POINT": _point, "SPOT": _point, "SUN": _sun, "AREA": _area}
 
 
-def _emission_node(light):
-    """(colour, strength) of an Emission node with constants, which multiply the light."""
+def _emission_node(light, note):
+    """(colour, strength) of an Emission node, which multiply the light. Textures count by their mean."""
     if not light.use_nodes or not light.node_tree:
         return (1.0, 1.0, 1.0), 1.0
-    for node in light.node_tree.nodes:
-        if node.type == "EMISSION" and node.outputs[0].is_linked:
-            return tuple(node.inputs["Color"].default_value)[:3], node.inputs["Strength"].default_value
-    return (1.0, 1.0, 1.0), 1.0
+    reader = Reader(None, note)
+    output = light.node_tree.get_output_node("CYCLES") or light.node_tree.get_output_node("ALL")
+    source = reader.source(output.inputs["Surface"]) if output else None
+    if not isinstance(source, Source):
+        return (0.0, 0.0, 0.0), 1.0
+    if source.node.type != "EMISSION":
+        note(f"node '{source.node.name}' is not translated; an Emission node is expected")
+        return (1.0, 1.0, 1.0), 1.0
+    strength = reader.mean(reader.input(source, "Strength"), "strength")
+    return reader.mean(reader.input(source, "Color"), "colour"), sum(strength) / 3
+
+
+def _cycles(light, name, otherwise):
+    """A setting of Cycles, which may not be there."""
+    return getattr(getattr(light, "cycles", None), name, otherwise)
 
 
 def translate(light, matrix, camera_sees, note):
     """(type, transform, parameters) of a light, or None where it gives none. note(text) hears of what is approximated."""
+    if light.type == "AREA" and _cycles(light, "is_portal", False):
+        return None  # the world shines through it by itself
     made = MAKERS[light.type](light, matrix)
     if not made:
         return None
     kind, placed, parameters = made
-    tint, strength = _emission_node(light)
+    tint, strength = _emission_node(light, lambda text: note(f"light '{light.name}': {text}"))
+    if not (_cycles(light, "cast_shadow", True) and getattr(light, "use_shadow", True)):
+        note(f"light '{light.name}': it casts shadows, because lights without them are not translated")
     exposure = getattr(light, "exposure", 0.0)
     temperature = getattr(light, "use_temperature", False)
     if temperature:
@@ -118,6 +134,4 @@ def translate(light, matrix, camera_sees, note):
     parameters["intensity"] *= strength * 2 ** exposure
     parameters["color"] = [max(0.0, a * b) for a, b in zip(light.color, tint)]
     parameters["visibleToCamera"] = bool(camera_sees)
-    if light.use_nodes and light.node_tree and any(n.type == "TEX_IMAGE" for n in light.node_tree.nodes):
-        note(f"light '{light.name}': textures are not translated")
     return kind, names.matrix(placed), parameters

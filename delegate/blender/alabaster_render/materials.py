@@ -71,7 +71,10 @@ def translate(material, note):
     source = reader.source(output.inputs["Surface"])
     network.holdout = shaders.is_holdout(source)
     surface.update(shaders.translate(reader, source))
-    if isinstance(reader.source(output.inputs["Volume"]), Source):
+    volume = reader.source(output.inputs["Volume"])
+    if isinstance(volume, Source) and volume.node.type == "VOLUME_ABSORPTION" and "specTrans" in surface:
+        surface.update(shaders.absorption(reader, volume))
+    elif isinstance(volume, Source):
         network.left_out = not isinstance(source, Source)
         reader.note("the volume is not translated" + ("; it has no surface, so its faces are left out" if network.left_out else ""))
     if network.left_out:

@@ -1,4 +1,6 @@
 """Shader nodes as parameters of schemas/disney_material.json."""
+import math
+
 from . import disney_group, images, principled
 from .sockets import ONE, Source, Texture, Value
 
@@ -94,6 +96,28 @@ def glossy(reader, source):
     return _bump(reader, source, surface)
 
 
+def anisotropic(reader, source):
+    surface = glossy(reader, source)
+    stretch, turns = (reader.input(source, name) for name in ("Anisotropy", "Rotation"))
+    if stretch is None:
+        return surface
+    amount = reader.mean(stretch, "anisotropy")[0]
+    # Positive values stretch the highlight across the tangent, ours along it.
+    surface["anisotropic"] = min(abs(amount), 1.0)
+    surface["anisotropicRotation"] = (reader.mean(turns, "rotation")[0] + (0.25 if amount > 0 else 0.0)) % 1.0
+    return surface
+
+
+def sheen(reader, source):
+    """Fibres over black. The sigma of Velvet counts as their roughness."""
+    if source.node.type == "BSDF_VELVET":
+        reader.note(f"shader '{source.node.name}': fibres of another model stand in for it")
+    rough = reader.input(source, "Roughness", "Sigma")
+    surface = {**BLACK, "sheen": 1.0, "sheenTint": 0.0, "sheenColor": reader.color(reader.input(source, "Color")),
+               "sheenRoughness": min(max(reader.mean(rough, "roughness of a sheen")[0], 0.07), 1.0)}
+    return _bump(reader, source, surface)
+
+
 def glass(reader, source):
     """Cycles takes the colour at each surface, ours its root."""
     color = reader.input(source, "Color")
@@ -101,6 +125,16 @@ def glass(reader, source):
                "specTrans": 1.0, "roughness": reader.number(reader.input(source, "Roughness")),
                "ior": max(1.0, reader.input(source, "IOR").number)}
     return _bump(reader, source, surface)
+
+
+def absorption(reader, source):
+    """Beer and Lambert's law: (1 - colour) times the density is absorbed per unit."""
+    density = max(0.0, sum(reader.mean(reader.input(source, "Density"), "density")) / 3)
+    sigma = [max(0.0, 1 - c) * density for c in reader.mean(reader.input(source, "Color"), "colour of a volume")]
+    if max(sigma) <= 0:
+        return {}
+    distance = 1 / max(sigma)
+    return {"attenuationColor": tuple(math.exp(-s * distance) for s in sigma), "attenuationDistance": distance}
 
 
 def emission(reader, source):
@@ -160,15 +194,28 @@ def _between(a, b, f):
     return tuple(x * (1 - f) + y * f for x, y in zip(a, b))
 
 
+def _gloss_over(reader, source, parts):
+    """A body and a Glossy shader: a reflection of that colour, which grows towards grazing views where Cycles' does not."""
+    gloss = next((p for p in parts if isinstance(p, Source) and p.node.type in {"BSDF_GLOSSY", "BSDF_ANISOTROPIC"}), None)
+    body = next((p for p in parts if p is not gloss), None)
+    if gloss is None or not isinstance(body, Source):
+        reader.note(f"shader '{source.node.name}': of a sum only the first surface is translated")
+        return translate(reader, parts[0])
+    surface = translate(reader, body)
+    tint = reader.mean(reader.input(gloss, "Color"), "colour of a reflection")
+    surface.update(specular=1.0, ior=1.5, specularColor=tuple(c / 0.04 for c in tint),
+                   roughness=reader.number(reader.input(gloss, "Roughness")))
+    return surface
+
+
 def add(reader, source):
-    """A surface and its emission."""
+    """A surface and its emission, or a body and its gloss."""
     parts = [reader.source(socket, source.groups) for socket in source.node.inputs[:2]]
     glow = next((p for p in parts if isinstance(p, Source) and p.node.type == "EMISSION"), None)
     rest = next((p for p in parts if p is not glow), None)
     surface = translate(reader, rest)
     if glow is None:
-        reader.note(f"shader '{source.node.name}': of a sum only the first surface is translated")
-        return surface
+        return _gloss_over(reader, source, parts)
     held, light = surface.get("emission", (0.0, 0.0, 0.0)), emission(reader, glow)["emission"]
     both_constant = not isinstance(held, list) and not isinstance(light, list)
     if any(held) and not both_constant:
@@ -178,7 +225,8 @@ def add(reader, source):
 
 
 SHADERS = {
-    "BSDF_PRINCIPLED": principled.translate, "BSDF_DIFFUSE": diffuse, "BSDF_GLOSSY": glossy, "BSDF_METALLIC": glossy,
+    "BSDF_PRINCIPLED": principled.translate, "BSDF_DIFFUSE": diffuse, "BSDF_GLOSSY": anisotropic, "BSDF_METALLIC": glossy,
+    "BSDF_ANISOTROPIC": anisotropic, "BSDF_SHEEN": sheen, "BSDF_VELVET": sheen,
     "BSDF_GLASS": glass, "BSDF_REFRACTION": glass, "EMISSION": emission, "SUBSURFACE_SCATTERING": subsurface,
     "BSDF_TRANSLUCENT": translucent, "BSDF_TRANSPARENT": transparent, "MIX_SHADER": mix, "ADD_SHADER": add,
     "HOLDOUT": holdout,

@@ -399,8 +399,15 @@ def _kelvin(kelvin):
                                           0.0556301 * big_x - 0.2039770 + 1.0569715 * big_z)]
 
 
+def light_path(reader, source):
+    """As for rays of the camera, of which all surfaces are what they are seen as."""
+    reader.note(f"node '{source.node.name}': all rays see what those of the camera see")
+    return Value(ONE if source.output.name == "Is Camera Ray" else (0.0, 0.0, 0.0))
+
+
 NODES = {
     "TEX_IMAGE": image,
+    "LIGHT_PATH": light_path,
     "RGB": lambda _, source: Value(three(source.output.default_value)),
     "VALUE": lambda _, source: Value(three(source.output.default_value)),
     "VERTEX_COLOR": lambda _, source: Value(ONE, [Texture(None)]) if source.output.name == "Color" else None,

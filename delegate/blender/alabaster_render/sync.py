@@ -6,6 +6,8 @@ from . import library, lights, materials, meshes, names, roles, world
 
 NO_MATERIAL = names.path("material", "(none)")
 DOME = "/world"
+NOT_DRAWN = {"CURVES": "hair curves", "VOLUME": "volumes", "POINTCLOUD": "point clouds", "GPENCIL": "grease pencils",
+             "GREASEPENCIL": "grease pencils"}
 
 
 class Group:
@@ -65,6 +67,11 @@ class SceneSync:
                 seen_lights.add(self.sync_light(ob, instance.matrix_world, owner_of(instance)))
             elif ob.type in meshes.KINDS:
                 self.place(depsgraph, instance, groups)
+            if ob.type in NOT_DRAWN:
+                self.note(f"object '{ob.name}': {NOT_DRAWN[ob.type]} are not translated")
+            for system in getattr(ob, "particle_systems", ()):
+                if system.settings.type == "HAIR" and system.settings.render_type == "PATH":
+                    self.note(f"object '{ob.name}': hair is not translated")
         for gone in set(self.set_lights) - seen_lights:
             del self.set_lights[gone]
             self.scene.remove(gone)
@@ -77,6 +84,9 @@ class SceneSync:
         key, is_own = mesh_key(ob, depsgraph)
         if key not in self.meshes:
             self.meshes[key] = self.read(key, meshes.extract(ob, depsgraph, is_own, self.viewport, self.wanted))
+            named = [one.name for one in getattr(ob.data, "color_attributes", ()) if one.name in self.wanted.colors]
+            if len(named) > 1:
+                self.note(f"object '{ob.name}': of the colour attributes that materials read only '{named[0]}' is translated")
         if self.meshes[key] is None:
             return
         slots = tuple(self.material(slot.material) for slot in ob.material_slots) or (NO_MATERIAL,)
