@@ -26,10 +26,10 @@ def expect(holds, text):
 
 
 class Run:
-    """The result of a command: exit code, messages, and the peak of its memory in bytes."""
+    """The result of a command: exit code, messages, the peak of its memory in bytes, and seconds of CPU time."""
 
-    def __init__(self, code, text, memory):
-        self.code, self.text, self.memory = code, text, memory
+    def __init__(self, code, text, memory, seconds):
+        self.code, self.text, self.memory, self.seconds = code, text, memory, seconds
 
     def warnings(self, word=""):
         return [line for line in self.text.splitlines() if line.startswith(("warning:", "error:")) and word in line]
@@ -56,7 +56,7 @@ class Lab:
             child = subprocess.Popen([str(word) for word in words], cwd=self.folder, env=variables, stdout=file, stderr=file)
             _, status, usage = os.wait4(child.pid, 0)
             child.returncode = os.waitstatus_to_exitcode(status)
-        return Run(child.returncode, out.read_text(errors="replace"), usage.ru_maxrss * 1024)
+        return Run(child.returncode, out.read_text(errors="replace"), usage.ru_maxrss * 1024, usage.ru_utime + usage.ru_stime)
 
     def run(self, *words, **options):
         return self.command([self.program, *words], **options)

@@ -3,7 +3,7 @@
 
   python3 testenv/reports/reports.py PROGRAM [--assets FOLDER] [--module FOLDER] [--only REGEX] [--jobs N]
 
---assets   holds reports/, reports2/ and reports3/ (default: $ALABASTER_TEST_ASSETS; without it the test is skipped)
+--assets   holds reports/, reports2/, reports3/ and attack/ (default: $ALABASTER_TEST_ASSETS; without it the test is skipped)
 --module   holds the Python module, which some rows need (default: PYTHONPATH)
 
 A row renders files of its folder, or files that it writes, and compares what the fault would change with the right
@@ -24,6 +24,8 @@ sys.path.insert(0, str(HERE))
 SKIPPED = 77
 try:
     from measures import Lab, Skipped, Wrong
+    from attack_rows import ATTACK_ROWS
+    from later_rows import LATER_ROWS
     from rows import ROWS
 except ModuleNotFoundError as missing:
     print(f"skipped: this Python has no {missing.name}")
@@ -59,7 +61,7 @@ def main():
         print("skipped: ALABASTER_TEST_ASSETS names no folder with reports/")
         return SKIPPED
     arguments.assets = pathlib.Path(arguments.assets).resolve()
-    rows = [row for row in ROWS if re.search(arguments.only, row.name)]
+    rows = [row for row in [*ROWS, *LATER_ROWS, *ATTACK_ROWS] if re.search(arguments.only, row.name)]
     print("| input | measured | right answer | verdict |\n| --- | --- | --- | --- |")
     counts = {"right": 0, "WRONG": 0, "skipped": 0}
     with concurrent.futures.ThreadPoolExecutor(arguments.jobs) as pool:
