@@ -22,9 +22,16 @@ class Panels(unittest.TestCase):
 
             def __getattr__(self, _):
                 return lambda *_, **__: self
-        context = types.SimpleNamespace(scene=bpy.context.scene, view_layer=bpy.context.view_layer, collection=bpy.context.scene.collection)
-        panel.draw(types.SimpleNamespace(layout=Layout(), blocks=getattr(panel, "blocks", None)), context)
+        layout = types.SimpleNamespace(layout=Layout(), **{name: getattr(panel, name, None) for name in ("blocks", "properties", "owner", "socket")})
+        panel.draw(layout, self.context())
         return shown
+
+    def context(self):
+        light, material = bpy.data.lights.new("lamp", "AREA"), bpy.data.materials.new("skin")
+        light.use_nodes = material.use_nodes = True
+        return types.SimpleNamespace(
+            scene=bpy.context.scene, view_layer=bpy.context.view_layer, collection=bpy.context.scene.collection, engine="ALABASTER",
+            object=bpy.data.objects.new("lamp", light), light=light, material=material)
 
     def test_each_has_its_own_drawing(self):
         """Blender takes a class its drawing where a subclass of it is registered."""
@@ -36,12 +43,33 @@ class Panels(unittest.TestCase):
             if issubclass(panel, bpy.types.Panel):
                 for data, name in self.drawn(panel):
                     self.assertIn(name, data.bl_rna.properties, panel.__name__)
+        shown = {name for panel in panels.CLASSES if issubclass(panel, panels.AlabasterPanel) for _, name in self.drawn(panel)}
+        self.assertLessEqual({"film_transparent", "material_override", "visible_camera", "is_holdout", "spread", "displacement_method",
+                              "motion_blur_position"}, shown)
         of_settings = [panel for panel in panels.CLASSES if issubclass(panel, panels.SettingsPanel)]
         self.assertEqual(of_settings[0].bl_label, "Sampling")
         sampling = {name for _, name in self.drawn(of_settings[0])}
         self.assertLessEqual({"quality", "samples", "targetError", "timeLimit", "adaptive", "denoise", "seed", "viewport_samples"}, sampling)
         shown = {name for panel in of_settings for _, name in self.drawn(panel)}
         self.assertEqual(shown, {*settings.SETTINGS, "quality", "viewport_samples"})
+
+    def test_where_they_are_shown(self):
+        context = self.context()
+        by_name = {panel.__name__: panel for panel in panels.CLASSES}
+        for name in ("spread", "visibility", "displacement", "light_nodes", "material_volume", "film"):
+            self.assertTrue(by_name["ALABASTER_PT_" + name].poll(context), name)
+        context.light.type = "POINT"
+        context.light = bpy.data.lights["lamp"]
+        context.material = None
+        for name in ("spread", "displacement", "material_volume"):
+            self.assertFalse(by_name["ALABASTER_PT_" + name].poll(context), name)
+        context.engine = "CYCLES"
+        self.assertFalse(by_name["ALABASTER_PT_film"].poll(context))
+
+    def test_blenders_panels_of_slots_and_lenses_are_shown(self):
+        for name in ("EEVEE_MATERIAL_PT_context_material", "DATA_PT_camera_dof", "DATA_PT_camera_dof_aperture"):
+            self.assertIn("ALABASTER", getattr(bpy.types, name).COMPAT_ENGINES)
+        self.assertNotIn("ALABASTER", bpy.types.EEVEE_MATERIAL_PT_settings.COMPAT_ENGINES)
 
     def test_quality_presets(self):
         group = bpy.context.scene.alabaster

@@ -255,7 +255,7 @@ def panels():
 
 
 CYCLES_PANELS = {"EEVEE_MATERIAL_PT_surface", "DATA_PT_EEVEE_light", "EEVEE_WORLD_PT_surface", "MATERIAL_PT_preview",
-                 "DATA_PT_EEVEE_light_distance"}
+                 "DATA_PT_EEVEE_light_distance", "EEVEE_MATERIAL_PT_context_material", "DATA_PT_camera_dof", "DATA_PT_camera_dof_aperture"}
 
 
 def register():

@@ -43,6 +43,72 @@ def settings_panel(name, label, blocks):
     return type(f"ALABASTER_PT_{name}", (SettingsPanel, bpy.types.Panel), {"bl_label": label, "bl_options": closed, "blocks": blocks})
 
 
+def has(owner, name):
+    """The owner, None where it has no property of that name."""
+    return owner if owner is not None and name in owner.bl_rna.properties else None
+
+
+# Properties of Blender's own that the engine reads, and whose panels belong to other engines: name, label, Blender's context, and
+# (owner in the context, property).
+PROPERTY_PANELS = [
+    ("film", "Film", "render", [(lambda context: context.scene.render, "film_transparent")]),
+    ("override", "Override", "view_layer", [(lambda context: context.view_layer, "material_override")]),
+    ("visibility", "Visibility to Rays", "object", [(lambda context: context.object, "visible_camera"),
+                                                    (lambda context: context.object, "is_holdout")]),
+    ("spread", "Beam Shape", "data", [(lambda context: has(context.light, "spread"), "spread")]),
+    ("displacement", "Displacement", "material", [
+        (lambda context: has(context.material, "displacement_method") or has(getattr(context.material, "cycles", None), "displacement_method"),
+         "displacement_method")]),
+]
+
+
+class PropertyPanel(AlabasterPanel):
+    @classmethod
+    def poll(cls, context):
+        return super().poll(context) and all(cls.owners(context))
+
+    @classmethod
+    def owners(cls, context):
+        data = {"data": "light", "material": "material", "object": "object"}.get(cls.bl_context)
+        return [None] if data and getattr(context, data, None) is None else [owner(context) for owner, _ in cls.properties]
+
+    def draw(self, context):
+        self.layout.use_property_split = True
+        for owner, name in self.properties:
+            self.layout.prop(owner(context), name)
+
+
+def property_panel(name, label, place, properties):
+    return type(f"ALABASTER_PT_{name}", (PropertyPanel, bpy.types.Panel), {"bl_label": label, "bl_context": place, "properties": properties})
+
+
+class NodesPanel(AlabasterPanel):
+    """The nodes that are linked to a socket of the output."""
+
+    @classmethod
+    def poll(cls, context):
+        owner = getattr(context, cls.owner, None)
+        return super().poll(context) and owner is not None and owner.use_nodes
+
+    def draw(self, context):
+        tree = getattr(context, self.owner).node_tree
+        output = tree.get_output_node("CYCLES") or tree.get_output_node("ALL")
+        if output:
+            self.layout.template_node_view(tree, output, output.inputs[self.socket])
+
+
+class ALABASTER_PT_light_nodes(NodesPanel, bpy.types.Panel):
+    bl_label, bl_context, owner, socket = "Nodes", "data", "light", "Surface"
+
+
+class ALABASTER_PT_material_volume(NodesPanel, bpy.types.Panel):
+    bl_label, bl_context, owner, socket = "Volume", "material", "material", "Volume"
+
+
+class ALABASTER_PT_material_displacement(NodesPanel, bpy.types.Panel):
+    bl_label, bl_context, owner, socket = "Displacement Nodes", "material", "material", "Displacement"
+
+
 class ALABASTER_PT_motion(AlabasterPanel, bpy.types.Panel):
     bl_label = "Motion Blur"
     bl_options = {"DEFAULT_CLOSED"}
@@ -55,6 +121,9 @@ class ALABASTER_PT_motion(AlabasterPanel, bpy.types.Panel):
         layout.use_property_split = True
         layout.active = context.scene.render.use_motion_blur
         layout.prop(context.scene.render, "motion_blur_shutter")
+        owner = has(context.scene.render, "motion_blur_position") or has(getattr(context.scene, "cycles", None), "motion_blur_position")
+        if owner:
+            layout.prop(owner, "motion_blur_position", text="Position")
 
 
 class ALABASTER_PT_passes(AlabasterPanel, bpy.types.Panel):
@@ -90,5 +159,6 @@ class ALABASTER_PT_material(AlabasterPanel, bpy.types.Panel):
 
 
 CLASSES = [disney_group.NODE_OT_alabaster_material, *(settings_panel(*one) for one in SETTINGS_PANELS), ALABASTER_PT_motion,
-           ALABASTER_PT_passes, ALABASTER_PT_collection, ALABASTER_PT_material]
+           ALABASTER_PT_passes, ALABASTER_PT_collection, ALABASTER_PT_material, *(property_panel(*one) for one in PROPERTY_PANELS),
+           ALABASTER_PT_light_nodes, ALABASTER_PT_material_volume, ALABASTER_PT_material_displacement]
 register, unregister = bpy.utils.register_classes_factory(CLASSES)
