@@ -16,9 +16,38 @@ constexpr UseText kUses[] = {
     {"frames", "choose a smaller size or fewer AOVs, or render it in parts with a data window (crop)"},
 };
 
-// Rounded up.
-std::string mebibytes(size_t bytes) {
-  return std::to_string((bytes >> 20) + (bytes % (size_t(1) << 20) != 0)) + " MiB";
+// Sizes in MiB. Those that are needed or in use are rounded up and a limit down, so that the numbers of a refusal
+// exceed the limit as their sizes do.
+struct SizeText {
+  int digits = 0;  // after the decimal point; kBytes: bytes
+  static constexpr int kBytes = 3;
+
+  // In units of the last digit.
+  size_t units(size_t bytes, bool rounds_up) const {
+    if (digits == kBytes) return bytes;
+    constexpr size_t kRest = (size_t(1) << 20) - 1;
+    const size_t part = (bytes & kRest) * scale();
+    return (bytes >> 20) * scale() + (part >> 20) + (rounds_up && (part & kRest) != 0);
+  }
+  std::string up(size_t bytes) const { return text(units(bytes, true)); }
+  std::string down(size_t bytes) const { return text(units(bytes, false)); }
+
+ private:
+  size_t scale() const { return digits == 2 ? 100 : digits == 1 ? 10 : 1; }
+  std::string text(size_t units) const {
+    if (digits == kBytes) return std::to_string(units) + " bytes";
+    const std::string rest = std::to_string(units % scale());
+    return std::to_string(units / scale()) +
+           (digits == 0 ? "" : "." + std::string(static_cast<size_t>(digits) - rest.size(), '0') + rest) + " MiB";
+  }
+};
+
+// In which a size below the limit reads so.
+SizeText size_text(size_t in_use, size_t limit) {
+  SizeText text;
+  while (in_use < limit && text.digits < SizeText::kBytes && text.units(in_use, true) >= text.units(limit, false))
+    ++text.digits;
+  return text;
 }
 
 }  // namespace
@@ -49,13 +78,14 @@ void MemoryBudget::give_back(MemoryUse use, size_t bytes) {
 }
 
 std::string MemoryBudget::refusal(MemoryUse use, size_t bytes, const std::string& what) const {
+  const size_t limit = limit_, total = total_;
+  const SizeText text = size_text(total, limit);
   std::string holders;
   for (size_t i = 0; i < used_.size(); ++i)
     if (const size_t held = used_[i]; held > 0)
-      holders += (holders.empty() ? " by " : ", ") + std::string(kUses[i].name) + " " + mebibytes(held);
-  return what + " needs " + mebibytes(bytes) + " more, but of the memory limit of " + mebibytes(limit_) + " " +
-         mebibytes(total_) + " are in use" + holders + ": raise memoryLimit, or " +
-         kUses[static_cast<size_t>(use)].remedy;
+      holders += (holders.empty() ? " by " : ", ") + std::string(kUses[i].name) + " " + text.up(held);
+  return what + " needs " + text.up(bytes) + " more, but of the memory limit of " + text.down(limit) + " " +
+         text.up(total) + " are in use" + holders + ": raise memoryLimit, or " + kUses[static_cast<size_t>(use)].remedy;
 }
 
 void MemoryReservation::resize(size_t bytes, const std::string& what) {

@@ -31,6 +31,24 @@ TEST(MemoryBudget, RefusesBeforeTheLimitIsExceededAndSaysWhoHoldsWhat) {
   EXPECT_THROW(MemoryReservation(budget, MemoryUse::lights, ~size_t(0), "no sum overflows"), MemoryRefused);
 }
 
+TEST(MemoryBudget, TheNumbersOfARefusalDifferWhereTheSizesDo) {
+  const auto text_with = [](size_t limit, size_t in_use, size_t more) {
+    MemoryBudget budget(limit);
+    budget.add(MemoryUse::meshes, in_use);
+    const std::string text = budget.refusal(MemoryUse::frames, more, "a frame");
+    return text.substr(0, text.find(" by "));
+  };
+  EXPECT_EQ(text_with(4096 * kMiB, 4096 * kMiB - kMiB / 2, kMiB),
+            "a frame needs 1.0 MiB more, but of the memory limit of 4096.0 MiB 4095.5 MiB are in use");
+  EXPECT_EQ(text_with(4096 * kMiB, 4096 * kMiB - kMiB / 20, kMiB / 10),
+            "a frame needs 0.10 MiB more, but of the memory limit of 4096.00 MiB 4095.96 MiB are in use");
+  EXPECT_EQ(text_with(1000, 990, 20),
+            "a frame needs 20 bytes more, but of the memory limit of 1000 bytes 990 bytes are in use");
+  EXPECT_EQ(text_with(kMiB, kMiB, 1), "a frame needs 1 MiB more, but of the memory limit of 1 MiB 1 MiB are in use");
+  EXPECT_EQ(text_with(10 * kMiB + 1, 9 * kMiB + 1, 2 * kMiB),
+            "a frame needs 2.0 MiB more, but of the memory limit of 10.0 MiB 9.1 MiB are in use");
+}
+
 TEST(MemoryBudget, ReservationsGiveBackWhatTheyHold) {
   const auto budget = std::make_shared<MemoryBudget>(100);
   {
