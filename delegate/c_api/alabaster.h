@@ -6,10 +6,10 @@
    still need. Null may be destroyed.
 
    Structs that begin with `size` grow at their end: set it to sizeof the struct and everything unused to zero, as
-   `AlabasterFrame frame = {sizeof frame};` does. Zero and null mean the default. Structs without it stand in arrays and
-   never change. INVALID_ARGUMENT is returned for a count without its array, for a `size` that the struct has in no
-   version, and for a parameter without a name. Strings are UTF-8, end with a zero
-   byte and are copied during the call.
+   `AlabasterFrame frame = {.size = sizeof frame};` does in C and `AlabasterFrame frame{}; frame.size = sizeof frame;`
+   in C++ (in alabaster.hpp sized<AlabasterFrame>()). Zero and null mean the default. Structs without it stand in arrays
+   and never change. INVALID_ARGUMENT is returned for a count without its array, for a `size` that the struct has in no
+   version, and for a parameter without a name. Strings are UTF-8, end with a zero byte and are copied during the call.
 
    Every function that can fail returns a status. api->last_error() then says why, for the calling thread, until its
    next call that fails. Faults of a scene go to the diagnostics callback.
@@ -64,7 +64,8 @@ typedef struct AlabasterApi {
      Fields that are not given have their defaults. alabaster_types.h lists the kinds. */
   AlabasterStatus (*scene_set)(AlabasterScene*, const char* path, const char* kind, const AlabasterParameter* fields,
                                size_t count);
-  /* Changes the given fields of a prim, all or none. NOT_FOUND: there is no prim of that path. */
+  /* Changes the given fields of a prim, all or none. NOT_FOUND: there is no prim of that path, and last_error names
+     the nearest. */
   AlabasterStatus (*scene_edit)(AlabasterScene*, const char* path, const AlabasterParameter* fields, size_t count);
   /* Replaces elements of an instancer's primvar ("hydra:instanceTranslations"), from number `first` on: positions,
      scales, rotations or matrices. Costs what it changes; scene_edit costs a look at all instances. `values` has the
@@ -79,7 +80,8 @@ typedef struct AlabasterApi {
   void (*delegate_destroy)(AlabasterDelegate*);
   AlabasterStatus (*show)(AlabasterDelegate*, AlabasterScene*);
   AlabasterStatus (*set_setting)(AlabasterDelegate*, const char* key, const AlabasterValue*); /* none: takes it back */
-  AlabasterStatus (*get_setting)(AlabasterDelegate*, const char* key, AlabasterVisit visit, void* user);
+  AlabasterStatus (*get_setting)(AlabasterDelegate*, const char* key, AlabasterVisit visit, void* user); /* an unknown
+                                                                   key is INVALID_ARGUMENT, as in set_setting */
   AlabasterStatus (*get_settings)(AlabasterDelegate*, AlabasterVisitSetting visit, void* user);
   AlabasterStatus (*aov_format)(AlabasterDelegate*, const char* aov, int32_t* format); /* FORMAT_NONE: not supported,
                                                                    and last_error names a similar AOV */
@@ -95,7 +97,8 @@ typedef struct AlabasterApi {
   AlabasterStatus (*record)(AlabasterDelegate*, const AlabasterRecordOptions*, AlabasterVisit visit, void* user);
 
   /* Passes. start syncs what has changed in the scene, begins to render if anything differs from what is running, and
-     returns. What changed is built in the background, while the old scene goes on, and drawn once it is there.
+     returns. What changed is built in the background, while the old scene goes on, and drawn once it is there. A buffer
+     of another size than the frame's window is INVALID_ARGUMENT; an AOV that does not exist is reported and left out.
      wait: *over is 1 when the render is over (converged, stopped or failed), 0 when `seconds` have passed. */
   AlabasterStatus (*pass_create)(AlabasterDelegate*, AlabasterPass**);
   void (*pass_destroy)(AlabasterPass*);

@@ -68,7 +68,7 @@ static void add_quad(AlabasterScene* scene) {
 
 static void render(AlabasterPass* pass, AlabasterBuffer* color, float* pixels) {
   AlabasterBinding binding = {"color", NULL};
-  AlabasterFrame frame = {sizeof frame};
+  AlabasterFrame frame = {.size = sizeof frame};
   int32_t over = 0;
   binding.buffer = color;
   frame.bindings = &binding;
@@ -89,7 +89,7 @@ static void write_pfm(const char* file, const float* rgba) {
 
 int main(int argc, char** argv) {
   static float before[4 * WIDTH * HEIGHT], after[4 * WIDTH * HEIGHT];
-  AlabasterDelegateOptions options = {sizeof options};
+  AlabasterDelegateOptions options = {.size = sizeof options};
   AlabasterScene* scene = NULL;
   AlabasterDelegate* delegate = NULL;
   AlabasterPass* pass = NULL;

@@ -75,7 +75,7 @@ static int render(const AlabasterApi* api, const char* file) {
   AlabasterPass* pass = NULL;
   AlabasterBuffer* color = NULL;
   AlabasterBinding binding = {"color", NULL};
-  AlabasterFrame frame = {sizeof frame};
+  AlabasterFrame frame = {.size = sizeof frame};
   int failed = api->scene_create(NULL, NULL, &scene) || api->scene_load(scene, file, NULL, NULL) ||
                api->delegate_create(NULL, scene, &delegate) ||
                api->buffer_create(delegate, 48, 32, ALABASTER_FLOAT32_4, &color) || api->pass_create(delegate, &pass);

@@ -90,14 +90,16 @@ def fault_of(text, program):
 def fault_of_host(text, kind, program):
     """Compiles and runs a host in a folder with the files that blocks name; "": both went well."""
     library = program.parents[1] / "lib"
-    compiler = ["cc", "-std=c99"] if kind == "c" else ["c++", "-std=c++17"]
+    warnings = ["-Wall", "-Wextra", "-pedantic", "-Werror"]
+    compilers = [["cc", f"-std=c{n}", *warnings] for n in (11, 17, 99)] if kind == "c" else [["c++", f"-std=c++{n}", *warnings] for n in (20, 17)]
+    compile_host = ["-I.", f"-I{TOP}", f"host.{kind}"]
     with tempfile.TemporaryDirectory() as name:
         folder = pathlib.Path(name)
         make_folder(folder, program)
         (folder / "alabaster").symlink_to(TOP / "delegate/c_api")
         (folder / f"host.{kind}").write_text(text)
-        for command in ([*compiler, "-Wall", "-Werror", "-I.", f"-I{TOP}", f"host.{kind}", "-o", "host", f"-L{library}", "-lhdAlabaster",
-                         f"-Wl,-rpath,{library}"], ["./host"]):
+        for command in (*([*compiler, *compile_host, "-fsyntax-only"] for compiler in compilers[:-1]),
+                        [*compilers[-1], *compile_host, "-o", "host", f"-L{library}", "-lhdAlabaster", f"-Wl,-rpath,{library}"], ["./host"]):
             ran = subprocess.run(command, cwd=folder, capture_output=True, text=True, timeout=600)
             if ran.returncode != 0:
                 return f"{shlex.join(command)}: exit code {ran.returncode}\n{ran.stdout}{ran.stderr}"
