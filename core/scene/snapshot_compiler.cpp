@@ -235,9 +235,35 @@ struct SnapshotCompiler::Compilation {
 
   void plan(const InstanceArrayDescription& array, BoundsDouble* bounds) {
     const PlacedArray* const known = find_last(array.look);
-    plans.push_back(plan_array(array, known ? &known->plan : nullptr, memory_of(*compiler.device_), cancel));
+    ArrayPlan made;
+    if (!has_memory_for(array.look, [&] {
+          made = plan_array(array, known ? &known->plan : nullptr, memory_of(*compiler.device_), cancel);
+        }))
+      return;
+    plans.push_back(std::move(made));
     looks.push_back(&array.look);
     for (const auto& block : plans.back().blocks) bounds->extend(block->bounds);
+  }
+
+  // Runs a step that concerns one mesh. False: memory ran out in it; the scene is drawn without the mesh, and compiled
+  // again at the next commit.
+  template <class Step>
+  bool has_memory_for(const InstanceDescription& d, const Step& step) {
+    try {
+      step();
+      return true;
+    } catch (const MemoryRefused& e) {
+      lack_memory_for(d, e.what());
+    } catch (const std::bad_alloc&) {
+      lack_memory_for(d, "not enough memory");
+    }
+    return false;
+  }
+  void lack_memory_for(const InstanceDescription& d, const std::string& reason) {
+    snapshot->lacks_memory = true;
+    snapshot->left_out.push_back(d.name);
+    report(compiler.sink_, Severity::error, "instance.memory", d.name,
+           reason + ": the instance is left out; the next commit tries again");
   }
 
   // Meshes of equal geometry have one prototype.
@@ -340,34 +366,50 @@ struct SnapshotCompiler::Compilation {
     MissingTiles missing_tiles(compiler.sink_, &snapshot->faults);
     hold(0);
     snapshot->instances.reserve(drawn.size());
-    for (const InstanceDescription* d : drawn) {
-      snapshot->instances.push_back(place(*d, snapshot->origin));
-      const Instance& instance = snapshot->instances.back();
-      if (snapshot->instances.size() == 1 || !is_made_as(*d, *drawn[snapshot->instances.size() - 2]))
-        missing_tiles.find(*d, instance);
+    const InstanceDescription* before = nullptr;
+    std::erase_if(drawn, [&](const InstanceDescription* d) {
+      Instance instance;
+      const bool is_placed = has_memory_for(*d, [&] {
+        instance = place(*d, snapshot->origin);
+        if (!before || !is_made_as(*d, *before)) missing_tiles.find(*d, instance);
+      });
+      if (!is_placed) return true;
+      before = d;
       snapshot->features.see_through |= instance.see_through;
       snapshot->features.motion |= !instance.is_still();
       if (has_clear_interior(instance)) snapshot->clear_bodies.extend(bounds_in_render_space(instance));
-    }
+      snapshot->instances.push_back(std::move(instance));
+      return false;
+    });
     return place_arrays(&missing_tiles);
   }
 
   bool place_arrays(MissingTiles* missing_tiles) {
+    std::vector<const InstanceDescription*> traced;
+    traced.reserve(plans.size());
     snapshot->arrays.reserve(plans.size());
     for (size_t i = 0; i < plans.size(); ++i) {
       const InstanceDescription& d = *looks[i];
-      auto placed =
-          place_array(std::move(plans[i]), {snapshot->origin, farthest_ray()}, find_last(d), compiler.device_, cancel);
+      std::shared_ptr<const PlacedArray> placed;
+      Instance look;
+      if (!has_memory_for(d, [&] {
+            look = look_of(d);
+            const RenderSpace space{snapshot->origin, farthest_ray()};
+            placed = place_array(std::move(plans[i]), space, find_last(d), compiler.device_, cancel);
+          }))
+        continue;
       if (!placed) return false;
       if (report_left_out(*placed, d.name, compiler.sink_)) snapshot->left_out.push_back(d.name);
       snapshot->memory_bytes += placed->memory_bytes();
       const auto first = static_cast<uint32_t>(snapshot->instance_count());
-      InstanceArray& array = snapshot->arrays.emplace_back(InstanceArray{look_of(d), first, std::move(placed)});
+      traced.push_back(&d);
+      InstanceArray& array = snapshot->arrays.emplace_back(InstanceArray{std::move(look), first, std::move(placed)});
       array.look.array = &array;
       missing_tiles->find(d, array.look);
       snapshot->features.see_through |= array.look.see_through;
       if (has_clear_interior(array.look)) snapshot->clear_bodies.extend(array.placed->bounds());
     }
+    looks.swap(traced);
     return true;
   }
 

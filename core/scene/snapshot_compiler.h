@@ -22,8 +22,9 @@ class SnapshotCompiler {
   /// Shares with the last snapshot: the top level, where all shapes and places are equal; the BVHs of bodies of several
   /// members; the densities of images of lights; emissive meshes that stand where they stood; and where light falls on
   /// bodies, if shapes, places, lights and links are all equal. Null when Embree refuses (reported), also for want of
-  /// memory. Throws MemoryRefused, by the budget of the device, and BuildCancelled; the next snapshot then shares as
-  /// this one would have.
+  /// memory. A mesh for which memory runs out while it is placed is left out (reported; SceneSnapshot::lacks_memory).
+  /// Throws MemoryRefused, by the budget of the device, std::bad_alloc and BuildCancelled; the next snapshot then
+  /// shares as this one would have.
   std::shared_ptr<const SceneSnapshot> compile(const SceneDescription& description, uint64_t number,
                                                const CancelToken& cancel = {});
 

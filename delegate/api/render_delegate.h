@@ -78,6 +78,8 @@ class ALABASTER_API RenderDelegate {
   // value changes. Layers: defaults < a RenderSettings prim < SetRenderSetting (an empty value takes a key back). The
   // prim is the one that key "renderSettingsPrimPath" names, else the first by path.
   virtual void SetRenderSetting(const Token& key, const Value& value) = 0;
+  /// Several, all or none. False: memory ran out (reported), and all are as they were.
+  virtual bool SetRenderSettings(const Dictionary& settings) = 0;
   virtual Value GetRenderSetting(const Token& key) const = 0;
   virtual std::vector<RenderSettingDescriptor> GetRenderSettingDescriptors() const = 0;
   virtual uint32_t GetRenderSettingsVersion() const = 0;
@@ -158,7 +160,7 @@ class ALABASTER_API RenderDelegate {
 };
 
 /// Bumped whenever a class above changes its layout or meaning.
-inline constexpr uint32_t kAbiVersion = 10;
+inline constexpr uint32_t kAbiVersion = 11;
 
 struct DelegateOptions {
   DiagnosticSink diagnostics;  // empty: discarded

@@ -29,6 +29,7 @@ struct Translation {
   std::vector<Path> light_paths;                   // parallel to scene.lights
   std::vector<Token> categories;                   // that lights name: the first is 1 in scene.lights
   SceneFaults faults;                              // meshes that memory does not hold in all their places (reported)
+  bool lacks_memory = false;                       // for one of these
   std::shared_ptr<MemoryReservation> memory;       // of the instances
 };
 

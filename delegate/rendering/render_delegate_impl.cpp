@@ -69,7 +69,13 @@ void RenderDelegateImpl::CommitResources() {
 }
 
 void RenderDelegateImpl::SetRenderSetting(const Token& key, const Value& value) {
-  prims::guarded(delegate_->param->sink(), "SetRenderSetting", [&] { delegate_->set_setting(key, value); });
+  prims::guarded(delegate_->param->sink(), "SetRenderSetting", [&] { delegate_->set_settings({{key.str(), value}}); });
+}
+
+bool RenderDelegateImpl::SetRenderSettings(const Dictionary& settings) {
+  return prims::guarded(
+      delegate_->param->sink(), "SetRenderSettings", [&] { delegate_->set_settings(settings); },
+      prims::kEarlierStateIsKept);
 }
 
 Value RenderDelegateImpl::GetRenderSetting(const Token& key) const {

@@ -34,6 +34,7 @@ class RenderDelegateImpl final : public RenderDelegate {
   void CommitResources() override;
 
   void SetRenderSetting(const Token& key, const Value& value) override;
+  bool SetRenderSettings(const Dictionary& settings) override;
   Value GetRenderSetting(const Token& key) const override;
   std::vector<RenderSettingDescriptor> GetRenderSettingDescriptors() const override;
   uint32_t GetRenderSettingsVersion() const override { return delegate_->settings_version(); }

@@ -296,7 +296,7 @@ std::shared_ptr<const SceneSnapshot> SnapshotBuilder::snapshot_of(const SceneDes
     known = built_;
   }
   for (const auto& held : known)
-    if (held->snapshot && held->translation.scene == scene) return held->snapshot;
+    if (held->snapshot && !held->snapshot->lacks_memory && held->translation.scene == scene) return held->snapshot;
   return nullptr;
 }
 
@@ -350,10 +350,13 @@ void SnapshotBuilder::retire_unselected() {
   }
 }
 
+// Or has some that lack meshes.
 bool SnapshotBuilder::lacks_snapshots() const {
   return !std::all_of(variants_.begin(), variants_.end(), [&](const Variant& variant) {
-    return std::any_of(built_.begin(), built_.end(),
-                       [&](const auto& scene) { return scene->selection == variant.selection && scene->snapshot; });
+    return std::any_of(built_.begin(), built_.end(), [&](const auto& scene) {
+      return scene->selection == variant.selection && scene->snapshot && !scene->snapshot->lacks_memory &&
+             !scene->translation.lacks_memory;
+    });
   });
 }
 

@@ -150,6 +150,10 @@ class Delegate final : public RenderDelegate {
   }
 
   void SetRenderSetting(const Token& key, const Value& value) override;
+  bool SetRenderSettings(const Dictionary& settings) override {
+    for (const auto& [name, value] : settings) Delegate::SetRenderSetting(Token(name), value);
+    return true;
+  }
   Value GetRenderSetting(const Token& key) const override {
     if (is("drops_unknown_settings") && key.str().find(':') != std::string::npos) return {};
     return real().GetRenderSetting(key);

@@ -326,16 +326,21 @@ TEST_F(InstanceArrayTest, ChoosesTheSameCellsWithInstancesThatAreNotDrawn) {
   EXPECT_EQ(*one->arrays[0].placed->traced.slots, *other->arrays[0].placed->traced.slots);
 }
 
-TEST_F(InstanceArrayTest, AnArrayThatMemoryDoesNotHoldIsRefusedByName) {
+TEST_F(InstanceArrayTest, AnArrayThatMemoryDoesNotHoldIsLeftOutByName) {
   memory_->set_limit(20 * kCount);  // less than one cell
-  try {
-    compile();
-    FAIL() << "it fits";
-  } catch (const MemoryRefused& refused) {
-    EXPECT_NE(std::string(refused.what()).find("an array of 5000 instances"), std::string::npos) << refused.what();
-  }
+  const auto without = compile();
+  ASSERT_TRUE(without);
+  EXPECT_TRUE(without->lacks_memory);
+  EXPECT_TRUE(without->arrays.empty());
+  EXPECT_EQ(without->left_out.size(), 1u);
+  ASSERT_EQ(sink_.all().size(), 1u);
+  EXPECT_EQ(sink_.all()[0].code, "instance.memory");
+  EXPECT_NE(sink_.all()[0].text.find("an array of 5000 instances"), std::string::npos) << sink_.all()[0].text;
   memory_->set_limit(MemoryBudget::kUnlimited);
-  EXPECT_TRUE(compile());
+  const auto whole = compile();
+  ASSERT_TRUE(whole);
+  EXPECT_FALSE(whole->lacks_memory);
+  EXPECT_EQ(whole->arrays.size(), 1u);
 }
 
 TEST_F(InstanceArrayTest, ACancelledBuildThrows) {

@@ -76,6 +76,7 @@ class FakeDelegate final : public RenderDelegate {
   RenderParam* GetRenderParam() override { return nullptr; }
   void CommitResources() override { journal.add("commit"); }
   void SetRenderSetting(const Token&, const Value&) override {}
+  bool SetRenderSettings(const Dictionary&) override { return true; }
   Value GetRenderSetting(const Token&) const override { return {}; }
   std::vector<RenderSettingDescriptor> GetRenderSettingDescriptors() const override { return {}; }
   uint32_t GetRenderSettingsVersion() const override { return 0; }

@@ -5,6 +5,7 @@
 
 #include "delegate/host/frame_recorder.h"
 #include "testenv/support/failing_memory.h"
+#include "testenv/support/stage.h"
 #include "testenv/unit/delegate/description/scene_fixture.h"
 
 namespace alabaster::hd {
@@ -137,6 +138,66 @@ TEST_F(FailingAllocations, FailuresOnOtherThreadsAreReportedAndRecovered) {
     *is_told = i % 2 == 0;
     return testing::FailingMemoryElsewhere(static_cast<int>(1 + i % 2), allowed);
   });
+}
+
+// One refusal in the builder concerns one mesh or the scene as a whole. Where it concerns a mesh, the others are drawn.
+// promise: pipeline.memory.runs_out
+TEST_F(FailingAllocations, AMeshForWhichMemoryRunsOutIsLeftOutOfTheScene) {
+  Stage stage({{"samples", 1}, {"threads", 1}});
+  stage.add_basic_scene();
+  host::MeshDescription other = Stage::quad();
+  int without_a_mesh = 0;
+  for (size_t allowed = 0; allowed < 400; ++allowed) {
+    other.transform[3][0] = 0.001 * double(allowed);
+    bool failed = false;
+    {
+      const testing::FailingMemoryElsewhere failing(1, allowed);
+      stage.scene.SetMesh("/other", other);
+      stage.index->SyncAll();
+      stage.wait_for_scene();
+      failed = failing.failed();
+    }
+    if (!failed) break;
+    const std::string faults = stage.text_stat("scene.faults");
+    const bool lacks_quad = faults.find("/quad: ") != faults.npos, lacks_other = faults.find("/other: ") != faults.npos;
+    if (lacks_quad || lacks_other) {
+      ++without_a_mesh;
+      EXPECT_FALSE(lacks_quad && lacks_other) << "after " << allowed << " allocations: " << faults;
+      EXPECT_NE(stage.delegate->InvokeCommand("requirements", {}).value.text_or(""), "") << "there is no scene";
+    }
+    stage.index->SyncAll();
+    stage.delegate->CommitResources();
+    EXPECT_EQ(stage.text_stat("scene.faults"), "") << "after " << allowed << " allocations: the next commit is whole";
+  }
+  EXPECT_GE(without_a_mesh, 2);
+  EXPECT_GE(stage.count("instance.memory"), 1u) << "while the mesh is placed";
+  EXPECT_GE(stage.count("mesh.memory"), 1u) << "while it is translated";
+}
+
+TEST_F(FailingAllocations, SettingsAreSetAllOrNone) {
+  Stage stage;
+  const Dictionary settings = {
+      {"host:name", std::string("a text that is longer than any small string")}, {"maxDepth", 3}, {"samples", 7}};
+  int refused = 0;
+  for (size_t allowed = 0;; ++allowed) {
+    const uint32_t version = stage.delegate->GetRenderSettingsVersion();
+    bool is_set = false, failed = false;
+    {
+      const testing::FailingMemory failing(allowed, 1);
+      is_set = stage.delegate->SetRenderSettings(settings);
+      failed = failing.failed();
+    }
+    for (const auto& [name, value] : settings)
+      EXPECT_EQ(stage.delegate->GetRenderSetting(Token(name)).number_or(-1) == value.number_or(-1) &&
+                    stage.delegate->GetRenderSetting(Token(name)).text_or("") == value.text_or(""),
+                is_set)
+          << name << " after " << allowed << " allocations";
+    EXPECT_EQ(stage.delegate->GetRenderSettingsVersion(), version + (is_set ? 3 : 0));
+    if (!failed) break;
+    refused += !is_set;
+    for (const auto& [name, value] : settings) stage.delegate->SetRenderSetting(Token(name), {});
+  }
+  EXPECT_GE(refused, 5);
 }
 
 }  // namespace
