@@ -174,6 +174,9 @@ using FrameChanges = std::vector<std::function<void(FrameOptions&)>>;
 FrameChanges frame_changes(const py::kwargs& given);
 FrameOptions changed(FrameOptions options, const FrameChanges& changes);
 
+/// (min_x, min_y, max_x, max_y). None: an empty one.
+AlabasterRect rect_of(py::handle value, const std::string& name);
+
 class Display : public NeverImplicit {
  public:
   Display(const py::object& color_config, const std::string& display, const std::string& view, const std::string& look,
@@ -200,6 +203,7 @@ class Render : public NeverImplicit {
   void read(const Text& aov, const py::buffer& into, bool top_down);
   /// False: the AOV's pixels have another size, or none are there yet.
   bool show(const Text& aov, const py::buffer& into, const py::object& display, bool top_down);
+  py::list pick(const py::object& window);
 
  private:
   using SharedBuffer = std::shared_ptr<c_api::Buffer>;

@@ -360,6 +360,43 @@ bool Render::show(const Text& aov, const py::buffer& into, const py::object& dis
   return same_size;
 }
 
+namespace {
+
+struct Hit {
+  std::string path;
+  int32_t instance_id, face, x, y;
+  std::vector<std::pair<std::string, int32_t>> instances;
+};
+void keep_hit(void* user, const AlabasterPick* pick) {
+  Hit hit = {pick->path, pick->instance_id, pick->face, pick->x, pick->y, {}};
+  for (size_t i = 0; i < pick->instance_count; ++i)
+    hit.instances.emplace_back(pick->instances[i].instancer, pick->instances[i].index);
+  static_cast<std::vector<Hit>*>(user)->push_back(std::move(hit));
+}
+
+}  // namespace
+
+py::list Render::pick(const py::object& window) {
+  const AlabasterRect rect = rect_of(window, "window");
+  std::vector<Hit> hits;
+  engine_->run([&](const AlabasterApi& api, AlabasterDelegate*, Unlocked&) {
+    take_up(api);
+    return api.pick(pass_.get(), &rect, &keep_hit, &hits);
+  });
+  py::list told;
+  for (const Hit& hit : hits) {
+    py::list instances;
+    for (const auto& [instancer, index] : hit.instances)
+      instances.append(py::make_tuple(name_to_python(instancer), index));
+    py::dict entry;
+    entry["path"] = name_to_python(hit.path), entry["face"] = hit.face;
+    entry["instance_id"] = hit.instance_id, entry["instances"] = instances;
+    entry["x"] = hit.x, entry["y"] = hit.y;
+    told.append(entry);
+  }
+  return told;
+}
+
 // Displays -----------------------------------------------------------------------------------------
 Display::Display(const py::object& color_config, const std::string& display, const std::string& view,
                  const std::string& look, double exposure)

@@ -238,17 +238,6 @@ int32_t length_of(py::handle value, const std::string& name) {
   return length;
 }
 
-/// None: an empty one.
-AlabasterRect rect_of(py::handle value, const std::string& name) {
-  if (value.is_none()) return {};
-  const std::vector<py::object> sides = items(value, name);
-  if (sides.size() != 4) throw py::value_error(name + " must be (min_x, min_y, max_x, max_y)");
-  std::array<int32_t, 4> read{};
-  std::transform(sides.begin(), sides.end(), read.begin(),
-                 [&](const py::object& side) { return whole(side, "each of " + name); });
-  return {read[0], read[1], read[2], read[3]};
-}
-
 void set_camera(FrameChanges& changes, py::handle value) {
   if (PyDict_Check(value.ptr())) {
     c_api::Parameters fields;
@@ -276,6 +265,16 @@ bool change_selection(FrameChanges& changes, const std::string& name, py::handle
 }
 
 }  // namespace
+
+AlabasterRect rect_of(py::handle value, const std::string& name) {
+  if (value.is_none()) return {};
+  const std::vector<py::object> sides = items(value, name);
+  if (sides.size() != 4) throw py::value_error(name + " must be (min_x, min_y, max_x, max_y)");
+  std::array<int32_t, 4> read{};
+  std::transform(sides.begin(), sides.end(), read.begin(),
+                 [&](const py::object& side) { return whole(side, "each of " + name); });
+  return {read[0], read[1], read[2], read[3]};
+}
 
 FrameChanges frame_changes(const py::kwargs& given) {
   FrameChanges changes;
@@ -326,8 +325,10 @@ void add_renders(py::module_& module) {
       "Pixels of one AOV as they were when they were taken. They lie where the renderer wrote them, with the uppermost "
       "row first: numpy.asarray(pixels) copies nothing, and the array may outlive everything.")
       .def_buffer(&Pixels::info)
-      .def_property_readonly("width", [](const Pixels& p) { return p.get().width; })
-      .def_property_readonly("height", [](const Pixels& p) { return p.get().height; })
+      .def_property_readonly(
+          "width", [](const Pixels& p) { return p.get().width; }, "In pixels.")
+      .def_property_readonly(
+          "height", [](const Pixels& p) { return p.get().height; }, "In pixels.")
       .def_property_readonly(
           "generation", [](const Pixels& p) { return p.get().generation; }, "Rises when pixels change.")
       .def(
@@ -347,15 +348,20 @@ void add_renders(py::module_& module) {
       .def_property_readonly("state", &Render::state,
                              "idle, preparing, rendering, paused, stopped, converged or failed.")
       .def("pixels", &Render::pixels, py::arg("aov") = "color", "The pixels of an AOV as they are now.")
-      .def("__getitem__", &Render::pixels)
+      .def("__getitem__", &Render::pixels, "The same as pixels(aov).")
       .def("read", &Render::read, py::arg("aov"), py::arg("into"), py::arg("top_down") = true,
            "Copies the pixels of an AOV into a contiguous array of their size.")
       .def("show", &Render::show, py::arg("aov"), py::arg("into"), py::arg("display") = py::none(),
            py::arg("top_down") = true,
            "Brings a contiguous array (height, width, components) of float32, float16 or uint8 up to date: converts "
-           "what "
-           "the array does not show yet, if it is the array of the last call. With a Display, for that display. False: "
-           "the pixels have another size, and nothing was written.");
+           "what the array does not show yet, if it is the array of the last call. With a Display, for that display. "
+           "False: the pixels have another size, and nothing was written.")
+      .def("pick", &Render::pick, py::arg("window"),
+           "What window=(min_x, min_y, max_x, max_y) shows, in pixels with y down, max excluded: a list of each face "
+           "once, those nearest to its middle first. A hit is a dict of path (of the mesh), face (-1 without AOV "
+           "elementId), instance_id (as AOV instanceId counts; 0 without it), instances (pairs of an instancer's path "
+           "and the index in it, from the innermost outwards), x and y (a pixel that shows it). aovs must have named "
+           "'primId'. The scene must be as it was at the last start or update.");
 
   py::class_<Display>(
       module, "Display",
@@ -376,13 +382,13 @@ py::class_<Renderer> renderer_class(py::module_& module) {
            }),
            py::arg("scene") = py::none(), py::kw_only(), py::arg("report") = py::none(), py::call_guard<FreeReturned>(),
            "report(severity, code, where, text) hears of faults; by default they are logged under 'hdalabaster'. A "
-           "report that "
-           "holds the renderer keeps it for good: Python's collector does not see this circle.")
+           "report that holds the renderer keeps it for good: Python's collector does not see this circle.")
       .def("show", &Renderer::show, py::arg("scene"), "Draws another scene; None: none.")
       .def(
           "set", [](Renderer& r, const py::kwargs& settings) { r.set(settings); }, py::call_guard<FreeReturned>(),
           "Changes settings, all or none: set(samples=64). None takes a setting back.")
-      .def("get", &Renderer::get, py::arg("name"), "The value of a setting.")
+      .def("get", &Renderer::get, py::arg("name"),
+           "The value of a setting. An unknown name is an error that names the nearest.")
       .def("describe_settings", &Renderer::describe,
            "Every setting: documentation, default, minimum, maximum, choices.")
       .def("stats", &Renderer::stats, "What the renderer has counted and measured, by name.")
@@ -401,8 +407,7 @@ void add_control(py::class_<Renderer>& renderer) {
           py::call_guard<FreeReturned>(),
           "Begins to render: width, height, aovs=['color'], camera, settings, window=(min_x, min_y, max_x, max_y), "
           "pixel_aspect. Those that are missing are those of the scene's render settings. camera is a path, or a dict "
-          "of "
-          "transform, motion and parameters: a camera that no prim of the scene is. render_tags, roots and excluded "
+          "of transform, motion and parameters: a camera that no prim of the scene is. render_tags, roots and excluded "
           "select meshes: by tag, and by paths that hold them.")
       .def(
           "render",
@@ -419,12 +424,19 @@ void add_control(py::class_<Renderer>& renderer) {
       .def(
           "stop", [](Renderer& r) { r.run([](const AlabasterApi& api, AlabasterDelegate* d) { return api.stop(d); }); },
           "Stops what runs, until the next start, update or record. Renders that ran stay stopped until their update.")
-      .def("restart",
-           [](Renderer& r) { r.run([](const AlabasterApi& api, AlabasterDelegate* d) { return api.restart(d); }); })
-      .def("pause",
-           [](Renderer& r) { r.run([](const AlabasterApi& api, AlabasterDelegate* d) { return api.pause(d); }); })
-      .def("resume",
-           [](Renderer& r) { r.run([](const AlabasterApi& api, AlabasterDelegate* d) { return api.resume(d); }); });
+      .def(
+          "restart",
+          [](Renderer& r) { r.run([](const AlabasterApi& api, AlabasterDelegate* d) { return api.restart(d); }); },
+          "Ends a stop. Nothing renders until the next start, update or record, which end a stop themselves.")
+      .def(
+          "pause",
+          [](Renderer& r) { r.run([](const AlabasterApi& api, AlabasterDelegate* d) { return api.pause(d); }); },
+          "Holds what renders, with its samples, until resume. A start or update that begins another render, render "
+          "and record end the pause. One from before the first start holds that render.")
+      .def(
+          "resume",
+          [](Renderer& r) { r.run([](const AlabasterApi& api, AlabasterDelegate* d) { return api.resume(d); }); },
+          "Ends a pause: renders continue with the samples that they have.");
 }
 
 }  // namespace

@@ -272,6 +272,7 @@ class RandomCalls:
             (r.update, [], self.frame), (r.wait, [w(lambda: 0.001)], dict), (r.wait, [0.05, self.progress()], dict), (getattr, [r, "state"], dict),
             (r.cancel, [], dict), (r.pixels, [w(lambda: "color")], dict), (r.__getitem__, [w(lambda: "depth")], dict),
             (r.read, ["color", self.memory()], dict), (r.show, ["color", self.memory()], lambda: self.named(display=lambda: display, top_down=bool)),
+            (r.pick, [(0, 0, 4, 4)], dict),
             (setattr, [display, "exposure", w(self.real)], dict),
             (copy.copy, [self.anything()], dict), (copy.deepcopy, [r], dict), (lambda kind: kind.__new__(kind), [hdalabaster.Scene], dict),
             (lambda: self.others.append(hdalabaster.Pixels.__new__(hdalabaster.Pixels)), [], dict), (self.others.clear, [], dict)]

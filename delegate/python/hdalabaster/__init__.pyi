@@ -32,6 +32,14 @@ class Loaded(TypedDict):
     color_config: str
     notes: list[str]
 
+class Hit(TypedDict):  # of Render.pick
+    path: str
+    face: int
+    instance_id: int
+    instances: list[Tuple[str, int]]  # an instancer's path and the index in it, from the innermost outwards
+    x: int
+    y: int
+
 class Frame(TypedDict, total=False):  # what is missing is that of the scene's render settings
     width: int
     height: int
@@ -102,6 +110,7 @@ class Render:
     def __getitem__(self, aov: str) -> Pixels: ...
     def read(self, aov: str, into: _Buffer, top_down: bool = True) -> None: ...
     def show(self, aov: str, into: _Buffer, display: Optional[Display] = None, top_down: bool = True) -> bool: ...
+    def pick(self, window: _Window) -> list[Hit]: ...
 
 @final
 class Display:

@@ -32,6 +32,13 @@ PROGRAM = sys.argv.pop(1) if len(sys.argv) > 1 and not sys.argv[1].startswith("-
 SCENE = str(TOP / "testenv/scenes/thick_thin/thick_thin.json")
 
 
+def hdalabaster_stub(name):
+    """The names that a class of the stub types."""
+    stub = ast.parse(pathlib.Path(hdalabaster.__file__).with_name("__init__.pyi").read_text())
+    body = next(node.body for node in stub.body if isinstance(node, ast.ClassDef) and node.name == name)
+    return [line.target.id for line in body if isinstance(line, ast.AnnAssign)]
+
+
 class Renders(unittest.TestCase):
     def test_square(self):
         red, green, blue, alpha = pixel(draw(hdalabaster.Renderer(square(), samples=4)), 8, 8)
@@ -110,6 +117,28 @@ class Renders(unittest.TestCase):
         self.assertEqual(memoryview(render["primId"]).format, "i")
         with self.assertRaises(KeyError):
             render["normal"]
+
+    def test_pick(self):
+        scene = square()
+        scene.set_mesh("/square", CORNERS, [[0, 1, 2, 3]], instancer="/many")
+        scene.set_instancer("/many", {"/square": [0, 2]}, translations=[(-9, 0, 0), (5, 5, 0), (0, 0, 0)])
+        render = draw(hdalabaster.Renderer(scene, samples=4), aovs=["color", "primId", "instanceId", "elementId"])
+        self.assertEqual(render.pick((8, 8, 9, 9)),
+                         [{"path": "/square", "face": 0, "instance_id": 1, "instances": [("/many", 2)], "x": 8, "y": 8}])
+        self.assertEqual(render.pick((0, 0, 1, 1)), [], "the background")
+        self.assertEqual(set(render.pick((0, 0, 16, 16))[0]), set(hdalabaster_stub("Hit")))
+        render.update(aovs=["color"])
+        with self.assertRaisesRegex(hdalabaster.ArgumentError, "primId"):
+            render.pick((8, 8, 9, 9))
+        with self.assertRaises(ValueError):
+            render.pick((8, 8, 9))
+
+    def test_an_unknown_path_gets_the_nearest(self):
+        scene = square()
+        for call in (lambda: scene.remove("/suare"), lambda: scene.edit("/suare", visible=False),
+                     lambda: scene.set_transform("/suare", None), lambda: scene.bind_material("/suare", "/wax")):
+            with self.assertRaisesRegex(hdalabaster.NotFoundError, "there is no prim /suare; did you mean '/square'"):
+                call()
 
     def test_instances(self):
         scene = square()
@@ -403,6 +432,8 @@ class Control(unittest.TestCase):
         self.assertEqual(renderer.get("samples"), 7)
         renderer.set(samples=9, subsurface="lambert")
         self.assertEqual((renderer.get("samples"), renderer.get("subsurface")), (9, "lambert"))
+        with self.assertRaisesRegex(hdalabaster.ArgumentError, "there is no setting 'sampels'; did you mean 'samples'"):
+            renderer.get("sampels")
         described = renderer.describe_settings()
         self.assertIn("lambert", described["subsurface"]["choices"])
         self.assertTrue(described["samples"]["documentation"])
@@ -533,15 +564,19 @@ class Documentation(unittest.TestCase):
         typed = {node.name: {f.name if isinstance(f, ast.FunctionDef) else f.target.id for f in node.body
                              if isinstance(f, (ast.FunctionDef, ast.AnnAssign))}
                  for node in stub.body if isinstance(node, ast.ClassDef)}
-        self.assertEqual(set(hdalabaster.__all__) - {"versions"}, set(typed) - {"Frame", "Progress", "Loaded", "Setting", "_Buffer"})
+        self.assertEqual(set(hdalabaster.__all__) - {"versions"}, set(typed) - {"Frame", "Hit", "Progress", "Loaded", "Setting", "_Buffer"})
         typed["Scene"] |= set(vars(hdalabaster._SceneMethods))
         for name in ["Display", "Pixels", "Render", "Renderer", "Scene"]:
             kind = getattr(hdalabaster, name)
             members = {m for m in vars(kind) if not m.startswith("_")}
             self.assertEqual(members, {m for m in typed[name] if not m.startswith("_")}, name)
             self.assertTrue(inspect.getdoc(kind))
-            for member in members - {"restart", "pause", "resume", "width", "height"}:
-                self.assertTrue(inspect.getdoc(getattr(kind, member)), f"{name}.{member}")
+            for member in members | {"__getitem__"} & set(vars(kind)):
+                text = inspect.getdoc(getattr(kind, member)) or ""
+                # pybind11 writes the signature first.
+                self.assertTrue(re.sub(r"^\w+\(.*\) -> .*", "", text).strip(), f"{name}.{member} has no docstring")
+        for name in set(hdalabaster.__all__) - {"versions"}:
+            self.assertTrue(inspect.getdoc(getattr(hdalabaster, name)), name)
 
     def test_example_of_the_readme(self):
         text = (TOP / "README.md").read_text()

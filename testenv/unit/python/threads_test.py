@@ -106,6 +106,7 @@ class Objects:
             "read": lambda: render.read("color", self.into),
             "show": lambda: render.show("color", self.memory),
             "show displayed": lambda: render.show("color", self.bytes, self.display),
+            "pick": lambda: render.pick((0, 0, 4, 4)),
             "exposure": lambda: setattr(self.display, "exposure", self.random.random()),
             "look": lambda: memoryview(self.pixels).tobytes(),
             "new display": lambda: hdalabaster.Display(exposure=1.0),
