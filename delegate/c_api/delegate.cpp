@@ -127,15 +127,19 @@ AlabasterStatus show(AlabasterDelegate* handle, AlabasterScene* scene) {
   });
 }
 
+void apply(DelegateData& data, const Dictionary& settings) {
+  check_settings(settings);
+  const HostLock lock(data);
+  if (!data.delegate->SetRenderSettings(settings)) throw Failure(ALABASTER_OUT_OF_MEMORY, "memory ran out");
+}
+
 AlabasterStatus set_setting(AlabasterDelegate* handle, const char* key, const AlabasterValue* value) {
   return guarded([&] {
     ValueReader reader(value);
     const std::shared_ptr<DelegateData> data = required(handle, "delegate").data;
-    const Value read = reader.value(required(value, "value"), &required(key, "key"));
-    check_settings({{key, read}});
+    const Dictionary read = {{&required(key, "key"), reader.value(required(value, "value"), key)}};
     reader.take();
-    const HostLock lock(*data);
-    data->delegate->SetRenderSetting(key, read);
+    apply(*data, read);
   });
 }
 
@@ -145,17 +149,17 @@ AlabasterStatus set_settings(AlabasterDelegate* handle, const AlabasterParameter
     ValueReader reader(&given);
     const std::shared_ptr<DelegateData> data = required(handle, "delegate").data;
     const Dictionary read = reader.dictionary(given, "settings");
-    check_settings(read);
     reader.take();
-    const HostLock lock(*data);
-    for (const auto& [name, value] : read) data->delegate->SetRenderSetting(Token(name), value);
+    apply(*data, read);
   });
 }
 
 AlabasterStatus get_setting(AlabasterDelegate* handle, const char* key, AlabasterVisit visit, void* user) {
-  return on_delegate(
-      handle, [&](DelegateData& data) { return data.delegate->GetRenderSetting(Token(&required(key, "key"))); },
-      [&](const Value& value) { visit_value(key, value, visit, user); });
+  const auto read = [&](DelegateData& data) {
+    check_settings({{&required(key, "key"), Value()}});
+    return data.delegate->GetRenderSetting(Token(key));
+  };
+  return on_delegate(handle, read, [&](const Value& value) { visit_value(key, value, visit, user); });
 }
 
 AlabasterStatus get_settings(AlabasterDelegate* handle, AlabasterVisitSetting visit, void* user) {

@@ -2,6 +2,8 @@
 
 #include <atomic>
 
+#include "delegate/support/nearest_name.h"
+
 namespace alabaster::hd::c_api {
 
 // An array: a thread_local string would keep the library loaded until the thread ends.
@@ -170,7 +172,9 @@ Path settings_path(const host::RetainedSceneDelegate& scene, const char* path) {
   const auto& all = scene.GetAllRenderSettings();
   if (all.empty()) throw Failure(ALABASTER_NOT_FOUND, "the scene has no render settings");
   if (!path) return all.begin()->first;
-  if (!all.contains(path)) throw Failure(ALABASTER_NOT_FOUND, std::string("there are no render settings ") + path);
+  if (!all.contains(path))
+    throw Failure(ALABASTER_NOT_FOUND,
+                  std::string("there are no render settings ") + path + support::DidYouMeanPath(path, all));
   return path;
 }
 

@@ -277,6 +277,7 @@ struct BufferData {
   ~BufferData();
   std::shared_ptr<DelegateData> owner;
   RenderBuffer* buffer = nullptr;
+  Vec2i size{0, 0};  // as allocated last; takes effect at the next start
   std::mutex mutex;  // between Resolve and the reading of its size
 };
 

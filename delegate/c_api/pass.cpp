@@ -26,12 +26,17 @@ AlabasterPixels map_pixels(BufferData& data) {
   return pixels;
 }
 
-void allocate(RenderBuffer& buffer, int32_t width, int32_t height, int32_t format) {
+std::string size_text(const Vec2i& size) {
+  return std::to_string(size.x) + " x " + std::to_string(size.y);
+}
+
+void allocate(BufferData& data, int32_t width, int32_t height, int32_t format) {
   if (format <= ALABASTER_FORMAT_NONE || format > ALABASTER_INT32)
     throw bad_argument("there is no format " + std::to_string(format));
-  if (width < 1 || height < 1 || !buffer.Allocate({{width, height, 1}, Format(format)}))
-    throw bad_argument("a buffer of " + std::to_string(width) + " x " + std::to_string(height) +
-                       " pixels cannot be allocated");
+  const Vec2i size(width, height);
+  if (width < 1 || height < 1 || !data.buffer->Allocate({{width, height, 1}, Format(format)}))
+    throw bad_argument("a buffer of " + size_text(size) + " pixels cannot be allocated");
+  data.size = size;
 }
 
 /// The framing of `in`. Members that are null or 0 are those of the scene's render settings, whose path it returns.
@@ -40,7 +45,7 @@ Path frame_pass(const AlabasterFrame& in, const host::RetainedSceneDelegate& sce
   if (in.settings || !scene.GetAllRenderSettings().empty()) path = settings_path(scene, in.settings);
   const auto settings = path.empty() ? RenderSettingsDescription() : scene.GetAllRenderSettings().at(path);
   if (in.width < 0 || in.height < 0)
-    throw bad_argument("a frame of " + std::to_string(in.width) + " x " + std::to_string(in.height) +
+    throw bad_argument("a frame of " + size_text({in.width, in.height}) +
                        " pixels: width and height must be at least 1, or 0 for those of the render settings");
   const int width = in.width > 0 ? in.width : settings.width, height = in.height > 0 ? in.height : settings.height;
   Rect2i window = {in.window.min_x, in.window.min_y, in.window.max_x, in.window.max_y};
@@ -78,6 +83,15 @@ void select(const AlabasterFrame& in, ValueReader& reader, RenderPassState& stat
   state.collection = {paths_of(reader.tokens(in.roots, "roots")), paths_of(reader.tokens(in.excluded, "excluded"))};
 }
 
+void check_sizes(const RenderPassState& state, const std::vector<std::shared_ptr<BufferData>>& bound) {
+  const Vec2i window(state.framing.dataWindow.width(), state.framing.dataWindow.height());
+  for (size_t i = 0; i < bound.size(); ++i)
+    if (bound[i]->size != window)
+      throw bad_argument("the buffer of AOV '" + state.aovBindings[i].aovName.str() + "' has " +
+                         size_text(bound[i]->size) + " pixels, but the frame has " + size_text(window) +
+                         ": buffer_resize it, or change the frame's width, height or window (frame_size)");
+}
+
 void start(PassData& pass, const AlabasterFrame& in, RenderPassState state) {
   DelegateData& owner = *pass.owner;
   refuse_while_recording(owner, "pass_start");
@@ -92,6 +106,7 @@ void start(PassData& pass, const AlabasterFrame& in, RenderPassState state) {
     state.aovBindings.push_back({aov, bound.back()->buffer, {}});
   }
   const Path settings = frame_pass(in, owner.scene->scene, state);
+  check_sizes(state, bound);
   if (!settings.empty()) owner.delegate->SetRenderSetting("renderSettingsPrimPath", settings);
   if (!owner.index->SyncAll())
     throw Failure(ALABASTER_OUT_OF_MEMORY, "the scene could not be synced: memory or threads ran out");
@@ -208,7 +223,7 @@ AlabasterStatus buffer_create(AlabasterDelegate* handle, int32_t width, int32_t 
     const HostLock lock(*data->owner);
     data->buffer = dynamic_cast<RenderBuffer*>(data->owner->delegate->CreateBprim("renderBuffer", "/buffer"));
     if (!data->buffer) throw std::bad_alloc();
-    allocate(*data->buffer, width, height, format);
+    allocate(*data, width, height, format);
     made = new AlabasterBuffer{std::move(data)};
   });
 }
@@ -220,7 +235,7 @@ void buffer_destroy(AlabasterBuffer* buffer) {
 AlabasterStatus buffer_resize(AlabasterBuffer* handle, int32_t width, int32_t height, int32_t format) {
   return with_data(handle, "buffer", [&](BufferData& data) {
     const HostLock lock(*data.owner);
-    allocate(*data.buffer, width, height, format);
+    allocate(data, width, height, format);
   });
 }
 

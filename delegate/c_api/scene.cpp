@@ -1,5 +1,6 @@
 #include "delegate/c_api/values.h"
 #include "delegate/host/scene_fields.h"
+#include "delegate/support/nearest_name.h"
 
 namespace alabaster::hd::c_api {
 namespace {
@@ -91,10 +92,7 @@ AlabasterStatus remove_prim(AlabasterScene* handle, const char* path) {
   return with_data(handle, "scene", [&](SceneData& data) {
     const Path id = prim_path(path);
     const SceneLock lock(data);
-    const auto prims = all_prims(data.scene);
-    if (std::none_of(prims.begin(), prims.end(), [&](const auto& prim) { return prim.first == id; }))
-      throw Failure(ALABASTER_NOT_FOUND, "there is no prim " + id.str());
-    data.scene.Remove(id);
+    if (!data.scene.Remove(id)) throw Failure(ALABASTER_NOT_FOUND, host::NoSuchPrim(data.scene, id));
   });
 }
 
@@ -133,11 +131,13 @@ void edit_instances(AlabasterScene* handle, const char* path, size_t first, cons
   const SceneLock lock(data);
   const auto found = data.scene.GetInstancers().find(id);
   if (found == data.scene.GetInstancers().end())
-    throw Failure(ALABASTER_NOT_FOUND, "there is no instancer " + id.str());
+    throw Failure(ALABASTER_NOT_FOUND,
+                  "there is no instancer " + id.str() + support::DidYouMeanPath(id.str(), data.scene.GetInstancers()));
   std::string names;
   for (const auto& [name, value] : elements) {
     if (!found->second.primvars.contains(name))
-      throw Failure(ALABASTER_NOT_FOUND, "the instancer " + id.str() + " has no primvar " + name.str());
+      throw Failure(ALABASTER_NOT_FOUND, "the instancer " + id.str() + " has no primvar " + name.str() +
+                                             support::DidYouMeanPath(name.str(), found->second.primvars));
     names += (names.empty() ? "" : ", ") + name.str();
   }
   if (!data.scene.SetInstanceValues(id, first, elements))

@@ -230,8 +230,7 @@ void set_scatter(MaterialBuilder* material) {
 std::string suggestion(const std::string& name) {
   std::vector<std::string> names;
   for (const MaterialParameter& parameter : material_parameters()) names.emplace_back(parameter.name);
-  const std::string nearest = support::NearestName(name, names);
-  return nearest.empty() ? "; schemas/disney_material.json lists them" : "; did you mean '" + nearest + "'?";
+  return support::DidYouMean(name, names, "; schemas/disney_material.json lists them");
 }
 
 // The parameter of "baseColorTexture"; empty for other keys.

@@ -149,9 +149,7 @@ std::string NoSuchAov(const std::string& name) {
     known.emplace_back(aov.name);
     all += (all.empty() ? "" : ", ") + known.back();
   }
-  const std::string nearest = support::NearestName(name, known);
-  return "there is no AOV '" + name + "'" +
-         (nearest.empty() ? "; there are " + all : "; did you mean '" + nearest + "'?");
+  return "there is no AOV '" + name + "'" + support::DidYouMean(name, known, "; there are " + all);
 }
 
 }  // namespace alabaster::hd::host

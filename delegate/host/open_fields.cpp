@@ -119,7 +119,10 @@ Put check(const Rows& rows, const std::string& name, const Value& value, Range r
     if (name != row.name) continue;
     if (value.empty()) return "";
     auto scratch = []<class T, class... W>(const Parameter<T, W...>&) { return T(); }(row);
-    const support::ParameterFault fault = support::set_parameter(row, value, &scratch);
+    std::array<double, 4> unused;  // hosts of Hydra may give a colour an alpha, which the renderer leaves out
+    const bool has_alpha = row.is_color() && value.components(&unused) == 4;
+    const support::ParameterFault fault =
+        has_alpha ? support::ParameterFault::type : support::set_parameter(row, value, &scratch);
     const bool is_left = fault == support::ParameterFault::range && range == Range::left_to_the_renderer;
     return fault == support::ParameterFault::none || is_left ? "" : fault_text(name, must_be(row, fault), value);
   }
@@ -279,9 +282,7 @@ bool is_among(const std::string& name, const Names& names) {
 }
 
 std::string unknown_input(const std::string& node, const std::string& input, const std::vector<std::string>& known) {
-  const std::string nearest = support::NearestName(input, known);
-  return "node '" + node + "' has no input '" + input + "'" +
-         (nearest.empty() ? "" : "; did you mean '" + nearest + "'?");
+  return "node '" + node + "' has no input '" + input + "'" + support::DidYouMean(input, known);
 }
 
 std::string check_input(const std::string& node, const Token& type, const std::string& input, const Value& value) {
@@ -396,8 +397,7 @@ Put put_open(CameraDescription* camera, const std::string& name, const Value& va
 std::string CheckSetting(const std::string& name, const Value& value) {
   if (const std::string retired = support::RetiredSetting(name, value.text_or("")); !retired.empty()) return retired;
   if (const Put checked = check(setting_parameters(), name, value, Range::refused)) return *checked;
-  const std::string nearest = support::NearestName(name, parameter_names("render_settings"));
-  return "there is no setting '" + name + "'" + (nearest.empty() ? "" : "; did you mean '" + nearest + "'?");
+  return "there is no setting '" + name + "'" + support::DidYouMean(name, parameter_names("render_settings"));
 }
 
 Put put_open(RenderSettingsDescription* settings, const std::string& name, const Value& value) {

@@ -169,13 +169,15 @@ void RetainedSceneDelegate::SetRenderSettings(const Path& id, RenderSettingsDesc
   state_->set(state_->settings, id, std::move(settings));
 }
 
-void RetainedSceneDelegate::Remove(const Path& id) {
+bool RetainedSceneDelegate::Remove(const Path& id) {
   State& s = *state_;
   if (s.index) s.index->Remove(id);
   const InstancerDescription instancer = get(s.instancers, id);
-  s.for_each_kind([&](auto& prims) { prims.erase(id); });
+  size_t removed = 0;
+  s.for_each_kind([&](auto& prims) { removed += prims.erase(id); });
   s.mark_prototypes(instancer, {});
   s.forget_edits(id);
+  return removed > 0;
 }
 
 const std::map<Path, MeshDescription>& RetainedSceneDelegate::GetMeshes() const {

@@ -82,7 +82,8 @@ class ALABASTER_API RetainedSceneDelegate : public SceneDelegate {
   void SetCamera(const Path& id, CameraDescription camera);
   void SetRenderBuffer(const Path& id, RenderBufferDescriptor buffer);
   void SetRenderSettings(const Path& id, RenderSettingsDescription settings);
-  void Remove(const Path& id);
+  /// False: there is no prim of that path.
+  bool Remove(const Path& id);
 
   const std::map<Path, MeshDescription>& GetMeshes() const;
   const std::map<Path, InstancerDescription>& GetInstancers() const;

@@ -193,9 +193,8 @@ std::string unknown(const std::string& name, const T& object) {
   for (const auto& table : {kind.fields, kind.open})
     for (const Field& field : table)
       if (!is_pattern(field.name)) known.emplace_back(field.name);
-  const std::string nearest = support::NearestName(name, known);
   return (label == "instancer" ? "an " : "a ") + label + " has no field '" + name + "'" +
-         (nearest.empty() ? "" : "; did you mean '" + nearest + "'?");
+         support::DidYouMean(name, known);
 }
 
 template <class T>
@@ -312,9 +311,7 @@ SetResult SetPrim(RetainedSceneDelegate* scene, const Path& path, const Token& k
   const bool is_light = std::find(known.begin(), known.end(), kind.str()) != known.end();
   for (const Kind& one : kinds())
     if (one.name != kLights) known.emplace_back(one.name);
-  const std::string nearest = support::NearestName(kind.str(), known);
-  SetResult result{true, "there is no kind of prim '" + kind.str() + "'" +
-                             (nearest.empty() ? "" : "; did you mean '" + nearest + "'?")};
+  SetResult result{true, "there is no kind of prim '" + kind.str() + "'" + support::DidYouMean(kind.str(), known)};
   for_each_kind([&](auto, auto set) {
     using T = decltype(description_of(set));
     const std::string_view name = kind_of<T>().name;
@@ -328,7 +325,7 @@ SetResult SetPrim(RetainedSceneDelegate* scene, const Path& path, const Token& k
 }
 
 SetResult EditPrim(RetainedSceneDelegate* scene, const Path& path, const Fields& fields) {
-  SetResult result{false, "there is no prim " + path.str()};
+  SetResult result{false, {}};
   for_each_kind([&](auto get, auto set) {
     const auto& all = (scene->*get)();
     const auto found = all.find(path);
@@ -337,7 +334,16 @@ SetResult EditPrim(RetainedSceneDelegate* scene, const Path& path, const Fields&
     result = {true, fill_fields(fields, path, &made)};
     if (result.fault.empty()) (scene->*set)(path, std::move(made));
   });
+  if (!result.found) result.fault = NoSuchPrim(*scene, path);
   return result;
+}
+
+std::string NoSuchPrim(const RetainedSceneDelegate& scene, const Path& path) {
+  std::vector<std::string> known;
+  for_each_kind([&](auto get, auto) {
+    for (const auto& prim : (scene.*get)()) known.push_back(prim.first.str());
+  });
+  return "there is no prim " + path.str() + support::DidYouMean(path.str(), known);
 }
 
 std::string ReadCamera(const Fields& fields, CameraDescription* camera) {

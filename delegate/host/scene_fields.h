@@ -22,6 +22,8 @@ ALABASTER_API SetResult SetPrim(RetainedSceneDelegate* scene, const Path& path, 
                                 const Fields& fields);
 /// Changes the named fields of a prim.
 ALABASTER_API SetResult EditPrim(RetainedSceneDelegate* scene, const Path& path, const Fields& fields);
+/// The sentence about a path that no prim has, with the nearest path that one has.
+ALABASTER_API std::string NoSuchPrim(const RetainedSceneDelegate& scene, const Path& path);
 // The fields that SetPrim makes the same prim of. A light's kind is its type.
 ALABASTER_API Fields GetFields(const MeshDescription& mesh);
 ALABASTER_API Fields GetFields(const InstancerDescription& instancer);

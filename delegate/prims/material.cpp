@@ -185,9 +185,8 @@ class MaterialReader {
       return report_fault(sink_, id_.str(), name.str(), set_parameter(*row, value, constants), value);
     std::vector<std::string> names;
     for (const auto& parameter : material_parameters()) names.emplace_back(parameter.name);
-    const std::string nearest = support::NearestName(name.str(), names);
-    warn("material.parameter", "parameter '" + name.str() + "' is not known and is ignored" +
-                                   (nearest.empty() ? std::string() : "; did you mean '" + nearest + "'?"));
+    warn("material.parameter",
+         "parameter '" + name.str() + "' is not known and is ignored" + support::DidYouMean(name.str(), names));
   }
 
   void read_connections(const MaterialNode& surface, const Token& input,

@@ -6,6 +6,7 @@
 #include "core/geometry/reversed_edges.h"
 #include "core/scene/scene_reports.h"
 #include "delegate/prims/built_meshes.h"
+#include "delegate/support/nearest_name.h"
 
 namespace alabaster::hd::prims {
 namespace {
@@ -169,12 +170,38 @@ struct SceneTranslator::Run {
   const Records& records = parts.records;
   support::Placements placements{
       [this](const Path& path) { return find_instancer(path); },
-      [this](const char* code, const Path& where, const std::string& text) { translator.warn(code, where, text); },
+      [this](const char* code, const Path& where, const std::string& text) { warn_of_instancer(code, where, text); },
       hold_placements_in(parts.memory)};
   Translation out;
   CategorySets category_sets;
+  std::map<Path, std::string> answers = {};        // of nearest()
+  std::vector<std::string> known_categories = {};  // sorted; empty: not asked for yet
 
+  // A mesh that memory does not hold is left out.
   void add_mesh(const Path& path, const MeshRecord& mesh) {
+    const size_t instances = out.scene.instances.size(), materials = out.material_paths.size();
+    const size_t bytes = out.memory->bytes();
+    const auto take_back = [&](const char* reason, bool input) {
+      out.scene.instances.erase(out.scene.instances.begin() + std::ptrdiff_t(instances), out.scene.instances.end());
+      out.material_paths.erase(out.material_paths.begin() + std::ptrdiff_t(materials), out.material_paths.end());
+      out.array_materials.resize(out.scene.arrays.size());
+      out.memory->shrink(bytes);
+      out.lacks_memory |= !input;
+      translator.fail(input ? "instancer.size" : "mesh.memory", path, reason);
+      out.faults[path] = {input, reason};
+    };
+    try {
+      add_placed(path, mesh);
+    } catch (const MemoryRefused& e) {
+      take_back(e.what(), false);
+    } catch (const std::bad_alloc&) {
+      take_back("not enough memory: the mesh is left out; the next commit tries again", false);
+    } catch (const support::TooManyInstances& e) {
+      take_back(e.what(), true);
+    }
+  }
+
+  void add_placed(const Path& path, const MeshRecord& mesh) {
     const MeshBuild* const built = parts.meshes.find(path);
     if (!parts.selection.includes(path, mesh.visible, mesh.render_tag) || !built || !built->prototype) return;
     InstanceDescription instance;
@@ -196,22 +223,7 @@ struct SceneTranslator::Run {
       add(std::move(instance), mesh);
       return;
     }
-    const size_t instances = out.scene.instances.size(), materials = out.material_paths.size();
-    const size_t bytes = out.memory->bytes();
-    const auto take_back = [&](const char* reason, bool input) {
-      out.scene.instances.erase(out.scene.instances.begin() + std::ptrdiff_t(instances), out.scene.instances.end());
-      out.material_paths.erase(out.material_paths.begin() + std::ptrdiff_t(materials), out.material_paths.end());
-      out.memory->shrink(bytes);
-      translator.fail("instancer.size", path, reason);
-      out.faults[path] = {input, reason};
-    };
-    try {
-      add_instances(path, mesh, own, std::move(instance));
-    } catch (const MemoryRefused& e) {
-      take_back(e.what(), false);
-    } catch (const support::TooManyInstances& e) {
-      take_back(e.what(), true);
-    }
+    add_instances(path, mesh, own, std::move(instance));
   }
 
   // Without its poses.
@@ -283,6 +295,8 @@ struct SceneTranslator::Run {
     out.scene.lights.back().light_link = category_sets.number(light.light_link);
     out.scene.lights.back().shadow_link = category_sets.number(light.shadow_link);
     out.light_paths.push_back(path);
+    check_link(path, "lightLink", light.light_link);
+    check_link(path, "shadowLink", light.shadow_link);
   }
 
   // The instances of a mesh at the times of all samples that move them.
@@ -404,8 +418,59 @@ struct SceneTranslator::Run {
     if (id.empty()) return own;
     if (const auto* record = find_record<MaterialRecord>(records, id); record && record->material)
       return record->material;
-    translator.warn("mesh.material", prim, "material " + id.str() + " does not exist; the default is used");
+    translator.warn("mesh.material", prim,
+                    "material " + id.str() + " does not exist; the default is used" + nearest<MaterialRecord>(id));
     return own;
+  }
+
+  void warn_of_instancer(const char* code, const Path& where, const std::string& text) {
+    std::string end;
+    if (std::string_view(code) == "instancer.missing") {
+      const auto* mesh = find_record<MeshRecord>(records, where);
+      const InstancerRecord* inner = find_instancer(where);
+      end = nearest<InstancerRecord>(mesh ? mesh->instancer : inner ? inner->parent : Path());
+    }
+    translator.warn(code, where, text + end);
+  }
+
+  /// The end of a sentence about a path that no record of this kind has.
+  template <class T>
+  std::string nearest(const Path& path) {
+    constexpr size_t kMostAnswers = 8;  // each looks at all prims
+    if (const auto known = answers.find(path); known != answers.end()) return known->second;
+    if (answers.size() == kMostAnswers) return {};
+    std::vector<std::string> names;
+    for (const auto& [name, record] : records)
+      if (std::holds_alternative<T>(record)) names.push_back(name.str());
+    if constexpr (std::is_same_v<T, MaterialRecord>)
+      for (const Edit& edit : parts.unread)
+        if (edit.waits_for_use) names.push_back(edit.id.str());
+    return answers[path] = support::DidYouMean(path.str(), names);
+  }
+
+  // A category that nobody has is legal: a light may light nothing. One beside a similar name is a slip.
+  void check_link(const Path& path, const char* parameter, const Token& category) {
+    if (category.empty()) return;
+    if (known_categories.empty()) find_categories();
+    const std::string& name = category.str();
+    if (std::binary_search(known_categories.begin(), known_categories.end(), name)) return;
+    const std::string end = support::DidYouMean(name, known_categories);
+    if (!end.empty())
+      translator.warn("light.link", path,
+                      std::string(parameter) + " names category '" + name + "', which no mesh has" + end);
+  }
+  void find_categories() {
+    std::set<std::string> all;
+    const auto add_all = [&](const std::vector<Token>& names) {
+      for (const Token& name : names) all.insert(name.str());
+    };
+    for (const auto& [path, record] : records) {
+      if (const auto* mesh = std::get_if<MeshRecord>(&record)) add_all(mesh->categories);
+      const auto* instancer = std::get_if<InstancerRecord>(&record);
+      if (instancer && instancer->categories)
+        for (const std::vector<Token>& of_instance : *instancer->categories) add_all(of_instance);
+    }
+    known_categories.assign(all.begin(), all.end());
   }
 };
 

@@ -8,6 +8,7 @@
 #include "core/scene/scene.h"
 #include "delegate/prims/diagnostics.h"
 #include "delegate/prims/records.h"
+#include "delegate/prims/render_param.h"
 #include "delegate/support/selection.h"
 
 namespace alabaster::hd::prims {
@@ -46,6 +47,7 @@ class SceneTranslator {
     const BuiltMeshes& meshes;
     const DeformedMeshes& deformed;  // in the place of those of `meshes` that deform in the shutter
     const std::shared_ptr<MemoryBudget>& memory;
+    const std::list<Edit>& unread;  // materials that wait for a mesh that uses them are among these
   };
   Translation translate(const Parts& parts);
   /// Reports the faults that the translations since begin() have found.

@@ -130,11 +130,6 @@ constexpr Command kCommands[] = {
        return Checkpoints::describe(a.file(), a.flag("measure"), delegate.param->memory());
      }}};
 
-std::string nearest(const std::string& name, const std::vector<std::string>& known) {
-  const std::string nearest = support::NearestName(name, known);
-  return nearest.empty() ? std::string() : "; did you mean '" + nearest + "'?";
-}
-
 // An argument that the command does not have is named wrongly: it would be left out without a word.
 void check_names(const Command& command, const Dictionary& arguments) {
   std::vector<std::string> known;
@@ -142,13 +137,13 @@ void check_names(const Command& command, const Dictionary& arguments) {
     if (name) known.emplace_back(name);
   for (const auto& [name, value] : arguments)
     if (std::find(known.begin(), known.end(), name) == known.end())
-      throw BadArgument("there is no argument '" + name + "'" + nearest(name, known));
+      throw BadArgument("there is no argument '" + name + "'" + support::DidYouMean(name, known));
 }
 
 CommandResult unknown_command(const std::string& name) {
   std::vector<std::string> known;
   for (const Command& command : kCommands) known.emplace_back(command.name);
-  return {CommandStatus::unknown, "there is no command '" + name + "'" + nearest(name, known), {}};
+  return {CommandStatus::unknown, "there is no command '" + name + "'" + support::DidYouMean(name, known), {}};
 }
 
 }  // namespace

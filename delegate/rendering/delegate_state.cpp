@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "delegate/rendering/render_pass.h"
+#include "delegate/support/nearest_name.h"
 #include "delegate/support/retired_settings.h"
 
 namespace alabaster::hd::rendering {
@@ -23,29 +24,48 @@ constexpr double kUnlimited = std::numeric_limits<double>::infinity();
 DelegateState::DelegateState(std::shared_ptr<prims::SceneParam> scene_param, const Dictionary& initial_settings)
     : param(std::move(scene_param)),
       builder_(param, {[this] { drop_old_request(); }, [this] { start_deferred_passes(); }}) {
-  for (const auto& [key, value] : initial_settings) set_setting(key, value);
+  set_settings(initial_settings);
 }
 
-void DelegateState::set_setting(const Token& key, const Value& value) {
-  if (const std::string fault = support::RetiredSetting(key.str(), value.text_or("")); !fault.empty())
-    return alabaster::report(param->sink(), alabaster::Severity::error, "settings.retired", "render settings", fault);
-  {
-    const std::lock_guard lock(mutex_);
-    const auto held = settings_.find(key);
-    if (held == settings_.end() ? value.empty() : held->second == value) return;
+// The host's thread alone changes settings. All that may throw comes before the swap, or takes it back.
+void DelegateState::set_settings(const Dictionary& given) {
+  std::map<Token, Value> next = settings_;
+  uint32_t changes = 0;
+  bool dices = false;
+  for (const auto& [name, value] : given) {
+    if (const std::string fault = support::RetiredSetting(name, value.text_or("")); !fault.empty()) {
+      alabaster::report(param->sink(), alabaster::Severity::error, "settings.retired", "render settings", fault);
+      continue;
+    }
+    const Token key(name);
+    const auto held = next.find(key);
+    if (held == next.end() ? value.empty() : held->second == value) continue;
     if (value.empty())
-      settings_.erase(held);
+      next.erase(held);
     else
-      settings_[key] = value;
-    ++settings_version_;
+      next.insert_or_assign(key, value);
+    ++changes;
+    const SettingParameter* parameter = find_setting(key);
+    RenderSettings unused;
+    if (parameter && !value.empty())
+      prims::report_fault(param->sink(), "render settings", name, prims::set_parameter(*parameter, value, &unused),
+                          value);
+    dices |= name == "refineEdgeLength" || name == "renderSettingsPrimPath";
   }
-  const SettingParameter* parameter = find_setting(key);
-  RenderSettings unused;
-  if (parameter && !value.empty())
-    prims::report_fault(param->sink(), "render settings", key.str(), prims::set_parameter(*parameter, value, &unused),
-                        value);
-  if (key == Token("refineEdgeLength") || key == Token("renderSettingsPrimPath")) dicing_changed_ = true;
-  apply_services();
+  const auto exchange = [&](uint32_t change) {
+    const std::lock_guard lock(mutex_);
+    settings_.swap(next);
+    settings_version_ += change;
+  };
+  if (changes == 0) return;
+  exchange(changes);
+  try {
+    apply_services();
+  } catch (...) {
+    exchange(0u - changes);
+    throw;
+  }
+  if (dices) dicing_changed_ = true;
 }
 
 // Threads and memory take effect at once.
@@ -115,6 +135,14 @@ std::optional<CameraParameters> DelegateState::camera(const Path& path, const Sh
   const auto* record = prims::find_record<prims::CameraRecord>(views_, path);
   if (!record) return std::nullopt;
   return prims::posed_camera(*record, scene);
+}
+
+std::string DelegateState::nearest_camera(const Path& path) const {
+  std::vector<std::string> known;
+  const std::lock_guard lock(mutex_);
+  for (const auto& [name, record] : views_)
+    if (std::holds_alternative<prims::CameraRecord>(record)) known.push_back(name.str());
+  return support::DidYouMean(path.str(), known);
 }
 
 void DelegateState::set_last_request(const RenderRequest& request, std::weak_ptr<PassControl> pass) {
@@ -304,6 +332,7 @@ std::vector<std::string> DelegateState::scene_faults(bool* input) const {
   if (built && built->snapshot) {
     const SceneSnapshot* const held = built->snapshot.get();
     for (const std::string& name : held->left_out) texts.push_back(name + ": could not be placed");
+    *input = *input && !held->lacks_memory;
     texts.insert(texts.end(), held->faults.begin(), held->faults.end());
   }
   return texts;

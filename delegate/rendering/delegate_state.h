@@ -20,7 +20,8 @@ class DelegateState {
   const std::shared_ptr<prims::SceneParam> param;
 
   // Settings. Layers: defaults < the RenderSettings prim < SetRenderSetting.
-  void set_setting(const Token& key, const Value& value);
+  /// All or, where memory runs out, none.
+  void set_settings(const Dictionary& settings);
   Value setting(const Token& key) const;
   uint32_t settings_version() const;
   RenderSettings render_settings() const;
@@ -65,6 +66,8 @@ class DelegateState {
   const std::shared_ptr<WakeRelay>& wakes() const { return builder_.wakes(); }
   /// In the shutter of `scene`. Empty: there is no such camera.
   std::optional<CameraParameters> camera(const Path& path, const Shutter& scene) const;
+  /// The end of a sentence about a camera that does not exist: the nearest path that one has.
+  std::string nearest_camera(const Path& path) const;
   /// Why a pass has no snapshot; empty if it has one, or may get one.
   std::string commit_error(const SceneSnapshot* snapshot) const;
   /// One line for each fault of the scene that was reported and not mended since. *input: none of them is for want of

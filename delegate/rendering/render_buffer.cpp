@@ -23,10 +23,9 @@ const char* allocation_fault(const RenderBufferDescriptor& d) {
 
 }  // namespace
 
-bool BufferState::allocate(const RenderBufferDescriptor& description, const Path& where,
-                           const alabaster::DiagnosticSink& sink) {
+bool BufferState::allocate(const RenderBufferDescriptor& description, const alabaster::DiagnosticSink& sink) {
   if (const char* fault = allocation_fault(description)) {
-    alabaster::report(sink, alabaster::Severity::error, "buffer.allocate", where.str(),
+    alabaster::report(sink, alabaster::Severity::error, "buffer.allocate", id_.str(),
                       std::string(fault) + "; the buffer stays as it was");
     return false;
   }
@@ -148,7 +147,7 @@ std::vector<std::shared_ptr<const void>> BufferState::mapped_stores() const {
 }
 
 RenderBufferPrim::RenderBufferPrim(const Path& id, std::shared_ptr<prims::SceneParam> param)
-    : RenderBuffer(id), param_(std::move(param)) {}
+    : RenderBuffer(id), param_(std::move(param)), state_(std::make_shared<BufferState>(id)) {}
 
 // A mapping outlives its buffer: the delegate keeps what a host may still read.
 RenderBufferPrim::~RenderBufferPrim() {
@@ -168,8 +167,7 @@ void RenderBufferPrim::Finalize(RenderParam*) {}
 
 bool RenderBufferPrim::Allocate(const RenderBufferDescriptor& description) {
   bool allocated = false;
-  prims::guarded(param_->sink(), GetId().str(),
-                 [&] { allocated = state_->allocate(description, GetId(), param_->sink()); });
+  prims::guarded(param_->sink(), GetId().str(), [&] { allocated = state_->allocate(description, param_->sink()); });
   return allocated;
 }
 

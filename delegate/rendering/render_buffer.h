@@ -17,7 +17,9 @@ namespace alabaster::hd::rendering {
 /// Shared by the prim and by passes that draw into it, so that neither outlives what it needs.
 class BufferState {
  public:
-  bool allocate(const RenderBufferDescriptor& description, const Path& where, const alabaster::DiagnosticSink& sink);
+  explicit BufferState(Path id) : id_(id) {}
+  const Path& id() const { return id_; }
+  bool allocate(const RenderBufferDescriptor& description, const alabaster::DiagnosticSink& sink);
   /// Execute: the wanted description takes effect, and Resolve reads `source` from now on.
   void bind(BufferSource source);
   /// Lets go of the film, so that the session may use it again. The picture stays.
@@ -47,6 +49,7 @@ class BufferState {
     return member;
   }
 
+  const Path id_;
   mutable std::mutex mutex_;          // held for pointers and numbers only, never while pixels are converted
   RenderBufferDescriptor wanted_;     // as last allocated
   RenderBufferDescriptor effective_;  // as of the last Execute
@@ -83,7 +86,7 @@ class RenderBufferPrim final : public RenderBuffer {
 
  private:
   std::shared_ptr<prims::SceneParam> param_;
-  std::shared_ptr<BufferState> state_ = std::make_shared<BufferState>();
+  std::shared_ptr<BufferState> state_;
   std::atomic<bool> unresolved_{false};  // memory ran out in the last Resolve
 };
 

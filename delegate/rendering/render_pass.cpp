@@ -9,6 +9,7 @@
 #include "core/session/frame_memory.h"
 #include "delegate/prims/prims.h"
 #include "delegate/rendering/pixel_format.h"
+#include "delegate/support/nearest_name.h"
 
 namespace alabaster::hd::rendering {
 
@@ -80,6 +81,25 @@ std::optional<Aov> aov_of(const std::string& name, std::vector<UvSetName>* primv
   return primvar_aov(place);
 }
 
+std::vector<std::string> supported_aovs() {
+  std::vector<std::string> names;
+  for (const AovInfo& aov : kAovs) names.emplace_back(aov.name);
+  return names;
+}
+
+// The data window must lie in the buffer, which may be larger. Empty: it does.
+std::string size_fault(const Framing& framing, const RenderBufferDescriptor& buffer) {
+  const Rect2i& window = framing.dataWindow;
+  const Vec3i& size = buffer.dimensions;
+  if (window.empty() || (window.minX >= 0 && window.minY >= 0 && window.maxX <= size.x && window.maxY <= size.y))
+    return {};
+  const auto text = [](int x, int y) { return std::to_string(x) + " x " + std::to_string(y); };
+  const bool is_moved = window.minX != 0 || window.minY != 0;
+  return "has " + text(size.x, size.y) + " pixels, but the frame has " + text(window.width(), window.height()) +
+         (is_moved ? " from pixel (" + std::to_string(window.minX) + ", " + std::to_string(window.minY) + ")" : "") +
+         ": the part outside of the buffer is not shown; allocate the buffer in the size of the frame";
+}
+
 // Those of the bindings. Null: no buffer of this delegate is bound.
 std::vector<std::shared_ptr<BufferState>> buffers_of(const RenderPassState& state) {
   std::vector<std::shared_ptr<BufferState>> buffers;
@@ -118,18 +138,23 @@ void PassControl::add_bindings(const DrawRequest& asked, PassInputs* in, std::ve
   for (size_t i = 0; i < asked.buffers.size(); ++i) {
     const AovBinding& binding = asked.state.aovBindings[i];
     const std::shared_ptr<BufferState>& buffer = asked.buffers[i];
-    const std::optional<Aov> aov = buffer ? aov_of(binding.aovName.str(), &in->primvars) : std::nullopt;
+    const std::string& name = binding.aovName.str();
+    const std::optional<Aov> aov = buffer ? aov_of(name, &in->primvars) : std::nullopt;
     if (!aov) {
-      faults->push_back({alabaster::Severity::warning, "pass.binding", binding.aovName.str(),
-                         !buffer                           ? "no buffer of this delegate is bound; the AOV is not drawn"
-                         : find_aov(binding.aovName.str()) ? "a frame shows " + std::to_string(kMostPrimvarAovs) +
-                                                                 " primvars at most; this is not drawn"
-                                                           : "this AOV is not supported; its buffer is not drawn"});
+      faults->push_back({alabaster::Severity::warning, "pass.binding", name,
+                         !buffer          ? "no buffer of this delegate is bound; the AOV is not drawn"
+                         : find_aov(name) ? "a frame shows " + std::to_string(kMostPrimvarAovs) +
+                                                " primvars at most; this is not drawn"
+                                          : "the renderer has no such AOV, and its buffer is not drawn" +
+                                                support::DidYouMean(name, supported_aovs())});
       continue;
     }
     const Value clear =
         binding.clearValue.empty() ? default_aov_descriptor(binding.aovName).clearValue : binding.clearValue;
     in->bindings.push_back({*aov, buffer, buffer->allocation(), clear});
+    if (const std::string fault = size_fault(asked.state.framing, buffer->wanted()); !fault.empty())
+      faults->push_back(
+          {alabaster::Severity::warning, "pass.size", buffer->id().str(), "the buffer of AOV '" + name + "' " + fault});
   }
 }
 
@@ -157,7 +182,7 @@ PassInputs PassControl::inputs(const DrawRequest& asked, std::vector<alabaster::
     in.error = delegate_->commit_error(in.scene.get());
   else if (!parameters)
     in.error = camera.empty() ? "no camera is named: name one for the pass or in the render settings"
-                              : "camera " + camera.str() + " does not exist";
+                              : "camera " + camera.str() + " does not exist" + delegate_->nearest_camera(camera);
   else if (!is_valid_affine(parameters->camera_to_world))
     in.error = "the transform of camera " + camera.str() + " is not finite or not invertible";
   else if (const std::string fault = framing_fault(state.framing); !fault.empty())

@@ -276,8 +276,8 @@ void SnapshotBuilder::choose_variants(const std::vector<support::Selection>& sel
 void SnapshotBuilder::translate(Variant* variant, const prims::DeformedMeshes& deformed, const CancelToken& cancel) {
   prims::Translation translation;
   param_->run([&] {
-    translation =
-        translator_.translate({records_, variant->selection, view_->shutter, meshes_, deformed, param_->memory()});
+    translation = translator_.translate(
+        {records_, variant->selection, view_->shutter, meshes_, deformed, param_->memory(), edits_});
   });
   prims::SceneFaults faults = this->faults(variant->selection);
   faults.insert(translation.faults.begin(), translation.faults.end());

@@ -34,14 +34,24 @@ std::string NearestName(const std::string& name, const std::vector<std::string>&
   const std::string within = name.substr(name.find(':') + 1);
   if (std::find(known.begin(), known.end(), within) != known.end()) return within;
   size_t fewest = 2 * std::max(size_t(2), name.size() / 3) + 1;
+  constexpr size_t kMostCells = 100'000'000;  // of all tables of distances
+  size_t cells = 0;
   for (const std::string& candidate : known) {
+    const size_t longer = std::max(name.size(), candidate.size()), shorter = std::min(name.size(), candidate.size());
+    if (2 * (longer - shorter) >= fewest) continue;
+    if ((cells += longer * shorter) > kMostCells) break;
     const size_t steps = distance(name, candidate);
     // A distance of the whole name shares nothing with it.
-    if (steps >= fewest || steps >= 2 * std::max(name.size(), candidate.size())) continue;
+    if (steps >= fewest || steps >= 2 * longer) continue;
     fewest = steps;
     nearest = candidate;
   }
   return nearest;
+}
+
+std::string DidYouMean(const std::string& name, const std::vector<std::string>& known, const std::string& otherwise) {
+  const std::string nearest = NearestName(name, known);
+  return nearest.empty() ? otherwise : "; did you mean '" + nearest + "'?";
 }
 
 }  // namespace alabaster::hd::support

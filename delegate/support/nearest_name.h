@@ -7,7 +7,20 @@
 namespace alabaster::hd::support {
 
 /// Returns the name in `known` with the smallest edit distance to `name`; wrong case counts half a wrong letter. Empty
-/// if none is near. Near is two letters, or a third of the letters for names longer than six.
+/// if none is near. Near is two letters, or a third of the letters for names longer than six. In very long lists only
+/// the first names are compared, for about a tenth of a second.
 std::string NearestName(const std::string& name, const std::vector<std::string>& known);
+
+/// "; did you mean 'NEAREST'?", or `otherwise` if none is near: the end of a sentence about a wrong name.
+std::string DidYouMean(const std::string& name, const std::vector<std::string>& known,
+                       const std::string& otherwise = {});
+
+/// The same of paths, which are the keys of `prims`.
+template <class Prims>
+std::string DidYouMeanPath(const std::string& path, const Prims& prims) {
+  std::vector<std::string> known;
+  for (const auto& prim : prims) known.push_back(prim.first.str());
+  return DidYouMean(path, known);
+}
 
 }  // namespace alabaster::hd::support

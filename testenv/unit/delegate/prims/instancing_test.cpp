@@ -136,6 +136,31 @@ TEST(Instancing, MissingInstancersAndCyclesAreReportedAndNotDrawn) {
   EXPECT_EQ(stage.count("instancer.cycle"), 1u);
 }
 
+TEST(Instancing, AnUnknownInstancerOrMaterialGetsTheNearestPath) {
+  Stage stage;
+  host::MeshDescription mesh = Stage::quad();
+  MaterialNetwork unused;  // its image is not read before a mesh uses it
+  unused.nodes["/look/wax/image"] = {"AlabasterTexture", {{"file", "gone.png"}}, {}};
+  unused.nodes["/look/wax/surface"] = {"AlabasterDisney", {}, {{"baseColor", {{"/look/wax/image", "rgb"}}}}};
+  unused.terminals["surface"] = {"/look/wax/surface", "out"};
+  stage.scene.SetMaterial("/look/wax", unused);
+  stage.scene.SetInstancer("/many", {});
+  mesh.instancer = "/mnay";
+  stage.scene.SetMesh("/a", mesh);
+  mesh.instancer = {};
+  mesh.material = "/look/wx";
+  stage.scene.SetMesh("/b", mesh);
+  mesh.material = "/something else";
+  stage.scene.SetMesh("/c", mesh);
+  stage.index->SyncAll();
+  std::vector<std::string> texts;
+  for (const Diagnostic& d : stage.take_diagnostics()) texts.push_back(d.where + ": " + d.text);
+  EXPECT_EQ(texts, (std::vector<std::string>{
+                       "/a: instancer /mnay does not exist; the prim is not drawn; did you mean '/many'?",
+                       "/b: material /look/wx does not exist; the default is used; did you mean '/look/wax'?",
+                       "/c: material /something else does not exist; the default is used"}));
+}
+
 TEST(Instancing, AnInstancerWithoutIndicesDrawsNothingAndMayComeAndGo) {
   Stage stage;
   host::MeshDescription mesh = Stage::quad();

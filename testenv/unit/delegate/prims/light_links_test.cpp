@@ -69,6 +69,16 @@ TEST(LightLinking, ALightLightsItsCategoryAndFollowsEdits) {
   EXPECT_TRUE(stage.take_diagnostics().empty());
 }
 
+TEST(LightLinking, ACategoryThatNoMeshHasIsReportedBesideASimilarOne) {
+  LinkedStage stage;
+  stage.add_sun("lefft", "right");
+  stage.row();
+  const std::vector<Diagnostic> heard = stage.take_diagnostics();
+  ASSERT_EQ(heard.size(), 1u);
+  EXPECT_EQ(heard[0].code + " " + heard[0].where + ": " + heard[0].text,
+            "light.link /sun: lightLink names category 'lefft', which no mesh has; did you mean 'left'?");
+}
+
 TEST(LightLinking, AnInvisibleLightLightsNothingAndLinksNothing) {
   LinkedStage stage;
   stage.add_sun("left", "");

@@ -38,6 +38,60 @@ struct Shot {
 
 constexpr int kEndless = 1 << 20;
 
+/// The texts of the reports of a code.
+std::vector<std::string> texts_of(Stage& stage, const std::string& code) {
+  std::vector<std::string> texts;
+  for (const Diagnostic& d : stage.take_diagnostics())
+    if (d.code == code) texts.push_back(d.where + ": " + d.text);
+  return texts;
+}
+
+TEST(RenderPass, AnAovThatTheRendererLacksIsReportedWithTheNearest) {
+  Shot s;
+  s.state.aovBindings.push_back({"cameraDeth", s.buffer, {}});
+  s.state.aovBindings.push_back({"edgeId", s.buffer, {}});
+  EXPECT_TRUE(s.finish()) << "the others are drawn";
+  EXPECT_EQ(texts_of(s.stage, "pass.binding"),
+            (std::vector<std::string>{
+                "cameraDeth: the renderer has no such AOV, and its buffer is not drawn; did you mean 'cameraDepth'?",
+                "edgeId: the renderer has no such AOV, and its buffer is not drawn"}));
+  for (const char* name : {"primId", "instanceId", "elementId", "Neye", "Peye", "depth", "cameraDepth", "normal"})
+    s.state.aovBindings.push_back({name, s.buffer, {}});
+  s.state.aovBindings.erase(s.state.aovBindings.begin() + 1, s.state.aovBindings.begin() + 3);
+  EXPECT_TRUE(s.finish());
+  EXPECT_TRUE(s.stage.take_diagnostics().empty()) << "names of Hydra's hosts";
+}
+
+// promise: embedding.viewport.sizes
+TEST(RenderPass, AFrameThatDoesNotLieInItsBufferIsReported) {
+  Shot s(1, 16);
+  s.state.framing.dataWindow = {2, 2, 10, 10};
+  EXPECT_TRUE(s.finish());
+  EXPECT_TRUE(s.stage.take_diagnostics().empty()) << "Hydra: a buffer may be larger than the data window";
+  s.state.framing.dataWindow = {0, 0, 24, 12};
+  EXPECT_TRUE(s.finish());
+  EXPECT_TRUE(s.finish()) << "reported once";
+  const std::string end = ": the part outside of the buffer is not shown; allocate the buffer in the size of the frame";
+  EXPECT_EQ(
+      texts_of(s.stage, "pass.size"),
+      std::vector<std::string>{"/b: the buffer of AOV 'color' has 16 x 16 pixels, but the frame has 24 x 12" + end});
+  s.state.framing.dataWindow = {-4, 0, 12, 16};
+  EXPECT_TRUE(s.finish());
+  EXPECT_EQ(
+      texts_of(s.stage, "pass.size"),
+      std::vector<std::string>{
+          "/b: the buffer of AOV 'color' has 16 x 16 pixels, but the frame has 16 x 16 from pixel (-4, 0)" + end});
+}
+
+TEST(RenderPass, ACameraThatDoesNotExistIsReportedWithTheNearest) {
+  Shot s;
+  s.state.camera = "/camrea";
+  EXPECT_TRUE(s.finish());
+  EXPECT_EQ(s.pass->GetState(), PassState::failed);
+  EXPECT_EQ(texts_of(s.stage, "pass.failed"),
+            std::vector<std::string>{"/camrea: camera /camrea does not exist; did you mean '/camera'?"});
+}
+
 // A host that has waited until the render is over can resolve its last picture then.
 TEST(RenderPass, OneExecuteAfterAWaitReportsConvergence) {
   Shot s;
