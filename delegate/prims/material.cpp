@@ -6,7 +6,6 @@
 
 #include "delegate/prims/parameters.h"
 #include "delegate/prims/prims.h"
-#include "delegate/prims/texture_outputs.h"
 #include "delegate/support/nearest_name.h"
 #include "delegate/support/preview_surface.h"
 

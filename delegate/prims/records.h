@@ -2,11 +2,14 @@
 // path.
 #pragma once
 
+#include <array>
 #include <map>
 #include <optional>
+#include <string_view>
 #include <variant>
 
 #include "core/camera/camera.h"
+#include "core/material/texture_lookup.h"
 #include "core/scene/scene.h"
 #include "delegate/prims/mesh_cage.h"
 #include "delegate/support/instancing.h"
@@ -50,6 +53,10 @@ struct MaterialRecord {
   std::optional<SceneFault> fault;  // an image that could not be read
   bool operator==(const MaterialRecord&) const = default;
 };
+
+/// The outputs of a texture node, as connections name them: indexed by Channel.
+inline constexpr std::array<std::string_view, 6> kTextureOutputs{"rgb", "r", "g", "b", "a", "direction"};
+static_assert(kTextureOutputs.size() == size_t(Channel::direction) + 1);
 
 struct LightRecord {
   alabaster::LightDescription light;

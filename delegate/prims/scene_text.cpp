@@ -4,7 +4,6 @@
 #include "delegate/prims/parameters.h"
 #include "delegate/prims/prims.h"
 #include "delegate/prims/scene_translation.h"
-#include "delegate/prims/texture_outputs.h"
 
 namespace alabaster::hd::prims {
 namespace {

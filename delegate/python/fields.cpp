@@ -1,4 +1,4 @@
-#include "delegate/python/fields.h"
+#include "delegate/python/objects.h"
 
 #include <algorithm>
 

@@ -1,5 +1,5 @@
 // The module's names as Python sees them. delegate/python/hdalabaster/__init__.pyi has their types.
-#include "delegate/python/fields.h"
+#include "delegate/python/objects.h"
 
 namespace alabaster::python {
 

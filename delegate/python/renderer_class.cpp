@@ -3,7 +3,7 @@
 #include <cstdlib>
 #include <exception>
 
-#include "delegate/python/fields.h"
+#include "delegate/python/objects.h"
 
 namespace alabaster::python {
 namespace {

@@ -1,6 +1,6 @@
 #include <algorithm>
 
-#include "delegate/python/fields.h"
+#include "delegate/python/objects.h"
 
 namespace alabaster::python {
 namespace {
