@@ -115,9 +115,8 @@ class AccessorLoader : DocumentCheck {
 
   void run() {
     for (size_t i = 0; i < list("bufferViews").size(); ++i) load_view(list("bufferViews")[i], i);
-    for (size_t m = 0; m < list("meshes").size(); ++m)
-      for (size_t p = 0; p < list("meshes")[m]["primitives"].size() && !report_.failed(); ++p)
-        load_draco(list("meshes")[m]["primitives"][p], element_name(element_name("meshes", m) + ".primitives", p));
+    for (size_t m = 0; m < list("meshes").size() && !report_.failed(); ++m)
+      load_draco_mesh(list("meshes")[m]["primitives"], element_name("meshes", m) + ".primitives");
     if (report_.failed()) return;
     for (size_t i = 0; i < list("accessors").size(); ++i) {
       AccessorView& accessor = document_.accessors.emplace_back();
@@ -178,7 +177,24 @@ class AccessorLoader : DocumentCheck {
   }
 
   // Accessors that have data without compression are read as they are.
-  void load_draco(const Json& primitive, const std::string& element) {
+  void load_draco_mesh(const Json& primitives, const std::string& element) {
+    std::vector<DracoPrimitive> decoded(primitives.size());
+    std::vector<std::pair<const Json*, DracoPrimitive*>> all;
+    for (size_t p = 0; p < primitives.size() && !report_.failed(); ++p) {
+      load_draco(primitives[p], element_name(element, p), &decoded[p]);
+      if (!decoded[p].accessors.empty()) all.emplace_back(&primitives[p], &decoded[p]);
+    }
+    if (report_.failed()) return;
+    if (all.size() > 1) join_draco_seams(root_, all);
+    for (DracoPrimitive& primitive : decoded)
+      for (auto& [index, bytes] : primitive.accessors) {
+        if (list("accessors")[index].contains("bufferView") || draco_.contains(index)) continue;
+        draco_[index] = std::make_shared<const std::vector<uint8_t>>(std::move(bytes));
+        document_.decoded.push_back(draco_[index]);
+      }
+  }
+
+  void load_draco(const Json& primitive, const std::string& element, DracoPrimitive* decoded) {
     const Json& compressed = extension_of(primitive, "KHR_draco_mesh_compression");
     if (compressed.empty()) return;
     uint64_t declared = 0;
@@ -194,14 +210,9 @@ class AccessorLoader : DocumentCheck {
     const std::string place = element + ".extensions.KHR_draco_mesh_compression";
     const View& view = views_[compressed["bufferView"].get<size_t>()];
     hold_more(&document_.memory, declared, place);
-    AccessorBytes accessors;
     std::string reason;
-    if (!decode_draco(root_, primitive, {view.data, size_t(view.length)}, &accessors, &reason))
+    if (!decode_draco(root_, primitive, {view.data, size_t(view.length)}, decoded, &reason))
       return report_.error("mesh.draco", place, reason);
-    for (const auto& [index, bytes] : accessors) {
-      if (list("accessors")[index].contains("bufferView") || !draco_.emplace(index, bytes).second) continue;
-      document_.decoded.push_back(bytes);
-    }
   }
 
   void load_accessor(const Json& json, const std::string& element, AccessorView* accessor) {
@@ -217,6 +228,7 @@ class AccessorLoader : DocumentCheck {
     if (accessor->normalized && component == 4)
       report_.warning("accessor.normalized", element, "only 8-bit and 16-bit integers can be normalized; ignored");
     const size_t size = element_size(accessor->type, component);
+    const bool is_decoded = accessor->data != nullptr;
     accessor->stride = size;
     if (json.contains("bufferView")) {
       place(json, element, size, accessor);
@@ -226,7 +238,8 @@ class AccessorLoader : DocumentCheck {
         return report_.error("accessor.zeros", element, "declares too many elements without data; lower count");
     }
     if (json.contains("sparse")) load_sparse(json["sparse"], element + ".sparse", size, accessor);
-    if (!report_.failed()) check_bounds(json, element, *accessor);
+    if (report_.failed() || is_decoded) return;  // Draco rounds numbers, also beyond the bounds
+    check_bounds(json, element, *accessor);
   }
 
   // data + stride * (count - 1) + size must end inside the view; counts are below 2^31, offsets below 2^53.

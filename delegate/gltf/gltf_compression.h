@@ -2,6 +2,9 @@
 #pragma once
 
 #include <map>
+#include <string>
+#include <utility>
+#include <vector>
 
 #include "delegate/gltf/gltf_container.h"
 
@@ -24,9 +27,18 @@ Bytes decode_meshopt(const Json& extension, ByteRange compressed, std::string* r
 /// The data of accessors, tightly packed, by their index.
 using AccessorBytes = std::map<size_t, Bytes>;
 
+struct DracoPrimitive {
+  std::map<size_t, std::vector<uint8_t>> accessors;  // tightly packed, by their index
+  float step = 0;                                    // of the grid to which positions were rounded; 0: they were not
+};
+
 /// Decodes the accessors of a primitive that has KHR_draco_mesh_compression. False and `reason` if the bytes do not
 /// hold the elements that the accessors declare. Larger ones are refused before they are decoded.
-bool decode_draco(const Json& root, const Json& primitive, ByteRange compressed, AccessorBytes* accessors,
+bool decode_draco(const Json& root, const Json& primitive, ByteRange compressed, DracoPrimitive* decoded,
                   std::string* reason);
+
+/// The primitives of one mesh. Draco rounds each to a grid of its own, which parts what was one surface: its seams are
+/// joined again.
+void join_draco_seams(const Json& root, const std::vector<std::pair<const Json*, DracoPrimitive*>>& primitives);
 
 }  // namespace alabaster::hd::gltf

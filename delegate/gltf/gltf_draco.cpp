@@ -1,3 +1,4 @@
+#include <draco/attributes/attribute_quantization_transform.h>
 #include <draco/compression/decode.h>
 #include <draco/compression/point_cloud/point_cloud_decoder.h>
 #include <draco/core/varint_decoding.h>
@@ -7,6 +8,7 @@
 
 #include "delegate/gltf/gltf_accessor.h"
 #include "delegate/gltf/gltf_compression.h"
+#include "delegate/gltf/gltf_surfaces.h"
 
 namespace alabaster::hd::gltf {
 namespace {
@@ -73,8 +75,8 @@ bool copy_attribute(const draco::PointAttribute& attribute, int component_type, 
 
 class PrimitiveDecoder {
  public:
-  PrimitiveDecoder(const Json& root, const Json& primitive, AccessorBytes* accessors, std::string* reason)
-      : root_(root), primitive_(primitive), accessors_(accessors), reason_(reason) {}
+  PrimitiveDecoder(const Json& root, const Json& primitive, DracoPrimitive* decoded, std::string* reason)
+      : root_(root), primitive_(primitive), decoded_(*decoded), reason_(reason) {}
 
   bool run(ByteRange compressed) {
     const Json& attributes = primitive_["extensions"]["KHR_draco_mesh_compression"]["attributes"];
@@ -90,7 +92,9 @@ class PrimitiveDecoder {
         return fail("has more points than " + name);
     draco::DecoderBuffer buffer;
     buffer.Init(reinterpret_cast<const char*>(compressed.data), compressed.size);
-    auto decoded = draco::Decoder().DecodeMeshFromBuffer(&buffer);
+    draco::Decoder decoder;
+    decoder.SetSkipAttributeTransform(draco::GeometryAttribute::POSITION);
+    auto decoded = decoder.DecodeMeshFromBuffer(&buffer);
     if (!decoded.ok()) return fail(std::string("cannot be decoded (") + decoded.status().error_msg() + ")");
     mesh_ = std::move(decoded).value();
     for (const auto& [name, id] : attributes.items())
@@ -116,10 +120,34 @@ class PrimitiveDecoder {
       return fail(name + " has " + std::to_string(count) + " elements of " +
                   std::to_string(attribute->num_components()) + " components, which accessors[" +
                   std::to_string(index) + "] contradicts");
-    auto bytes = std::make_shared<std::vector<uint8_t>>(count * components * component_size(component_type));
-    if (bytes->empty() || !copy_attribute(*attribute, component_type, count, bytes->data()))
-      return fail("the numbers of " + name + " do not fit its accessor");
-    (*accessors_)[index] = std::move(bytes);
+    std::vector<uint8_t> bytes(count * components * component_size(component_type));
+    draco::AttributeQuantizationTransform grid;
+    const bool copied = attribute->GetAttributeTransformData() && grid.InitFromAttribute(*attribute)
+                            ? component_type == kFloat && copy_rounded(*attribute, grid, bytes.data())
+                            : copy_attribute(*attribute, component_type, count, bytes.data());
+    if (bytes.empty() || !copied) return fail("the numbers of " + name + " do not fit its accessor");
+    if (name == "POSITION" && components == 3 && grid.is_initialized()) decoded_.step = step_of(grid);
+    decoded_.accessors[index] = std::move(bytes);
+    return true;
+  }
+
+  static float step_of(const draco::AttributeQuantizationTransform& grid) {
+    return grid.range() / float((uint64_t(1) << grid.quantization_bits()) - 1);
+  }
+
+  // Positions, whose grid Draco would not tell if it made floats of them itself.
+  bool copy_rounded(const draco::PointAttribute& stored, const draco::AttributeQuantizationTransform& grid,
+                    uint8_t* out) {
+    draco::PointAttribute floats;
+    floats.Init(draco::GeometryAttribute::POSITION, stored.num_components(), draco::DT_FLOAT32, false, stored.size());
+    draco::AttributeQuantizationTransform transform = grid;
+    if (!transform.InverseTransformAttribute(stored, &floats)) return false;
+    const size_t element = size_t(stored.num_components()) * sizeof(float);
+    for (uint32_t i = 0; i < mesh_->num_points(); ++i) {
+      const auto value = stored.mapped_index(draco::PointIndex(i));
+      if (value >= uint32_t(stored.size())) return false;
+      std::memcpy(out + i * element, floats.GetAddress(value), element);
+    }
     return true;
   }
 
@@ -128,27 +156,55 @@ class PrimitiveDecoder {
     if (accessor["type"] != "SCALAR" || accessor["count"] != count || size == 0)
       return fail("has " + std::to_string(count) + " indices, which accessors[" + std::to_string(index) +
                   "] contradicts");
-    auto bytes = std::make_shared<std::vector<uint8_t>>(count * size);
+    std::vector<uint8_t> bytes(count * size);
     for (size_t i = 0; i < count; ++i) {
       const uint32_t vertex = mesh_->face(draco::FaceIndex(uint32_t(i / 3)))[i % 3].value();
       if (size < 4 && vertex >> (8 * size) != 0) return fail("its indices do not fit their accessor");
-      std::memcpy(bytes->data() + i * size, &vertex, size);  // little-endian
+      std::memcpy(bytes.data() + i * size, &vertex, size);  // little-endian
     }
-    (*accessors_)[index] = std::move(bytes);
+    decoded_.accessors[index] = std::move(bytes);
     return true;
   }
 
   const Json &root_, &primitive_;
-  AccessorBytes* accessors_;
+  DracoPrimitive& decoded_;
   std::string* reason_;
   std::unique_ptr<draco::Mesh> mesh_;
 };
 
 }  // namespace
 
-bool decode_draco(const Json& root, const Json& primitive, ByteRange compressed, AccessorBytes* accessors,
+bool decode_draco(const Json& root, const Json& primitive, ByteRange compressed, DracoPrimitive* decoded,
                   std::string* reason) {
-  return PrimitiveDecoder(root, primitive, accessors, reason).run(compressed);
+  return PrimitiveDecoder(root, primitive, decoded, reason).run(compressed);
+}
+
+void join_draco_seams(const Json& root, const std::vector<std::pair<const Json*, DracoPrimitive*>>& primitives) {
+  struct Decoded {
+    std::vector<uint8_t>* bytes;
+    std::vector<Vec3f> points;
+    std::vector<uint32_t> triangles;
+  };
+  std::vector<Decoded> all;
+  std::vector<RoundedPiece> pieces;
+  all.reserve(primitives.size());
+  for (const auto& [primitive, decoded] : primitives) {
+    if (decoded->step <= 0 || primitive->value("mode", 4) != 4) continue;
+    const auto positions = decoded->accessors.find((*primitive)["attributes"]["POSITION"].get<size_t>());
+    const size_t index = (*primitive)["indices"].get<size_t>();
+    const auto corners = decoded->accessors.find(index);
+    if (positions == decoded->accessors.end() || corners == decoded->accessors.end()) continue;
+    Decoded& one = all.emplace_back(Decoded{&positions->second, {}, {}});
+    one.points.resize(one.bytes->size() / sizeof(Vec3f));
+    std::memcpy(static_cast<void*>(one.points.data()), one.bytes->data(), one.points.size() * sizeof(Vec3f));
+    const int type = root["accessors"][index]["componentType"].get<int>();
+    const size_t size = component_size(type);
+    for (size_t at = 0; at < corners->second.size(); at += size)
+      one.triangles.push_back(read_index(corners->second.data() + at, type));
+    pieces.push_back({&one.points, &one.triangles, decoded->step});
+  }
+  join_seams(pieces);
+  for (const Decoded& one : all) std::memcpy(one.bytes->data(), one.points.data(), one.bytes->size());
 }
 
 }  // namespace alabaster::hd::gltf

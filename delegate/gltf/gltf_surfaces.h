@@ -22,4 +22,15 @@ struct SurfacePiece {
 /// logarithm of their number.
 std::vector<size_t> surfaces_of(const std::vector<SurfacePiece>& pieces);
 
+/// The triangles of a primitive whose positions were rounded to a grid of its own.
+struct RoundedPiece {
+  std::vector<Vec3f>* points;
+  const std::vector<uint32_t>* triangles;
+  float step;  // of the grid
+};
+
+/// Moves the ends of open edges onto those of an earlier piece that rounding can have parted, so that surfaces_of()
+/// finds one surface. Time and memory as of that.
+void join_seams(const std::vector<RoundedPiece>& pieces);
+
 }  // namespace alabaster::hd::gltf

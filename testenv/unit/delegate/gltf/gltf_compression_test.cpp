@@ -7,6 +7,8 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
+#include <map>
+#include <utility>
 
 #include "testenv/unit/delegate/gltf/gltf_builder.h"
 
@@ -194,6 +196,57 @@ TEST(GltfDraco, MeshesAreDecodedWithAllTheirAttributes) {
     EXPECT_EQ(mesh.topology.faceVertexCounts.size(), sheet_indices().size() / 3);
     EXPECT_EQ(primvar<Array<float>>(mesh, "displayOpacity")[0], 1);
   }
+}
+
+/// Adds rows of the sheet's squares as a primitive, whose positions are rounded to a grid of its own.
+void add_rounded_rows(GltfBuilder* b, size_t first, size_t end, int bits) {
+  draco::TriangleSoupMeshBuilder builder;
+  const std::vector<float> points = sheet_points();
+  const std::vector<uint32_t> indices = sheet_indices();
+  const size_t faces_of_row = 2 * (kSide - 1), faces = (end - first) * faces_of_row;
+  builder.Start(int(faces));
+  const int position = builder.AddAttribute(draco::GeometryAttribute::POSITION, 3, draco::DT_FLOAT32);
+  for (size_t f = 0; f < faces; ++f) {
+    const uint32_t* const corners = &indices[3 * (first * faces_of_row + f)];
+    builder.SetAttributeValuesForFace(position, draco::FaceIndex(uint32_t(f)), &points[size_t(3) * corners[0]],
+                                      &points[size_t(3) * corners[1]], &points[size_t(3) * corners[2]]);
+  }
+  const auto mesh = builder.Finalize();
+  draco::ExpertEncoder encoder(*mesh);
+  encoder.SetAttributeQuantization(position, bits);
+  draco::EncoderBuffer buffer;
+  ASSERT_TRUE(encoder.EncodeToBuffer(&buffer).ok());
+  const size_t view = b->view(Bytes(buffer.data(), buffer.data() + buffer.size())), at = b->json["accessors"].size();
+  const size_t count = (end - first + 1) * kSide;
+  b->json["accessors"].push_back({{"componentType", 5126}, {"type", "VEC3"}, {"count", count}});
+  b->json["accessors"].push_back({{"componentType", 5125}, {"type", "SCALAR"}, {"count", 3 * faces}});
+  const Json compressed = {{"bufferView", view}, {"attributes", {{"POSITION", 0}}}};
+  b->json["meshes"][0]["primitives"].push_back({{"attributes", {{"POSITION", at}}},
+                                                {"indices", at + 1},
+                                                {"extensions", {{"KHR_draco_mesh_compression", compressed}}}});
+}
+
+// glTF-Transform 257, gltf-pipeline 379, draco 713: rounding parts the primitives of one surface.
+TEST(GltfDraco, PrimitivesThatRoundingPartsAreOneSurface) {
+  GltfBuilder b;
+  b.json["extensionsUsed"] = b.json["extensionsRequired"] = {"KHR_draco_mesh_compression"};
+  b.json["accessors"] = Json::array();
+  b.json["meshes"][0]["primitives"] = Json::array();
+  constexpr size_t kSeam = 7;
+  add_rounded_rows(&b, 0, kSeam, 9);
+  add_rounded_rows(&b, kSeam, kSide - 1, 10);
+  const Loaded loaded = b.load();
+  ASSERT_TRUE(loaded.summary.ok) << loaded.said();
+  const auto& points = primvar<Array<Vec3f>>(only_mesh(loaded), "points");
+  std::map<std::pair<float, float>, size_t> seam;
+  const std::vector<float> expected = sheet_points();
+  for (const Vec3f& p : points) {
+    const auto vertex = size_t(p.x + 0.5f) + kSide * size_t(p.y + 0.5f);
+    EXPECT_NEAR(p.z, expected[3 * vertex + 2], 0.06f);
+    if (std::abs(p.y - float(kSeam)) < 0.1f) ++seam[{p.x, p.z}];
+  }
+  EXPECT_EQ(seam.size(), kSide);
+  for (const auto& [place, count] : seam) EXPECT_EQ(count, 2u) << place.first;
 }
 
 TEST(GltfDraco, DamageIsRefused) {
