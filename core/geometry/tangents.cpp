@@ -4,6 +4,7 @@
 #include <tbb/task_arena.h>
 
 #include <bit>
+#include <cmath>
 
 namespace alabaster {
 namespace {
@@ -122,14 +123,29 @@ TangentCache::Counted TangentCache::compute(const Mesh& mesh, const MeshAttribut
   return counted;
 }
 
-const MeshAttribute<Vec4f>* TangentCache::of(const Mesh& mesh, const UvSetName& uv_set) const {
+// Positive scales leave the directions as they are, and an image of one colour along a line has none.
+bool TangentCache::turn(const Axes& axes) {
+  const auto& [u, v] = axes;
+  const float area = u.x * v.y - u.y * v.x;
+  return std::isfinite(area) && area != 0 && !(u.x > 0 && v.y > 0 && u.y == 0 && v.x == 0);
+}
+
+const MeshAttribute<Vec4f>* TangentCache::of(const Mesh& mesh, const UvSetName& uv_set, const Axes& axes) const {
   if (!mesh.tangents.empty()) return &mesh.tangents;
   const UvSet* const uvs = mesh.uv_set(uv_set);
   if (!uvs) return nullptr;
+  std::string key = uv_set.text();
+  const bool turned = turn(axes);
+  if (turned)
+    for (const Vec2f& axis : axes)
+      for (const float part : {axis.x, axis.y}) key += '\n' + std::to_string(std::bit_cast<uint32_t>(part));
   const std::scoped_lock lock(mutex_);
-  auto found = computed_.find(uv_set.text());
-  if (found == computed_.end()) found = computed_.emplace(uv_set.text(), compute(mesh, *uvs)).first;
-  return &found->second.tangents;
+  auto found = computed_.find(key);
+  if (found != computed_.end()) return &found->second.tangents;
+  if (!turned) return &computed_.emplace(key, compute(mesh, *uvs)).first->second.tangents;
+  MeshAttribute<Vec2f> image = *uvs;
+  for (Vec2f& st : image.values) st = {axes[0].x * st.x + axes[0].y * st.y, axes[1].x * st.x + axes[1].y * st.y};
+  return &computed_.emplace(key, compute(mesh, image)).first->second.tangents;
 }
 
 size_t TangentCache::memory_bytes() const {

@@ -2,6 +2,7 @@
 // section 3.4): baking programs bake against these.
 #pragma once
 
+#include <array>
 #include <map>
 #include <mutex>
 #include <string>
@@ -22,8 +23,12 @@ class TangentCache {
  public:
   /// Counts the tangents, also while they are computed (MemoryRefused). Called before any other.
   void count_in(std::shared_ptr<MemoryBudget> budget) { budget_ = std::move(budget); }
-  /// The authored ones if the mesh has some; null without that uv set.
-  const MeshAttribute<Vec4f>* of(const Mesh& mesh, const UvSetName& uv_set) const;
+  /// The change of u and of v of an image per unit of u and v of a set.
+  using Axes = std::array<Vec2f, 2>;
+  /// The authored ones if the mesh has some; null without that uv set. Others are as of coordinates that are turned by
+  /// `axes`: u and v are those of the image.
+  const MeshAttribute<Vec4f>* of(const Mesh& mesh, const UvSetName& uv_set,
+                                 const Axes& axes = {Vec2f(1, 0), Vec2f(0, 1)}) const;
   size_t memory_bytes() const;
 
  private:
@@ -32,6 +37,7 @@ class TangentCache {
     MemoryReservation memory;
   };
   Counted compute(const Mesh& mesh, const MeshAttribute<Vec2f>& uvs) const;
+  static bool turn(const Axes& axes);
 
   std::shared_ptr<MemoryBudget> budget_;
   mutable std::mutex mutex_;

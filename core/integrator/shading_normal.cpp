@@ -55,8 +55,9 @@ Vec3f mapped_normal(const Instance& instance, const Placement& placement, const 
                     const SurfaceHit& side, const NormalMap& map) {
   if (map.is_bump) return bumped_normal(instance, placement, triangle, side, map);
   const Mesh& mesh = instance.prototype->mesh;
-  if (!instance.tangents) return side.ns;
-  const Vec4f tangent = interpolated(*instance.tangents, mesh, triangle);
+  const MeshAttribute<Vec4f>* const tangents = instance.tangents_for(map);
+  if (!tangents) return side.ns;
+  const Vec4f tangent = interpolated(*tangents, mesh, triangle);
   const Affine& to_render = placement.object_to_world;
   const Vec3f t_object(tangent.x, tangent.y, tangent.z);
   const Vec3f along = to_render.vector(mesh.deforms() ? deformed(t_object, mesh, triangle) : t_object);

@@ -6,6 +6,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "core/geometry/embree_scene.h"
@@ -109,8 +110,10 @@ struct Instance : Placement {
   MeshOptions options;
   std::vector<uint8_t> single_sided_slots;         // those whose back rays pass are not 0; empty: not single_sided
   uint32_t category_set = 0;                       // of SceneSnapshot
-  const MeshAttribute<Vec4f>* tangents = nullptr;  // for a normal map
-  const InstanceArray* array = nullptr;            // this is the look of all its instances; null: of one alone
+  const MeshAttribute<Vec4f>* tangents = nullptr;  // for normal maps
+  /// For those whose coordinates are others.
+  std::vector<std::pair<const NormalMap*, const MeshAttribute<Vec4f>*>> own_tangents;
+  const InstanceArray* array = nullptr;  // this is the look of all its instances; null: of one alone
 
   /// Where the instance that was hit stands at the hit's time. `moved` holds the answer if it moves or is of an array.
   const Placement& at(const TriangleHit& hit, std::optional<Placement>* moved) const {
@@ -127,6 +130,12 @@ struct Instance : Placement {
     return slot < materials.size() ? slot : 0;
   }
   const DisneyMaterial& material(uint32_t triangle) const { return *materials[slot(triangle)]; }
+  /// For a map of one of the materials; null: the mesh has none.
+  const MeshAttribute<Vec4f>* tangents_for(const NormalMap& map) const {
+    for (const auto& [other, of] : own_tangents)
+      if (other == &map) return of;
+    return tangents;
+  }
   /// Rays pass the back of the slot's triangles.
   bool is_single_sided(size_t slot) const { return single_sided && single_sided_slots[slot] != 0; }
 };

@@ -75,6 +75,7 @@ Instance look_of(const InstanceDescription& d) {
   instance.prim_id = d.prim_id;
   instance.instance_id = d.instance_id;
   instance.category_set = d.category_set;
+  bool has_maps = false;
   for (size_t slot = 0; slot < d.materials.size(); ++slot) {
     const DisneyMaterial& material = *d.materials[slot];
     instance.materials.push_back(&material);
@@ -85,9 +86,12 @@ Instance look_of(const InstanceDescription& d) {
       instance.single_sided_slots.resize(d.materials.size());
       instance.single_sided_slots[slot] = 1;
     }
-    for (const auto* map : {&material.normal_map, &material.coat_normal_map})
-      if (*map && !(*map)->is_bump && !instance.tangents)
-        instance.tangents = d.prototype->tangents.of(d.prototype->mesh, (*map)->uv_set);
+    for (const auto* map : {&material.normal_map, &material.coat_normal_map}) {
+      if (!*map || (*map)->is_bump) continue;
+      const auto* const of = d.prototype->tangents.of(d.prototype->mesh, (*map)->uv_set, (*map)->transform.axes());
+      if (!std::exchange(has_maps, true)) instance.tangents = of;
+      if (of != instance.tangents) instance.own_tangents.emplace_back(&**map, of);
+    }
   }
   instance.options = d.options;
   if (!d.options.visible_to_camera) instance.options.camera_cull = CameraCull::all;

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "core/math/vector.h"
@@ -23,6 +24,8 @@ class UvTransform {
   Vec2f operator()(const Vec2f& uv) const {
     return {u_.x * uv.x + u_.y * uv.y + u_.z, v_.x * uv.x + v_.y * uv.y + v_.z};
   }
+  /// The change of u' and of v' per unit of u and v.
+  std::array<Vec2f, 2> axes() const { return {Vec2f(u_.x, u_.y), Vec2f(v_.x, v_.y)}; }
   /// How far a footprint reaches in an image: its width, of a length for which `metric` (xx, xy, yy) is the squared
   /// rate of change of uv, in texels of an image of this size, along the direction in which it covers the fewest.
   float texels_across(float width, const Vec3f& metric, const Vec2f& size) const {

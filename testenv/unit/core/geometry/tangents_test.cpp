@@ -77,6 +77,21 @@ TEST(TangentCache, GivesAuthoredOnesFirstAndNoneWithoutTheUvSet) {
   EXPECT_EQ(cache.of(mesh, "st"), &mesh.tangents);
 }
 
+// glTF-Sample-Viewer 592: an image that is turned on the surface takes the directions of its normals with it.
+TEST(TangentCache, FollowsTheCoordinatesOfTheImage) {
+  const Mesh mesh = square([](const Vec3f& p) { return Vec2f(p.x, p.y); });
+  const TangentCache cache;
+  const auto* plain = cache.of(mesh, "st");
+  EXPECT_EQ(cache.of(mesh, "st", {Vec2f(3, 0), Vec2f(0, 0.5f)}), plain) << "scales leave the directions";
+  EXPECT_EQ(cache.of(mesh, "st", {Vec2f(0, 0), Vec2f(0, 0)}), plain) << "an image of one colour has none";
+  const TangentCache::Axes turned = {Vec2f(0, 3), Vec2f(-2, 0)};
+  const auto* across = cache.of(mesh, "st", turned);
+  expect_all(*across, {0, 1, 0, 1});
+  EXPECT_EQ(cache.of(mesh, "st", turned), across) << "once";
+  expect_all(*cache.of(mesh, "st", {Vec2f(-1, 0), Vec2f(0, 1)}), {-1, 0, 0, -1});
+  expect_all(*cache.of(mesh, "st"), {1, 0, 0, 1});
+}
+
 TEST(TangentCache, CountsWhatItHoldsAndIsAskedAgainWhereMemoryRefusedIt) {
   const Mesh mesh = square([](const Vec3f& p) { return Vec2f(p.x, p.y); });
   const auto budget = std::make_shared<MemoryBudget>(100);
