@@ -33,14 +33,14 @@ struct ImageLayout {
   int width = 0, height = 0;
   size_t channels = 0;                            // values per pixel that read_rows gives
   static constexpr size_t kNoChannel = SIZE_MAX;  // it is 0
-  std::array<size_t, 3> rgb{};  // which of them are colour; all the same for a grey image. Not multiplied by alpha
-                                // wherever the format lets us choose
-  std::optional<size_t> alpha;  // which of them, if any, is alpha
-  bool bytes = false;           // values are bytes, which stand for multiples of 1/255; else floats
-  bool low_precision = false;   // integers of at most 16 bits: display-encoded unless told otherwise
-  bool halves = false;          // colours are 16-bit floats in the file
-  bool flat = true;             // neither a volume nor deep samples
-  size_t working_bytes = 0;     // that the decoder and the rows of one read_rows() take, roughly
+  std::array<size_t, 3> rgb{};                    // which of them are colour; all the same for a grey image
+  std::optional<size_t> alpha;                    // which of them, if any, is alpha
+  bool bytes = false;                             // values are bytes, which stand for multiples of 1/255; else floats
+  bool low_precision = false;                     // integers of at most 16 bits: display-encoded unless told otherwise
+  bool halves = false;                            // colours are 16-bit floats in the file
+  bool associated = false;                        // colours are multiplied by alpha
+  bool flat = true;                               // neither a volume nor deep samples
+  size_t working_bytes = 0;                       // that the decoder and the rows of one read_rows() take, roughly
 };
 
 /// Pixels from the top left of the picture, in one of the two. Outside of its data window an EXR is black and

@@ -201,6 +201,10 @@ class PieceChecker {
 
 bool check_exr_pieces(const FileBytes& file, const ExrPart& part, const ImageFunctions& images, ImageFault* fault) {
   if (part.is_deep) return true;  // not read
+  if (part.compression > kDwab) {
+    *fault = {"texture.format", "its compression is of a kind that is not read; export it with ZIP, PIZ or DWAA"};
+    return false;
+  }
   const std::string reason = PieceChecker(file, part, images).fault();
   if (!reason.empty()) *fault = {"texture.damaged", reason + "; export or copy the image again"};
   return reason.empty();

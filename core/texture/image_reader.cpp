@@ -27,8 +27,7 @@ constexpr Magic kMagics[] = {
     {"v/1\x01", "openexr"},
     {std::string_view("II*\0", 4), "tiff"},
     {std::string_view("MM\0*", 4), "tiff"},
-    {"#?RADIANCE", "hdr"},
-    {"#?RGBE", "hdr"},
+    {"#?", "hdr"},  // and the name of the program that wrote it
     {"RIFF", "webp"},
 };
 
@@ -135,6 +134,9 @@ bool ImageReader::load_bytes(const TextureSource& source, const ImageLimits& lim
       return fail(sink, "texture.unreadable", "the file is empty or cannot be read; export or copy the image again");
   }
   format_ = format_of(std::span(head.data(), head_size), path_);
+  const std::string_view start(reinterpret_cast<const char*>(head.data()), 4);
+  if (start == std::string_view("II+\0", 4) || start == std::string_view("MM\0+", 4))
+    return fail(sink, "texture.format", "it is a BigTIFF, which is not read; export it as TIFF or EXR");
   if (format_.empty())
     return fail(sink, "texture.format",
                 "not an image of a kind that is read (PNG, JPEG, TIFF, EXR, HDR, WebP, TGA); convert it");

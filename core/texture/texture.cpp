@@ -7,6 +7,7 @@
 #include <limits>
 #include <mutex>
 #include <optional>
+#include <set>
 #include <span>
 
 #include "core/math/largest_half.h"
@@ -265,10 +266,28 @@ class RowPacker {
       loading_.cancel.check();
       const int count = reader.read_rows(y, rows, sink_);
       if (count == 0) return std::nullopt;
+      if (source_.is_straight && layout.associated) divide_by_alpha(layout, &rows);
       add(rows, size_t(count) * size_t(layout.width), layout, {*transform, own_colors, infinity}, &packer);
       y += count;
     }
     return packer.take();
+  }
+
+  // Where nothing is covered a colour is added light, and stays.
+  static void divide_by_alpha(const ImageLayout& layout, ImageRows* rows) {
+    const std::set<size_t> colors(layout.rgb.begin(), layout.rgb.end());  // grey has one
+    const auto divide = [&](auto* values, const auto& over) {
+      for (size_t texel = 0; texel < values->size(); texel += layout.channels)
+        for (const size_t c : colors)
+          if (c != ImageLayout::kNoChannel)
+            (*values)[texel + c] = over((*values)[texel + c], (*values)[texel + *layout.alpha]);
+    };
+    if (layout.bytes)
+      divide(&rows->bytes, [](unsigned color, unsigned alpha) {
+        return uint8_t(alpha == 0 ? color : std::min(255u, (color * 255 + alpha / 2) / alpha));
+      });
+    else
+      divide(&rows->floats, [](float color, float alpha) { return alpha > 0 && alpha < 1 ? color / alpha : color; });
   }
 
   using Matrix = std::array<std::array<float, 3>, 3>;

@@ -31,18 +31,19 @@ struct TextureSource {
   std::string within = {};      // files must lie in this folder or below (core/files/input_file.h); empty: anywhere
   std::string layer = {};       // of an EXR (core/texture/exr_layers.h); empty: the picture
   bool is_environment = false;  // a cube, as an EXR's header calls it, becomes latitude and longitude
+  bool is_straight = false;     // colours that the file multiplies by alpha are divided by it
   bool operator==(const TextureSource&) const = default;
   /// True if both have the same texels: wrap modes and the filter do not count.
   bool is_same_image(const TextureSource& o) const {
     return path == o.path && bytes == o.bytes && color_space == o.color_space && may_be_set == o.may_be_set &&
-           within == o.within && layer == o.layer && is_environment == o.is_environment;
+           within == o.within && layer == o.layer && is_environment == o.is_environment && is_straight == o.is_straight;
   }
 };
 
 /// An immutable decoded image. uv: u to the right, v UP (v = 0 is the bottom row). Texel centres at half integers,
-/// bilinear unless its source asks for the nearest texel. The colour is not multiplied by alpha. Texels are what the
-/// file's header says: its display window, upright, in linear files with their own primaries and exposure. An infinity
-/// is the image's largest value, or 65504 if that is larger; a NaN is 0.
+/// bilinear unless its source asks for the nearest texel. Texels are what the file's header says: its display window,
+/// upright, in linear files with their own primaries and exposure. An infinity is the image's largest value, or 65504
+/// if that is larger; a NaN is 0. EXR, and TIFF where its header says so, multiply colours by alpha.
 class Texture {
  public:
   virtual ~Texture() = default;

@@ -67,6 +67,7 @@ struct NodeReader {
 struct TextureNodeReader : NodeReader {
   std::optional<SceneFault>* fault;  // receives an image that cannot be read
   const CancelToken& cancel;
+  const std::vector<Value>& of_alpha;  // files whose alpha the material uses
 
   /// Empty without an image.
   std::optional<TextureLookup> read(Texels texels) const {
@@ -80,6 +81,9 @@ struct TextureNodeReader : NodeReader {
     source.color_space = parameter("sourceColorSpace").text_or("auto");
     if (source.color_space.empty()) source.color_space = "auto";
     if (source.color_space == "auto" && texels == Texels::numbers) source.color_space = "raw";
+    // The opacity multiplies the colour once more.
+    source.is_straight =
+        texels == Texels::colors && std::find(of_alpha.begin(), of_alpha.end(), parameter("file")) != of_alpha.end();
     source.wrap_s = word("wrapS", "wrap mode", kWraps);
     source.wrap_t = word("wrapT", "wrap mode", kWraps);
     source.filter = word("filter", "filter", kFilters);
@@ -117,6 +121,7 @@ class MaterialReader {
     material->name = id_.str();
     const MaterialNode* surface = find_surface();
     if (surface) {
+      find_alphas(*surface);
       for (const auto& [name, value] : surface->parameters) read_parameter(name, value, &material->constants);
       for (const auto& [input, connections] : surface->inputConnections)
         read_connections(*surface, input, connections, material.get());
@@ -300,13 +305,20 @@ class MaterialReader {
   std::optional<TextureLookup> read_lookup(const Path& node_id, const Token& input, Texels texels) const {
     const auto node = network_.nodes.find(node_id);
     if (node != network_.nodes.end() && node->second.nodeTypeId == Token("AlabasterTexture"))
-      return TextureNodeReader{{node_id, node->second, param_, sink_}, fault_, cancel_}.read(texels);
+      return TextureNodeReader{{node_id, node->second, param_, sink_}, fault_, cancel_, of_alpha_}.read(texels);
     if (node != network_.nodes.end() && node->second.nodeTypeId == Token("AlabasterPrimvar")) return TextureLookup();
     const std::string what = node == network_.nodes.end()
                                  ? node_id.str() + ", which does not exist"
                                  : "a node of unknown type '" + node->second.nodeTypeId.str() + "'";
     warn("material.node", input.str() + " is connected to " + what + "; its constant is used");
     return std::nullopt;
+  }
+
+  void find_alphas(const MaterialNode& surface) {
+    for (const auto& [input, connections] : surface.inputConnections)
+      for (const MaterialConnection& connection : connections)
+        if (connection.upstreamOutput == Token("a"))
+          if (const auto node = texture_node(connection.upstreamNode)) of_alpha_.push_back(node->parameter("file"));
   }
 
   // Without a constant there is nothing to multiply.
@@ -323,6 +335,7 @@ class MaterialReader {
   const alabaster::DiagnosticSink& sink_;
   const CancelToken& cancel_;
   std::optional<SceneFault>* fault_ = nullptr;
+  std::vector<Value> of_alpha_;                         // files whose alpha some input reads
   std::map<std::pair<Path, Texels>, size_t> textures_;  // of the material, by node and meaning
 };
 

@@ -61,6 +61,8 @@ ImageLayout layout_of(const OIIO::ImageSpec& spec, const ImageSource& source) {
   const OIIO::TypeDesc format = spec.format;
   layout.bytes = format == OIIO::TypeUInt8 && spec.channelformats.empty();
   layout.low_precision = !format.is_floating_point() && format.basesize() <= 2;
+  const bool is_straight = spec.get_int_attribute("oiio:UnassociatedAlpha") != 0;
+  layout.associated = layout.alpha && (source.format == "openexr" || (source.format == "tiff" && !is_straight));
   return layout;
 }
 

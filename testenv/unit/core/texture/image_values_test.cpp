@@ -112,6 +112,52 @@ TEST_F(ImageValues, FilteredFloatsAreFloats) {
   EXPECT_FLOAT_EQ(t->filtered({0.5f, 0.5f}, 8).r, 1e6f);
 }
 
+// A material multiplies the colour by the alpha once more.
+TEST_F(ImageValues, AssociatedColorsAreDividedByAlphaWhereThatIsAskedFor) {
+  const auto load_both = [&](const std::string& file) {
+    TextureSource source;
+    source.path = file, source.color_space = "raw";
+    const auto stored = load(source);
+    source.is_straight = true;
+    return std::pair(stored, load(source));
+  };
+  const std::vector<float> pixels = {0.5f, 0.25f, 0.125f, 0.5f, 3, 2, 1, 0, 0.75f, 0.5f, 0.25f, 1};
+  const auto [stored, straight] = load_both(write("a.exr", 3, 1, 4, OIIO::TypeFloat, pixels));
+  ASSERT_TRUE(stored && straight) << reports_.text();
+  EXPECT_EQ(stored->texel(0, 0), Rgb(0.5f, 0.25f, 0.125f));
+  EXPECT_EQ(straight->texel(0, 0), Rgb(1, 0.5f, 0.25f));
+  EXPECT_EQ(straight->texel(1, 0), Rgb(3, 2, 1)) << "light alone";
+  EXPECT_EQ(straight->texel(2, 0), Rgb(0.75f, 0.5f, 0.25f));
+  EXPECT_NEAR(straight->alpha({1 / 6.0f, 0.5f}), 0.5f, 1e-3f);
+  for (const bool is_associated : {false, true}) {
+    OIIO::ImageSpec spec(1, 1, 4, OIIO::TypeUInt8);
+    if (!is_associated) spec.attribute("oiio:UnassociatedAlpha", 1);
+    const uint8_t pixel[] = {100, 50, 25, 128};
+    const auto out = OIIO::ImageOutput::create("a.tif");
+    ASSERT_TRUE(out->open(path("a.tif"), spec) && out->write_image(OIIO::TypeUInt8, pixel) && out->close());
+    const auto bytes = load_both(path("a.tif")).second;
+    ASSERT_TRUE(bytes) << reports_.text();
+    EXPECT_NEAR(bytes->texel(0, 0).r * 255, is_associated ? 199 : 100, 0.1) << is_associated;
+    EXPECT_NEAR(bytes->texel(0, 0).b * 255, is_associated ? 50 : 25, 0.1) << is_associated;
+  }
+}
+
+TEST_F(ImageValues, KindsThatAreNotReadAreNamed) {
+  EXPECT_FALSE(load(spit("big.tif", bytes_of(std::string("II+\0\10\0\0\0", 8)))));
+  EXPECT_NE(reports_.text().find("BigTIFF"), std::string::npos) << reports_.text();
+  std::vector<uint8_t> exr = slurp(write("a.exr", 1, 1, 3, OIIO::TypeFloat, {1, 1, 1}));
+  const std::string name = std::string("compression\0compression\0", 24);
+  const auto at = std::search(exr.begin(), exr.end(), name.begin(), name.end());
+  ASSERT_NE(at, exr.end());
+  at[24 + 4] = 10;  // of OpenEXR 3.4
+  EXPECT_FALSE(load(spit("new.exr", exr)));
+  EXPECT_NE(reports_.text().find("its compression"), std::string::npos) << reports_.text();
+  const auto other =
+      load(spit("a.hdr", bytes_of("#?AUTOPANO11\nFORMAT=32-bit_rle_rgbe\n\n-Y 1 +X 1\n\x80\x40\x20\x81")));
+  ASSERT_TRUE(other) << reports_.text();
+  EXPECT_EQ(other->texel(0, 0), Rgb(1, 0.5f, 0.25f));
+}
+
 TEST_F(ImageValues, ExposureIsDividedBy) {
   const auto plain = load(write_hdr("\n-Y 1 +X 1", {kOne}));
   ASSERT_TRUE(plain) << reports_.text();
