@@ -5,6 +5,8 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <span>
+#include <utility>
 
 #include "core/math/bounds.h"
 #include "core/math/transform.h"
@@ -31,6 +33,17 @@ bool finite(const Vec3d& p) {
   return std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z);
 }
 
+// True if some triangle of the face's fan has an area.
+bool has_area(const Array<Vec3f>& points, const int32_t* corners, int32_t count) {
+  const auto point = [&](int32_t i) {
+    const auto at = static_cast<size_t>(corners[i]);
+    return corners[i] >= 0 && at < points.size() ? Vec3d(points[at]) : Vec3d(0);
+  };
+  for (int32_t i = 2; i < count; ++i)
+    if ((point(i - 1) - point(0)).cross(point(i) - point(0)).length2() > 0) return true;
+  return false;
+}
+
 // The points of the faces that are drawn.
 std::vector<Vec3f> drawn_points(const host::MeshDescription& mesh) {
   const auto primvar = mesh.primvars.find("points");
@@ -43,19 +56,26 @@ std::vector<Vec3f> drawn_points(const host::MeshDescription& mesh) {
     for (const int32_t face : *faces)
       if (face >= 0 && static_cast<size_t>(face) < is_hidden.size()) is_hidden[static_cast<size_t>(face)] = 1;
   size_t corner = 0;
-  for (size_t face = 0; face < is_hidden.size(); ++face)
-    for (int32_t i = 0; i < topology.faceVertexCounts[face] && corner < topology.faceVertexIndices.size(); ++i) {
-      const int32_t point = topology.faceVertexIndices[corner++];
-      if (!is_hidden[face] && point >= 0 && static_cast<size_t>(point) < is_drawn.size())
-        is_drawn[static_cast<size_t>(point)] = 1;
-    }
+  for (size_t face = 0; face < is_hidden.size(); ++face) {
+    const auto left = static_cast<int32_t>(
+        std::min<size_t>(topology.faceVertexIndices.size() - corner, std::numeric_limits<int32_t>::max()));
+    const int32_t count = std::clamp(topology.faceVertexCounts[face], 0, left);
+    const int32_t* const corners = topology.faceVertexIndices.data() + corner;
+    corner += static_cast<size_t>(count);
+    if (is_hidden[face] || !has_area(*points, corners, count)) continue;
+    for (const int32_t point : std::span(corners, static_cast<size_t>(count)))
+      if (point >= 0 && static_cast<size_t>(point) < is_drawn.size()) is_drawn[static_cast<size_t>(point)] = 1;
+  }
   std::vector<Vec3f> drawn;
   for (size_t i = 0; i < is_drawn.size(); ++i)
     if (is_drawn[i] && is_finite((*points)[i])) drawn.push_back((*points)[i]);
   return drawn;
 }
 
-void add_mesh(const host::MeshDescription& mesh, const std::vector<Matrix4d>& instances, std::vector<Vec3d>* all) {
+// Instances that cannot be drawn count for nothing.
+void add_mesh(const host::MeshDescription& mesh, std::vector<Matrix4d> instances, std::vector<Vec3d>* all) {
+  std::erase_if(instances, [&](const Matrix4d& instance) { return !is_valid_affine(mesh.transform * instance); });
+  if (instances.empty()) return;
   const std::vector<Vec3f> points = drawn_points(mesh);
   if (instances.size() == 1) {
     for (const Vec3f& p : points)
@@ -137,7 +157,7 @@ std::vector<Vec3d> enclosing_points(host::RetainedSceneDelegate& scene) {
       for (const support::Placement& placement : placements.place(path, mesh.instancer, indices))
         if (placement.used) instances.push_back(placement.matrix);
     }
-    add_mesh(mesh, instances, &all);
+    add_mesh(mesh, std::move(instances), &all);
   }
   return all;
 }

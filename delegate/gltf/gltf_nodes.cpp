@@ -1,5 +1,8 @@
 #include "delegate/gltf/gltf_nodes.h"
 
+#include <algorithm>
+#include <array>
+#include <cmath>
 #include <utility>
 
 namespace alabaster::hd::gltf {
@@ -90,6 +93,29 @@ Matrix4d NodeTree::world_of(const PlacedNode& node) const {
 void NodeTree::update() {
   for (PlacedNode& node : nodes_)
     if (node.moves) node.world = world_of(node);
+}
+
+Matrix4d with_thickness(const Matrix4d& world) {
+  constexpr double kThickness = 1e-5, kFlat = 1e-12, kLine = 1e-9;
+  std::array<Vec3d, 3> axes;
+  double longest = 0;
+  for (int i = 0; i < 3; ++i) {
+    axes[size_t(i)] = {world[i][0], world[i][1], world[i][2]};
+    longest = std::max(longest, axes[size_t(i)].length());
+  }
+  Vec3d normal(0), across(0);
+  for (size_t i = 0; i < 3; ++i)
+    if (const Vec3d n = axes[i].cross(axes[(i + 1) % 3]); n.length2() > normal.length2()) normal = n;
+  const double determinant = axes[0].cross(axes[1]).dot(axes[2]);
+  const bool is_flat = std::abs(determinant) <= kFlat * longest * longest * longest;
+  if (!is_flat || !(normal.length() > kLine * longest * longest)) return world;
+  normal.normalize();
+  for (size_t i = 0; i < 3; ++i) across[int(i)] = normal.dot(axes[(i + 1) % 3].cross(axes[(i + 2) % 3]));
+  across.normalize();  // the direction that the map loses
+  Matrix4d thick = world;
+  for (int i = 0; i < 3; ++i)
+    for (int c = 0; c < 3; ++c) thick[i][c] += kThickness * longest * across[i] * normal[c];
+  return thick;
 }
 
 std::vector<Matrix4d> instance_transforms(const Document& document, const tinygltf::Node& node) {

@@ -38,6 +38,9 @@ class NodeTree {
   std::vector<PlacedNode> nodes_;
 };
 
+/// A map onto a plane with a hundred-thousandth of its extent across, so that it can be inverted; others as they are.
+Matrix4d with_thickness(const Matrix4d& world);
+
 /// The transforms of a node's instances relative to the node (EXT_mesh_gpu_instancing); one identity without the
 /// extension.
 std::vector<Matrix4d> instance_transforms(const Document& document, const tinygltf::Node& node);

@@ -157,7 +157,8 @@ void SceneTranslator::add_users(MeshUsers& users, GltfPrims* prims, Report& repo
     const PlacedNode& placed = tree_.nodes()[i];
     MeshUse& use = uses[morph_weights(model_.nodes[placed.index], model_.meshes[users.mesh])];
     use.nodes.push_back(placed.index);
-    for (const Matrix4d& instance : instances_of(placed.index)) use.placements.push_back(instance * placed.world);
+    for (const Matrix4d& instance : instances_of(placed.index))
+      use.placements.push_back(with_thickness(instance * placed.world));
   }
   for (const auto& [weights, use] : uses) add_mesh(users, use, *shape_of(users, weights, report), prims);
 }

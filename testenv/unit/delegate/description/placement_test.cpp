@@ -49,8 +49,8 @@ TEST(LookAt, PointsItsMinusZAtTheTarget) {
 host::MeshDescription segment() {
   host::MeshDescription mesh;
   mesh.topology.faceVertexCounts = {3};
-  mesh.topology.faceVertexIndices = {0, 1, 1};
-  mesh.primvars["points"].value = Array<Vec3f>{{0, 0, 0}, {1, 0, 0}};
+  mesh.topology.faceVertexIndices = {0, 1, 2};
+  mesh.primvars["points"].value = Array<Vec3f>{{0, 0, 0}, {1, 0, 0}, {1, 1e-20f, 0}};
   return mesh;
 }
 
@@ -116,6 +116,25 @@ TEST(EnclosingPoints, PointsOfFacesThatAreDrawnCount) {
     expect_near(low, {0, 0, 0});
     expect_near(high, {1, 1, 0});
   }
+}
+
+TEST(EnclosingPoints, FacesWithoutAreaDoNotCount) {
+  host::RetainedSceneDelegate scene;
+  host::MeshDescription mesh = segment();
+  mesh.topology.faceVertexCounts = {3, 3, 4};
+  mesh.topology.faceVertexIndices = {0, 1, 2, 3, 3, 3, 0, 3, 3, 0};
+  mesh.primvars["points"].value = Array<Vec3f>{{0, 0, 0}, {1, 0, 0}, {1, 1e-20f, 0}, {300, 200, 100}};
+  scene.SetMesh("/mesh", mesh);
+  expect_near(bounds(scene).second, {1, 0, 0});
+}
+
+TEST(EnclosingPoints, InstancesThatCannotBeDrawnDoNotCount) {
+  host::RetainedSceneDelegate scene;
+  host::MeshDescription mesh = segment();
+  scene.SetMesh("/seen", mesh);
+  for (int i = 0; i < 3; ++i) mesh.transform[i][i] = 0, mesh.transform[3][i] = 500;
+  scene.SetMesh("/point", mesh);
+  expect_near(bounds(scene).second, {1, 0, 0});
 }
 
 // A quarter turn about z, given by a quaternion of length 3: drawing normalises it (Instancer::Sync), and so must this.
