@@ -96,7 +96,9 @@ def main():
     parser.add_argument("--keep", type=pathlib.Path, help="a folder for the inputs")
     options = parser.parse_args()
     import image_reports  # noqa: F401
+    import further_reports  # noqa: F401
     import model_reports  # noqa: F401
+    import slot_reports  # noqa: F401
     wrong = tried = 0
     with tempfile.TemporaryDirectory() as temporary:
         for number, (name, situation, function, is_open) in enumerate(row for row in ROWS if options.only.lower() in " ".join(row[:2]).lower()):
