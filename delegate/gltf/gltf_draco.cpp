@@ -4,6 +4,7 @@
 #include <draco/core/varint_decoding.h>
 #include <draco/metadata/metadata_decoder.h>
 
+#include <algorithm>
 #include <cstring>
 
 #include "delegate/gltf/gltf_accessor.h"
@@ -189,7 +190,7 @@ void join_draco_seams(const Json& root, const std::vector<std::pair<const Json*,
   std::vector<RoundedPiece> pieces;
   all.reserve(primitives.size());
   for (const auto& [primitive, decoded] : primitives) {
-    if (decoded->step <= 0 || primitive->value("mode", 4) != 4) continue;
+    if (!(decoded->step > 0) || primitive->value("mode", 4) != 4) continue;
     const auto positions = decoded->accessors.find((*primitive)["attributes"]["POSITION"].get<size_t>());
     const size_t index = (*primitive)["indices"].get<size_t>();
     const auto corners = decoded->accessors.find(index);
@@ -201,7 +202,9 @@ void join_draco_seams(const Json& root, const std::vector<std::pair<const Json*,
     const size_t size = component_size(type);
     for (size_t at = 0; at < corners->second.size(); at += size)
       one.triangles.push_back(read_index(corners->second.data() + at, type));
-    pieces.push_back({&one.points, &one.triangles, decoded->step});
+    const auto is_there = [&one](uint32_t corner) { return corner < one.points.size(); };  // others are refused later
+    if (std::all_of(one.triangles.begin(), one.triangles.end(), is_there))
+      pieces.push_back({&one.points, &one.triangles, decoded->step});
   }
   join_seams(pieces);
   for (const Decoded& one : all) std::memcpy(one.bytes->data(), one.points.data(), one.bytes->size());

@@ -118,14 +118,15 @@ std::vector<size_t> surfaces_of(const std::vector<SurfacePiece>& pieces) {
 void join_seams(const std::vector<RoundedPiece>& pieces) {
   float cell = 0;
   for (const RoundedPiece& piece : pieces) cell = std::max(cell, piece.step);
-  if (!(cell > 0) || pieces.size() < 2) return;
+  if (!(cell > 0) || !std::isfinite(cell) || pieces.size() < 2) return;
   Places places(1.01f * cell);
   for (const RoundedPiece& piece : pieces) {
     std::set<Position> ends;
     for (const Edge& edge : open_edges(*piece.points, *piece.triangles)) ends.insert(edge.begin(), edge.end());
     std::map<Position, Vec3f> moved;
     for (const Vec3f& point : *piece.points)
-      if (const Position at = position_of(point); ends.contains(at) && !moved.contains(at)) {
+      if (const Position at = position_of(point);
+          std::isfinite(point.length2()) && ends.contains(at) && !moved.contains(at)) {
         const Vec3f* const known = places.find(point, piece.step);
         moved[at] = known ? *known : point;
       }
