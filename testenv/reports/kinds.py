@@ -89,6 +89,11 @@ def obj_materials(made):
     body("two groups as one")(made, "01_obj2gltf_one.glb", "01_obj2gltf_two.glb")
 
 
+@case(1, "Draco", "an OBJ with two usemtl groups, each primitive rounded to a grid of its own")
+def draco_materials(made):
+    body("two rounded groups as one", .015)(made, "01_obj2gltf_one.glb", "01_draco_two.glb")
+
+
 def cost(made, model):
     before = resource.getrusage(resource.RUSAGE_CHILDREN)
     picture = made.scene(model, None, SKY, 16, 1, options=["--stats", "stats.json"])
@@ -492,6 +497,14 @@ def make(folder, options):
     for name in ("one", "two"):
         tool = pathlib.Path(options.node or "/", "node_modules", ".bin", "obj2gltf")
         run(["obj2gltf"], [str(tool), "-i", folder / f"01_{name}.obj", "-o", folder / f"01_obj2gltf_{name}.glb"])
+    if (folder / "01_obj2gltf_two.glb").exists():
+        (folder / "with_draco.mjs").write_bytes((HERE / "exporters" / "with_draco.mjs").read_bytes())
+        modules = folder / "node_modules"
+        if options.node and not modules.exists():
+            modules.symlink_to((options.node / "node_modules").resolve())
+        run(["Draco"], ["node", folder / "with_draco.mjs", folder / "01_obj2gltf_two.glb", folder / "01_draco_two.glb"], cwd=folder)
+    else:
+        missing["Draco"] = "obj2gltf's file is missing"
     for source, to in (("09_welded.obj", "09_assimp_welded.glb"), ("09_split.obj", "09_assimp_split.glb"),
                               ("19_blender.obj", "19_assimp.obj")):
         if (folder / source).exists():
