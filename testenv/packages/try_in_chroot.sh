@@ -84,6 +84,12 @@ if [ -n "$deb" ]; then
     $render
     python3 -c 'import hdalabaster; print(hdalabaster.__version__)'
     test -s /usr/share/doc/hdalabaster/copyright && test -s /usr/share/bash-completion/completions/alabaster"
+  # The window, on a screen without a monitor: it is still open after 10 s.
+  inside "apt-get install -y -qq --no-install-recommends xvfb xauth libgl1-mesa-dri
+    opened=0
+    timeout 10 xvfb-run -a alabaster view /work/sample/sample.json || opened=\$?
+    [ \$opened -eq 124 ]" >"$folder/$suite.window.log" 2>&1 || { tail -n 20 "$folder/$suite.window.log" >&2; exit 1; }
+  echo "$suite: the window of the .deb opens"
 fi
 if [ -n "$wheel" ]; then
   enter
