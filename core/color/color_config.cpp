@@ -1,6 +1,7 @@
 #include "core/color/color_config.h"
 
 #include <algorithm>
+#include <atomic>
 #include <cctype>
 #include <cmath>
 #include <cstdlib>
@@ -122,6 +123,7 @@ class OcioColorConfig final : public ColorConfig {
                                                           const DiagnosticSink& sink) const override;
   std::string serialize() const override;
   ConfigInputs inputs() const;
+  void report_unknown_primaries(const DiagnosticSink& sink) const;
 
  private:
   SpaceMeaning meaning_of(const std::string& name) const;
@@ -142,6 +144,7 @@ class OcioColorConfig final : public ColorConfig {
   std::string origin_;
   std::string rendering_;
   std::string text_;
+  mutable std::atomic<bool> has_warned_ = false;  // that primaries are not known
 };
 
 bool OcioColorConfig::is_scene_space(const char* name) const {
@@ -327,6 +330,14 @@ std::array<float, 8> OcioColorConfig::chromaticities(const std::string& name) co
   }
 }
 
+void OcioColorConfig::report_unknown_primaries(const DiagnosticSink& sink) const {
+  if (!sink || interchange_role() || has_warned_.exchange(true)) return;
+  report(
+      sink, Severity::warning, "ocio.interchange.missing", origin_,
+      "the configuration has no aces_interchange or cie_xyz_d65_interchange role, so the chromaticities of an EXR are "
+      "not known and those of Rec.709 are written; give one of these roles");
+}
+
 // OpenColorIO itself would write numbers as the host's locale has them.
 std::string OcioColorConfig::serialize() const {
   return text_;
@@ -478,7 +489,7 @@ std::shared_ptr<const ColorConfig> ColorConfig::load(const std::string& path, co
   const char* environment = std::getenv("OCIO");
   const bool from_environment = path.empty() && environment && *environment;
   const std::string origin = from_environment ? environment : path.empty() ? kBuiltinOrigin : path;
-  const std::string remedy = std::string(from_environment ? "$OCIO names it: set it to" : "give") +
+  const std::string remedy = std::string(from_environment ? "set $OCIO, which names it, to" : "give") +
                              " a .ocio file (profile version 1 to 2.1), or 'built-in' for the built-in configuration";
   try {
     const QuietOcio quiet;
@@ -497,6 +508,10 @@ std::shared_ptr<const ColorConfig> ColorConfig::load(const std::string& path, co
 
 ConfigInputs config_inputs(const ColorConfig& config) {
   return static_cast<const OcioColorConfig&>(config).inputs();  // there is no other kind
+}
+
+void report_unknown_primaries(const ColorConfig& config, const DiagnosticSink& sink) {
+  static_cast<const OcioColorConfig&>(config).report_unknown_primaries(sink);
 }
 
 }  // namespace alabaster

@@ -22,4 +22,7 @@ struct ConfigInputs {
 /// `config`: from ColorConfig::load(). Any thread.
 ConfigInputs config_inputs(const ColorConfig& config);
 
+/// Warns, once for the object, of a configuration that has no way to CIE XYZ, where chromaticities are to be written.
+void report_unknown_primaries(const ColorConfig& config, const DiagnosticSink& sink);
+
 }  // namespace alabaster

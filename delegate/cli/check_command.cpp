@@ -62,18 +62,18 @@ int check(const CheckArguments& a, Console* console) {
   if (!a.memory_limit.empty()) flags.emplace_back("--memory-limit " + a.memory_limit, "memoryLimit", a.memory_limit);
   const hd::description::LoadOptions options = scene_load_options(a, std::move(flags));
   session.load(a.scene, options, console->sink());
-  session.choose_colors("", console->sink(), kInput);
+  session.choose_colors(a.ocio, console->sink(), kInput);
   const int products = check_products(session, console->sink());
   session.start(console->sink());
   if (!session.index()->SyncAll()) return kRender;
-  session.require_whole();
+  require(session.fault_code());
   return products;
 }
 
 }  // namespace
 
 int run_check(const CheckArguments& a) {
-  Console console(a.quiet);
+  Console console(a.quiet, Console::Like::all);
   const Deadline deadline(a.time_limit, a.scene);
   const int code = check(a, &console);
   if (code == kDone) console.note(a.scene + ": can be rendered");

@@ -6,7 +6,6 @@
 #include <nlohmann/json.hpp>
 #include <set>
 
-#include "delegate/cli/control_characters.h"
 #include "delegate/cli/shell_word.h"
 #include "delegate/description/render_description.h"
 #include "delegate/host/product_writer.h"
@@ -32,36 +31,6 @@ constexpr Example kExamples[] = {
     {"tradeoff", "alabaster tradeoff scene.json --budget 10", ""},
     {"schema", "alabaster schema disney_material", ""}};
 constexpr size_t kShownExamples = 5;
-
-/// A word of other programs, and ours. `value`: in the place of one that is a plain number; null: it stays.
-struct Alias {
-  const char *word, *ours, *value;
-};
-constexpr Alias kCommandAliases[] = {
-    {"open", "view", nullptr},   {"show", "view", nullptr},      {"gui", "view", nullptr},
-    {"list", "info", nullptr},   {"inspect", "info", nullptr},   {"validate", "check", nullptr},
-    {"submit", "farm", nullptr}, {"export", "convert", nullptr}, {"benchmark", "tradeoff", nullptr}};
-constexpr Alias kFlagAliases[] = {{"sample", "--spp", nullptr},
-                                  {"num-samples", "--spp", nullptr},
-                                  {"samples-per-pixel", "--spp", nullptr},
-                                  {"width", "--size", "1280x720"},
-                                  {"height", "--size", "1280x720"},
-                                  {"res", "--size", "1280x720"},
-                                  {"resolution", "--size", "1280x720"},
-                                  {"out", "--output", nullptr},
-                                  {"noise", "--target-error", nullptr},
-                                  {"noise-threshold", "--target-error", nullptr},
-                                  {"env", "--dome", nullptr},
-                                  {"envmap", "--dome", nullptr},
-                                  {"environment", "--dome", nullptr},
-                                  {"hdri", "--dome", nullptr},
-                                  {"sky", "--dome", nullptr},
-                                  {"bounces", "--max-depth", nullptr},
-                                  {"depth", "--max-depth", nullptr},
-                                  {"cores", "--threads", nullptr},
-                                  {"jobs", "--threads", nullptr},
-                                  {"preset", "--quality", nullptr},
-                                  {"layer", "--aov", nullptr}};
 
 template <size_t N>
 const Alias* find_alias(const Alias (&aliases)[N], const std::string& word) {
@@ -154,7 +123,7 @@ class Corrector {
     bool holds_value = false;
     const CLI::Option* option = known_option(command_, word, &holds_value);
     if (!option) return replace(word);
-    used_.insert(option->get_name());
+    used_.insert(option_name(*option));
     result_.words.push_back(word);
     if (!holds_value && option->get_expected_max() > 0 && at_ + 1 < words_.size())
       result_.words.push_back(words_[++at_]);
@@ -216,7 +185,7 @@ std::string help_command(const CLI::App& app, const Words& words) {
 }
 
 // The first word is no command.
-std::string command_fault(const CLI::App& app, const Words& words) {
+std::string unknown_command(const CLI::App& app, const Words& words) {
   const std::string& word = words[0];
   Words names;
   for (const CLI::App* command : commands_of(app)) names.push_back(command->get_name());
@@ -299,8 +268,11 @@ std::string word_fault(const CLI::App& app, const Words& words, const CLI::Parse
   if (words.empty()) return {};
   if (is_option(words[0])) return early_option_fault(app, words);
   const CLI::App* command = find_command(app, words[0]);
-  if (!command) return command_fault(app, words);
-  const std::string fault = option_fault(*command, words);
+  return command ? command_fault(*command, words, error) : unknown_command(app, words);
+}
+
+std::string command_fault(const CLI::App& command, const Words& words, const CLI::ParseError& error) {
+  const std::string fault = option_fault(command, words);
   if (!fault.empty() || error.get_name() != "RequiredError") return fault;
   std::string missing = error.what();
   if (missing.starts_with("file ")) missing.replace(0, 4, "SCENE");
@@ -316,7 +288,7 @@ std::string with_near_choices(const CLI::App& app, const Words& words) {
     bool holds_value = false;
     const CLI::Option* option = is_option(words[i]) ? known_option(*command, words[i], &holds_value) : nullptr;
     if (!option || option->get_expected_max() == 0) continue;
-    const std::string name = option->get_name();
+    const std::string name = option_name(*option);
     if (!holds_value && ++i == words.size()) break;
     const size_t begin = holds_value ? words[i].find('=') + 1 : 0;
     const std::string right = right_choice(name, words[i].substr(begin), &complete);
@@ -325,6 +297,10 @@ std::string with_near_choices(const CLI::App& app, const Words& words) {
     changed = true;
   }
   return complete && changed ? command_text(corrected) : std::string();
+}
+
+std::string option_name(const CLI::Option& option) {
+  return option.get_lnames().empty() ? std::string() : "--" + option.get_lnames()[0];
 }
 
 const Words& farm_engines() {

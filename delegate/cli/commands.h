@@ -45,6 +45,7 @@ struct InfoArguments : SceneArguments {
   std::optional<double> predict;  // a relative RMSE
   std::optional<hd::Vec2i> size;
   std::string threads;
+  bool json = false;
 };
 int run_info(const InfoArguments& arguments);
 
@@ -92,6 +93,8 @@ int run_tradeoff(const TradeoffArguments& arguments);
 /// Runs the program alabaster-view beside this one in its place. `arguments` begin with the name of the program and end
 /// with null. Returns only if that fails, with the exit code.
 int run_view(char** arguments);
+/// The file alabaster-view beside this program; empty if there is none.
+std::string view_program();
 
 struct SchemaArguments {
   std::string name, folder;
@@ -103,5 +106,11 @@ struct OcioArguments {
   bool write_config = false;  // the whole config instead of a list
 };
 int run_ocio(const OcioArguments& arguments);
+
+// Both print to standard output and return an exit code.
+/// A page of section 1 in roff, with a section for each command of `app`.
+int run_man(const CLI::App& app);
+/// A script for `shell`, which is bash, zsh or fish: it completes commands, flags and files.
+int run_completion(const CLI::App& app, const std::string& shell);
 
 }  // namespace alabaster::cli

@@ -7,8 +7,8 @@
 #include <cmath>
 #include <cstdio>
 
-#include "delegate/cli/control_characters.h"
 #include "delegate/cli/exit_codes.h"
+#include "delegate/cli/shell_word.h"
 
 namespace alabaster::cli {
 namespace {
@@ -40,7 +40,7 @@ size_t terminal_width() {
   return ioctl(STDERR_FILENO, TIOCGWINSZ, &size) == 0 && size.ws_col > 0 ? size.ws_col : kUsual;
 }
 
-constexpr size_t kMostMessages = 100;
+constexpr size_t kMostMessages = 100, kMostLike = 3;
 
 }  // namespace
 
@@ -67,7 +67,7 @@ std::string printable(const std::string& text) {
   }
 }
 
-Console::Console(bool quiet) : quiet_(quiet), terminal_(isatty(STDERR_FILENO) != 0) {}
+Console::Console(bool quiet, Like like) : quiet_(quiet), terminal_(isatty(STDERR_FILENO) != 0), like_(like) {}
 
 hd::DiagnosticSink Console::sink() {
   return [this](const hd::Diagnostic& diagnostic) { show(diagnostic); };
@@ -80,6 +80,7 @@ void Console::show(const hd::Diagnostic& d) {
   // The end of a run is told, whatever came before.
   const bool told = d.code == "cli" || d.code.starts_with("record.") || d.code.starts_with("product.") ||
                     d.code.starts_with("pass.") || d.code.ends_with(".more");
+  if (!told && is_counted(d)) return;
   if (++counts_[int(d.severity)] > kMostMessages && !told) {
     ++unshown_[int(d.severity)];
     return;
@@ -91,8 +92,25 @@ void Console::show(const hd::Diagnostic& d) {
   print_line(kind + (d.where.empty() ? "" : shortened(d.where, 1000) + ": ") + shortened(d.text, 4000));
 }
 
+// True of a warning that is like others which were shown.
+bool Console::is_counted(const hd::Diagnostic& d) {
+  constexpr size_t kFirstWords = 40;
+  if (like_ == Like::all || d.severity != hd::Severity::warning) return false;
+  return ++like_counts_[d.code + ": " + d.text.substr(0, kFirstWords)] > kMostLike;
+}
+
+void Console::tell_counted() {
+  for (auto& [words, count] : like_counts_) {
+    if (count <= kMostLike) continue;
+    print_line("and " + std::to_string(count - kMostLike) + " more warnings '" + words +
+               "...'; 'alabaster check' lists each");
+    count = kMostLike;
+  }
+}
+
 void Console::note(const std::string& text) {
   const std::lock_guard lock(mutex_);
+  tell_counted();
   if (!quiet_) print_line(text);
 }
 
@@ -125,6 +143,7 @@ void Console::write_file(const std::string& file, const std::string& text, const
 }
 
 void Console::count_rest() {
+  tell_counted();
   const char* kinds[] = {"notes", "warnings", "errors"};
   for (size_t kind = 0; kind < std::size(kinds); ++kind)
     if (unshown_[kind] > 0) print_line("and " + std::to_string(unshown_[kind]) + " more " + kinds[kind]);

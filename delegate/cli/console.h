@@ -1,6 +1,7 @@
 // The program's output to people: diagnostics and progress, all on standard error.
 #pragma once
 
+#include <map>
 #include <mutex>
 #include <string>
 
@@ -17,7 +18,10 @@ std::string printable(const std::string& text);
 /// `quiet` only errors and warnings are shown.
 class Console {
  public:
-  explicit Console(bool quiet);
+  /// Like warnings begin with the same words, as those of several meshes do. `all` shows each; else the first three are
+  /// shown and the others counted.
+  enum class Like { counted, all };
+  explicit Console(bool quiet, Like like = Like::counted);
   ~Console() { count_rest(); }
   Console(const Console&) = delete;
   Console& operator=(const Console&) = delete;
@@ -48,14 +52,18 @@ class Console {
 
  private:
   void show(const hd::Diagnostic& diagnostic);
+  bool is_counted(const hd::Diagnostic& diagnostic);
+  void tell_counted();
   void count_rest();
   void print_line(const std::string& text);
   void print_bar(double done, const std::string& text);
 
   const bool quiet_, terminal_;
+  const Like like_;
   mutable std::mutex mutex_;
   bool bar_shown_ = false;
   size_t counts_[3] = {0, 0, 0}, unshown_[3] = {0, 0, 0};  // of messages, by severity
+  std::map<std::string, size_t> like_counts_;              // of warnings, by their code and first words
   int tenths_shown_ = 0;
   double seconds_shown_ = 0;
 };

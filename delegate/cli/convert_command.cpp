@@ -2,7 +2,6 @@
 #include "delegate/cli/commands.h"
 #include "delegate/cli/exit_codes.h"
 #include "delegate/cli/interrupt.h"
-#include "delegate/cli/scene_inputs.h"
 
 namespace alabaster::cli {
 

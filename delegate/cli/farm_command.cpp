@@ -1,7 +1,6 @@
 #include <algorithm>
 #include <filesystem>
 
-#include "delegate/cli/checkpoint_options.h"
 #include "delegate/cli/commands.h"
 #include "delegate/cli/exit_codes.h"
 #include "delegate/cli/farm_jobs.h"
@@ -50,9 +49,7 @@ class FarmCommand {
   // The scene is loaded so that its faults are told before the jobs are.
   void count_samples() {
     open_scene(a_.render, load_options(a_.render), console_, console_.sink(), &session_);
-    RenderArguments part = a_.render;
-    part.samples = {0, 1}, part.checkpoint = "part";
-    check_parts(part, session_, 1, console_);
+    check_divisible("--tasks", session_, console_);
     const auto all = session_.scene.GetAllRenderSettings();
     const hd::RenderSettingsDescription& frame = all.at(session_.file.settings);
     for (const hd::RenderProduct& product : products_)
@@ -76,8 +73,8 @@ class FarmCommand {
     if (error)
       console_.usage_error("farm", "The current folder has no name: " + error.message() +
                                        ". Change to a folder that is there and that may be read.");
-    jobs_ = {a_.engine,        program,  home,     (home / folder_).string(), a_.render.scene, a_.task_options,
-             a_.merge_options, a_.tasks, a_.tasks, a_.render.keep_going};
+    jobs_ = {a_.engine,        program,  home,    (home / folder_).string(), a_.render.scene, a_.task_options,
+             a_.merge_options, a_.tasks, a_.tasks};
     console_.require_usage("farm", farm_fault(jobs_));
   }
 
@@ -89,7 +86,7 @@ class FarmCommand {
     add_colors(*colors, &inputs);
     add_files(session_, a_.render.scene, &inputs);
     jobs_.inputs = to_text(inputs);
-    jobs_.variables = colors->variables;
+    jobs_.variables = job_variables(*colors);
     jobs_.variables["OCIO"] = colors->origin;
     console_.require_usage("farm", farm_fault(jobs_));
   }

@@ -3,7 +3,6 @@
 #include <nlohmann/json.hpp>
 #include <utility>
 
-#include "delegate/cli/control_characters.h"
 #include "delegate/cli/shell_word.h"
 
 namespace alabaster::cli {
@@ -59,17 +58,14 @@ class Writer {
 
   std::string task() const {
     const std::string n = std::to_string(jobs_.tasks), spp = std::to_string(jobs_.samples);
-    // A part that was rendered with --keep-going without all of its scene counts as rendered.
-    // Otherwise the shell becomes the program, which then gets the signals of the farm.
-    const std::string begin = jobs_.keep_going ? "" : "exec ";
-    const std::string end = jobs_.keep_going ? " || code=$?\n[ \"${code:-0}\" -eq 6 ] || exit \"${code:-0}\"\n" : "\n";
+    // The shell becomes the program, which then gets the signals of the farm.
     return "#!/bin/sh\n# task.sh K: renders part K of the samples, from 0 to " + std::to_string(jobs_.tasks - 1) +
            ". Run again, it goes on; a part that is whole stays as it is.\n" + at_home() +
            "[ \"${1:-}\" -ge 0 ] 2>/dev/null && [ \"$1\" -lt " + n + " ] || { echo \"usage: task.sh K, from 0 to " +
            std::to_string(jobs_.tasks - 1) + "\" >&2; exit 2; }\nfirst=$(($1 * " + spp + " / " + n +
-           "))\nend=$((($1 + 1) * " + spp + " / " + n + "))\n" + begin + run("render", jobs_.task_options) + inputs() +
+           "))\nend=$((($1 + 1) * " + spp + " / " + n + "))\nexec " + run("render", jobs_.task_options) + inputs() +
            " --quiet --samples \"$first:$end\" --resume --checkpoint " + shell_word(in_folder("part.")) +
-           "\"$(printf %05d \"$1\")\".checkpoint -- " + shell_word(jobs_.scene) + end;
+           "\"$(printf %05d \"$1\")\".checkpoint -- " + shell_word(jobs_.scene) + "\n";
   }
 
   /// A line for each task, for engines that take commands.

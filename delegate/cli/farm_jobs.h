@@ -18,8 +18,7 @@ struct FarmJobs {
   std::string scene;
   std::vector<std::string> task_options, merge_options;  // a word each, such as --size=64x64
   uint32_t tasks = 1;
-  uint32_t samples = 1;  // per pixel, of the whole frame
-  bool keep_going = false;
+  uint32_t samples = 1;                                              // per pixel, of the whole frame
   std::map<std::string, std::optional<std::string>> variables = {};  // of the environment; empty: not set
   std::string inputs = {};                                           // the text of inputs.txt
 };

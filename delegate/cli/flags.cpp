@@ -7,8 +7,8 @@
 #include <sstream>
 
 #include "delegate/cli/console.h"
-#include "delegate/cli/control_characters.h"
 #include "delegate/cli/exit_codes.h"
+#include "delegate/cli/shell_word.h"
 
 namespace alabaster::cli {
 namespace {
@@ -60,9 +60,10 @@ void add_size(CLI::App* command, std::optional<hd::Vec2i>* size, const char* hel
              "WxH", help);
 }
 
-int exit_code(const CLI::App& app, const CLI::ParseError& error) {
-  if (error.get_name() == "ValidationError") {
-    Console(false).error("", error.what());
+int parse_fault(const CLI::ParseError& error, const CLI::App& app, const std::string& fault) {
+  const bool is_help = error.get_exit_code() == 0, is_value = error.get_name() == "ValidationError";
+  if (is_value || (!is_help && !fault.empty())) {
+    Console(false).error("", is_value ? error.what() : fault);
     return kUsage;
   }
   std::ostringstream errors;  // it may repeat the name of any file

@@ -39,8 +39,9 @@ void add_repeated(CLI::App* command, const char* flags, std::vector<std::string>
 /// --size WxH.
 void add_size(CLI::App* command, std::optional<hd::Vec2i>* size, const char* help);
 
-/// Prints what ends the reading of a command line, a fault or a help; an exit code.
-int exit_code(const CLI::App& app, const CLI::ParseError& error);
+/// Prints why a command line was not read, or the help that it requests; an exit code. `fault`: of its words; empty:
+/// the parser's own text will do.
+int parse_fault(const CLI::ParseError& error, const CLI::App& app, const std::string& fault);
 
 // Each is empty if the text is malformed.
 /// Finite and not negative, or above 0.

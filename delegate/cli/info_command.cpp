@@ -1,27 +1,29 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <cstring>
+#include <nlohmann/json.hpp>
+#include <set>
+#include <sstream>
 
 #include "delegate/cli/commands.h"
-#include "delegate/cli/control_characters.h"
 #include "delegate/cli/exit_codes.h"
-#include "delegate/cli/info_overrides.h"
 #include "delegate/cli/interrupt.h"
 #include "delegate/cli/predict.h"
 #include "delegate/cli/scene_session.h"
+#include "delegate/cli/shell_word.h"
 #include "delegate/cli/stopwatch.h"
-#include "delegate/description/authored_name.h"
+#include "delegate/description/scene_names.h"
 #include "delegate/host/schemas.h"
+#include "delegate/support/json_values.h"
 #include "delegate/support/process_usage.h"
 
 namespace alabaster::cli {
 namespace {
 
+using hd::description::WorldBox;
 using hd::host::MeshDescription;
-
-std::string shown(const hd::Path& path) {
-  return printable(path.str());
-}
+using Json = nlohmann::ordered_json;
 
 // A studio and the soft dome are added after all overrides.
 bool is_added(const hd::Path& path) {
@@ -31,27 +33,26 @@ bool is_added(const hd::Path& path) {
 }
 
 /// The name by which --set finds a prim, and its path.
-std::string named(const hd::Path& path, bool is_mesh) {
-  if (is_added(path)) return shown(path) + " (added)";
-  return printable(hd::description::AuthoredName(path, is_mesh)) + ": " + shown(path);
+Json named(const hd::Path& path, bool is_mesh) {
+  Json prim{{"path", path.str()}};
+  if (is_added(path))
+    prim["added"] = true;
+  else
+    prim["name"] = hd::description::AuthoredName(path, is_mesh);
+  return prim;
 }
 
-/// Prints how --set changes the first prim of a list that it can change and `fits` takes.
-template <class Prims, class Fits>
-void print_overrides(const char* list, const Prims& prims, const Fits& fits) {
-  for (const auto& [path, prim] : prims) {
-    const std::string name = hd::description::AuthoredName(path, list == std::string("meshes"));
-    // An example for a name that a terminal would not show as it is cannot be copied.
-    if (is_added(path) || has_control_character(name) || !fits(prim)) continue;
-    std::fputs(override_lines(list, name).c_str(), stdout);
-    return;
-  }
+Json numbers(const hd::Vec3d& v) {
+  return {v.x, v.y, v.z};
 }
 
-// Materials of other surfaces take no parameters of AlabasterDisney.
-bool is_disney(const hd::MaterialNetwork& network) {
-  return std::any_of(network.nodes.begin(), network.nodes.end(),
-                     [](const auto& node) { return node.second.nodeTypeId == hd::Token("AlabasterDisney"); });
+/// Null of a box without points.
+Json box_json(const WorldBox& box) {
+  if (!(box.min.x <= box.max.x)) return nullptr;
+  return {{"min", numbers(box.min)},
+          {"max", numbers(box.max)},
+          {"size", numbers(box.max - box.min)},
+          {"centre", numbers((box.min + box.max) * 0.5)}};
 }
 
 size_t cage_triangles(const MeshDescription& mesh) {
@@ -70,85 +71,275 @@ size_t refined_triangles(const MeshDescription& mesh) {
   return mesh.topology.faceVertexIndices.size() * (growth / 4) * 2;
 }
 
-std::string dimension(const hd::RenderSettingsDescription& s) {
-  return std::to_string(s.width) + "x" + std::to_string(s.height);
+Json mesh_json(const hd::Path& path, const MeshDescription& mesh, const WorldBox& box) {
+  Json out = named(path, true);
+  out["faces"] = mesh.topology.faceVertexCounts.size();
+  if (!(mesh.topology.scheme == hd::Token("none")))
+    out["scheme"] = mesh.topology.scheme.str(), out["refineLevel"] = mesh.displayStyle.refineLevel;
+  if (!mesh.material.empty()) out["material"] = mesh.material.str();
+  if (!mesh.instancer.empty()) out["instancer"] = mesh.instancer.str();
+  out["visible"] = mesh.visible;
+  out["bounds"] = box_json(box);
+  for (const hd::GeomSubset& subset : mesh.topology.geomSubsets) {
+    Json one{{"path", subset.id.str()}, {"faces", subset.indices.size()}};
+    if (!subset.materialId.empty()) one["material"] = subset.materialId.str();
+    out["subsets"].push_back(std::move(one));
+  }
+  return out;
 }
 
-void print_geometry(const hd::host::RetainedSceneDelegate& scene) {
+void add_geometry(hd::host::RetainedSceneDelegate& scene, Json* out) {
   size_t cage = 0, refined = 0;
+  WorldBox all;
+  Json meshes = Json::array(), instancers = Json::array();
+  const std::map<hd::Path, WorldBox> boxes = hd::description::MeshBoxes(scene);
   for (const auto& [path, mesh] : scene.GetMeshes()) {
     cage += cage_triangles(mesh);
     refined += refined_triangles(mesh);
+    const WorldBox& box = boxes.at(path);
+    meshes.push_back(mesh_json(path, mesh, box));
+    for (int i = 0; i < 3 && mesh.visible && !is_added(path); ++i)
+      all.min[i] = std::min(all.min[i], box.min[i]), all.max[i] = std::max(all.max[i], box.max[i]);
   }
-  std::printf("meshes: %zu (%zu triangles as modelled, %zu as rendered)\n", scene.GetMeshes().size(), cage, refined);
-  for (const auto& [path, mesh] : scene.GetMeshes()) {
-    const std::string subdivision =
-        mesh.topology.scheme == hd::Token("none")
-            ? ""
-            : ", " + mesh.topology.scheme.str() + " level " + std::to_string(mesh.displayStyle.refineLevel);
-    std::printf("  %s: %zu faces%s%s%s%s\n", named(path, true).c_str(), mesh.topology.faceVertexCounts.size(),
-                subdivision.c_str(), mesh.material.empty() ? "" : (", material " + shown(mesh.material)).c_str(),
-                mesh.instancer.empty() ? "" : (", instanced by " + shown(mesh.instancer)).c_str(),
-                mesh.visible ? "" : ", hidden");
-    for (const hd::GeomSubset& subset : mesh.topology.geomSubsets)
-      std::printf("    %s: %zu faces%s\n", shown(subset.id).c_str(), subset.indices.size(),
-                  subset.materialId.empty() ? "" : (", material " + shown(subset.materialId)).c_str());
-  }
-  print_overrides("meshes", scene.GetMeshes(), [](const MeshDescription&) { return true; });
   for (const auto& [path, instancer] : scene.GetInstancers()) {
     size_t count = 0;
     for (const auto& [prototype, indices] : instancer.indices) count += indices.size();
-    std::printf("instancer %s: %zu instances\n", shown(path).c_str(), count);
+    instancers.push_back({{"path", path.str()}, {"instances", count}});
   }
+  (*out)["bounds"] = box_json(all);
+  (*out)["triangles"] = {{"modelled", cage}, {"rendered", refined}};
+  (*out)["meshes"] = std::move(meshes);
+  (*out)["instancers"] = std::move(instancers);
 }
 
-std::string quoted(const std::string& name) {
-  return name.empty() ? "" : " '" + printable(name) + "'";
+Json model_json(const hd::gltf::GltfSummary& model) {
+  Json animations = Json::array();
+  for (const auto& animation : model.animations)
+    animations.push_back({{"name", animation.name}, {"seconds", animation.seconds}});
+  return {{"scenes", model.scenes}, {"animations", std::move(animations)}, {"variants", model.variants}};
+}
+
+Json material_json(const hd::Path& path, const hd::MaterialNetwork& network) {
+  Json out = named(path, false);
+  out["nodes"] = Json::array();
+  for (const auto& [node_path, node] : network.nodes) {
+    Json parameters = Json::object();
+    for (const auto& [name, value] : node.parameters) parameters[name.str()] = hd::support::json_of(value);
+    out["nodes"].push_back(
+        {{"path", node_path.str()}, {"type", node.nodeTypeId.str()}, {"parameters", std::move(parameters)}});
+  }
+  return out;
+}
+
+void add_lights_and_cameras(const SceneSession& session, Json* out) {
+  Json lights = Json::array(), cameras = Json::array(), renders = Json::array();
+  for (const auto& [path, light] : session.scene.GetLights()) {
+    lights.push_back(named(path, false));
+    lights.back()["type"] = light.type.str();
+  }
+  const auto& settings = session.scene.GetAllRenderSettings();
+  const hd::Path used = settings.at(session.file.settings).camera;
+  for (const auto& [path, camera] : session.scene.GetCameras()) {
+    cameras.push_back(named(path, false));
+    cameras.back()["used"] = path == used;
+  }
+  for (const auto& [path, description] : settings) {
+    Json files = Json::array();
+    for (const hd::RenderProduct& product : description.products) files.push_back(product.file);
+    renders.push_back({{"path", path.str()},
+                       {"width", description.width},
+                       {"height", description.height},
+                       {"files", std::move(files)}});
+  }
+  (*out)["lights"] = std::move(lights);
+  (*out)["cameras"] = std::move(cameras);
+  (*out)["renders"] = std::move(renders);
+  (*out)["notes"] = session.file.notes;
+}
+
+/// All that the scene has, for people and programs.
+Json listing_of(SceneSession& session, const std::string& file) {
+  Json out{{"scene", file}};
+  add_geometry(session.scene, &out);
+  out["models"] = Json::array();
+  for (const hd::gltf::GltfSummary& model : session.file.gltf) out["models"].push_back(model_json(model));
+  out["materials"] = Json::array();
+  for (const auto& [path, network] : session.scene.GetMaterials())
+    out["materials"].push_back(material_json(path, network));
+  add_lights_and_cameras(session, &out);
+  return out;
+}
+
+// Text ----------------------------------------------------------------------------------------------
+
+std::string shown(const Json& text) {
+  return printable(text.get<std::string>());
+}
+
+std::string title(const Json& prim) {
+  return prim.contains("added") ? shown(prim["path"]) + " (added)" : shown(prim["name"]) + ": " + shown(prim["path"]);
+}
+
+std::string box_text(const Json& box) {
+  if (box.is_null()) return "none";
+  std::string text;
+  for (const auto& [name, v] : box.items()) {
+    char part[120];
+    std::snprintf(part, sizeof part, "%s%s (%.6g, %.6g, %.6g)", text.empty() ? "" : ", ", name.c_str(),
+                  v[0].get<double>() + 0.0, v[1].get<double>() + 0.0, v[2].get<double>() + 0.0);
+    text += part;
+  }
+  return text;
+}
+
+/// The lists of a render description, with a change of an entry, and the properties that an entry has.
+struct Kind {
+  const char *list, *example, *schema, *pointer;
+};
+constexpr Kind kKinds[] = {{"materials", "roughness=0.3", "disney_material", "/properties"},
+                           {"meshes", "visible=false", "render_description", "/properties/meshes/items/properties"},
+                           {"lights", "intensity=2", "render_description", "/properties/lights/items/properties"},
+                           {"camera", "fStop=2.8", "render_description", "/properties/camera/properties"}};
+
+std::string properties_text(const Kind& kind) {
+  constexpr size_t kWidth = 100;
+  const std::set<std::string> of_new_entries{"match", "name", "type"};
+  const std::string begin = "  can be set:";
+  const auto schema = Json::parse(hd::description::SchemaText(kind.schema));
+  std::string text = begin, line, comma;
+  for (const auto& [name, value] : schema.at(Json::json_pointer(kind.pointer)).items()) {
+    if (of_new_entries.contains(name)) continue;
+    line += comma;
+    if (begin.size() + line.size() + name.size() + 2 > kWidth)
+      text += line + "\n" + std::string(begin.size(), ' '), line.clear();
+    line += " " + name;
+    comma = ",";
+  }
+  return text + line + "\n";
+}
+
+/// The option that changes the prims of a name or a path. Globs match a name that escapes their marks.
+std::string set_option(const Kind& kind, const std::string& name) {
+  std::string place = kind.list;
+  if (!name.empty()) place += '/';
+  for (const char c : name) place += (std::strchr("*?[\\", c) ? "\\" : "") + std::string(1, c);
+  return "--set " + shell_word(place + "." + kind.example);
+}
+
+// Materials of other surfaces take no parameters of AlabasterDisney.
+bool can_be_changed(const Json& prim) {
+  if (prim.contains("added") || has_control_character(prim["name"].get<std::string>())) return false;
+  const Json nodes = prim.value("nodes", Json());
+  return nodes.is_null() ||
+         std::any_of(nodes.begin(), nodes.end(), [](const Json& node) { return node["type"] == "AlabasterDisney"; });
+}
+
+/// Tells how --set changes the first prim of a list that it can change. Several prims may have its name.
+void print_overrides(const Kind& kind, const Json& prims) {
+  constexpr size_t kMostPaths = 5;
+  const auto first = std::find_if(prims.begin(), prims.end(), can_be_changed);
+  if (first == prims.end()) return;
+  const auto name = (*first)["name"].get<std::string>();
+  std::printf("  to change: %s\n", set_option(kind, name).c_str());
+  std::vector<std::string> paths;
+  for (const Json& prim : prims)
+    if (prim.value("name", "") == name && !prim.contains("added")) paths.push_back(prim["path"]);
+  if (paths.size() > 1) {
+    std::printf("  it changes %zu %s of this name; a path selects one:\n", paths.size(), kind.list);
+    for (size_t i = 0; i < std::min(paths.size(), kMostPaths); ++i)
+      std::printf("    %s\n", set_option(kind, paths[i]).c_str());
+    if (paths.size() > kMostPaths) std::printf("    and so on\n");
+  }
+  std::fputs(properties_text(kind).c_str(), stdout);
+}
+
+void print_geometry(const Json& scene) {
+  const Json& meshes = scene["meshes"];
+  std::printf("bounds in scene units (metres in glTF): %s\n", box_text(scene["bounds"]).c_str());
+  std::printf("meshes: %zu (%zu triangles as modelled, %zu as rendered)\n", meshes.size(),
+              scene["triangles"]["modelled"].get<size_t>(), scene["triangles"]["rendered"].get<size_t>());
+  for (const Json& mesh : meshes) {
+    std::string text = title(mesh) + ": " + mesh["faces"].dump() + " faces";
+    if (mesh.contains("scheme")) text += ", " + shown(mesh["scheme"]) + " level " + mesh["refineLevel"].dump();
+    if (mesh.contains("material")) text += ", material " + shown(mesh["material"]);
+    if (mesh.contains("instancer")) text += ", instanced by " + shown(mesh["instancer"]);
+    std::printf("  %s%s\n    bounds: %s\n", text.c_str(), mesh["visible"] ? "" : ", hidden",
+                box_text(mesh["bounds"]).c_str());
+    for (const Json& subset : mesh.value("subsets", Json::array()))
+      std::printf("    %s: %zu faces%s\n", shown(subset["path"]).c_str(), subset["faces"].get<size_t>(),
+                  subset.contains("material") ? (", material " + shown(subset["material"])).c_str() : "");
+  }
+  print_overrides(kKinds[1], meshes);
+  for (const Json& instancer : scene["instancers"])
+    std::printf("instancer %s: %zu instances\n", shown(instancer["path"]).c_str(),
+                instancer["instances"].get<size_t>());
+}
+
+std::string quoted(const Json& name) {
+  return name == "" ? "" : " '" + shown(name) + "'";
 }
 
 // The choices of --scene, --animation and --variant, with the number of each.
-void print_choices(const hd::gltf::GltfSummary& model) {
-  const auto print = [](const char* kind, const std::vector<std::string>& names, const char* option) {
+void print_choices(const Json& model) {
+  const auto print = [](const char* kind, const Json& names, const char* option) {
     if (!names.empty()) std::printf("%s: %zu, chosen by render %s 0\n", kind, names.size(), option);
     for (size_t i = 0; i < names.size(); ++i) std::printf("  %zu%s\n", i, quoted(names[i]).c_str());
   };
-  if (model.scenes.size() > 1) print("scenes", model.scenes, "--scene");
-  if (!model.animations.empty())
-    std::printf("animations: %zu, chosen by render --time 0 --animation 0\n", model.animations.size());
-  for (size_t i = 0; i < model.animations.size(); ++i)
-    std::printf("  %zu%s: %.4g s\n", i, quoted(model.animations[i].name).c_str(), model.animations[i].seconds);
-  print("variants", model.variants, "--variant");
+  const Json& animations = model["animations"];
+  if (model["scenes"].size() > 1) print("scenes", model["scenes"], "--scene");
+  if (!animations.empty()) std::printf("animations: %zu, chosen by render --time 0 --animation 0\n", animations.size());
+  for (size_t i = 0; i < animations.size(); ++i)
+    std::printf("  %zu%s: %.4g s\n", i, quoted(animations[i]["name"]).c_str(), animations[i]["seconds"].get<double>());
+  print("variants", model["variants"], "--variant");
 }
 
-void print_materials(const hd::host::RetainedSceneDelegate& scene) {
-  std::printf("materials: %zu\n", scene.GetMaterials().size());
-  for (const auto& [path, network] : scene.GetMaterials()) {
-    std::printf("  %s\n", named(path, false).c_str());
-    for (const auto& [node_path, node] : network.nodes)
-      for (const auto& [name, value] : node.parameters)
-        std::printf("    %s.%s = %s\n", node.nodeTypeId.str().c_str(), name.str().c_str(),
-                    printable(value.to_string()).c_str());
+void print_materials(const Json& materials) {
+  std::printf("materials: %zu\n", materials.size());
+  for (const Json& material : materials) {
+    std::printf("  %s\n", title(material).c_str());
+    for (const Json& node : material["nodes"])
+      for (const auto& [name, value] : node["parameters"].items())
+        std::printf("    %s.%s = %s\n", shown(node["type"]).c_str(), printable(name).c_str(),
+                    printable(value.is_string() ? value.get<std::string>() : value.dump()).c_str());
   }
-  print_overrides("materials", scene.GetMaterials(), is_disney);
+  print_overrides(kKinds[0], materials);
 }
 
-void print_lights_and_cameras(const SceneSession& session) {
-  std::printf("lights: %zu\n", session.scene.GetLights().size());
-  for (const auto& [path, light] : session.scene.GetLights())
-    std::printf("  %s: %s\n", named(path, false).c_str(), light.type.str().c_str());
-  print_overrides("lights", session.scene.GetLights(), [](const hd::host::LightDescription&) { return true; });
-  std::printf("cameras: %zu\n", session.scene.GetCameras().size());
-  const auto& settings = session.scene.GetAllRenderSettings();
-  const hd::Path used = settings.at(session.file.settings).camera;
-  for (const auto& [path, camera] : session.scene.GetCameras())
-    std::printf("  %s%s\n", named(path, false).c_str(), path == used ? " (used)" : "");
-  std::fputs(override_lines("camera", "").c_str(), stdout);
-  for (const auto& [path, description] : settings) {
-    std::printf("render %s: %s\n", shown(path).c_str(), dimension(description).c_str());
-    for (const hd::RenderProduct& product : description.products)
-      std::printf("  -> %s\n", printable(product.file).c_str());
+void print_lights_and_cameras(const Json& scene) {
+  std::printf("lights: %zu\n", scene["lights"].size());
+  for (const Json& light : scene["lights"])
+    std::printf("  %s: %s\n", title(light).c_str(), shown(light["type"]).c_str());
+  print_overrides(kKinds[2], scene["lights"]);
+  std::printf("cameras: %zu\n", scene["cameras"].size());
+  for (const Json& camera : scene["cameras"])
+    std::printf("  %s%s\n", title(camera).c_str(), camera["used"] ? " (used)" : "");
+  std::printf("  to change: %s\n%s", set_option(kKinds[3], "").c_str(), properties_text(kKinds[3]).c_str());
+  for (const Json& render : scene["renders"]) {
+    std::printf("render %s: %sx%s\n", shown(render["path"]).c_str(), render["width"].dump().c_str(),
+                render["height"].dump().c_str());
+    for (const Json& file : render["files"]) std::printf("  -> %s\n", shown(file).c_str());
   }
-  for (const std::string& note : session.file.notes) std::printf("note: %s\n", printable(note).c_str());
+  for (const Json& note : scene["notes"]) std::printf("note: %s\n", shown(note).c_str());
+}
+
+void print_listing(const Json& scene) {
+  print_geometry(scene);
+  for (const Json& model : scene["models"]) print_choices(model);
+  print_materials(scene["materials"]);
+  print_lights_and_cameras(scene);
+  std::fflush(stdout);
+}
+
+/// The JSON of a command is one document.
+void print_json(const Json& document) {
+  std::printf("%s\n", document.dump(2, ' ', false, Json::error_handler_t::replace).c_str());
+}
+
+std::vector<std::string> text_lines(const std::string& text) {
+  std::istringstream lines(text);
+  std::vector<std::string> all;
+  for (std::string line; std::getline(lines, line);) all.push_back(line);
+  return all;
 }
 
 hd::description::LoadOptions load_options(const InfoArguments& a) {
@@ -178,27 +369,31 @@ int run_info(const InfoArguments& arguments) {
   catch_interrupts();
   Console console(false);
   SceneSession session;
-  const hd::description::LoadOptions options = load_options(arguments);
-  session.load(arguments.scene, options, console.sink());
-  session.choose_colors("", console.sink(), kInput);
-  print_geometry(session.scene);
-  for (const hd::gltf::GltfSummary& model : session.file.gltf) print_choices(model);
-  print_materials(session.scene);
-  print_lights_and_cameras(session);
-  std::fflush(stdout);
+  session.load(arguments.scene, load_options(arguments), console.sink());
+  session.choose_colors(arguments.ocio, console.sink(), kInput);
+  Json scene = listing_of(session, arguments.scene);
+  if (!arguments.json) print_listing(scene);
   session.start(console.sink());
   Preparation spent{{linked + watch.wall(), linked + watch.cpu()}, {}};
   const Stopwatch sync_watch;
   session.index()->SyncAll();
   // It waits until the scene is built with its images.
-  const std::string requirements =
-      without_control_characters(session.delegate()->InvokeCommand("requirements", {}).value.text_or(""), "\n");
+  const std::string requirements = session.delegate()->InvokeCommand("requirements", {}).value.text_or("");
   spent.sync = {sync_watch.wall(), sync_watch.cpu()};
-  std::printf("requires:\n%s%s", requirements.c_str(), requirements.ends_with('\n') ? "" : "\n");
-  std::printf("peak memory so far: %.1f MB\n", double(hd::support::peak_memory_bytes()) / 1e6);
-  std::fflush(stdout);
-  session.require_whole();
-  return arguments.predict ? print_prediction(&session, &console, spent, *arguments.predict) : kDone;
+  scene["requires"] = text_lines(requirements);
+  scene["peakMemory"] = hd::support::peak_memory_bytes();
+  if (!arguments.json) {
+    std::printf("requires:\n");
+    for (const Json& line : scene["requires"]) std::printf("%s\n", shown(line).c_str());
+    std::printf("peak memory so far: %.1f MB\n", scene["peakMemory"].get<double>() / 1e6);
+    std::fflush(stdout);
+  }
+  const int fault = session.fault_code();
+  int code = fault;
+  if (fault == kDone && arguments.predict) code = predict(&session, &console, spent, *arguments.predict, &scene);
+  if (arguments.json) print_json(scene);
+  if (!arguments.json && scene.contains("prediction")) print_prediction(scene["prediction"]);
+  return code;
 }
 
 int run_schema(const SchemaArguments& arguments) {

@@ -12,7 +12,6 @@
 #include "delegate/cli/commands.h"
 #include "delegate/cli/console.h"
 #include "delegate/cli/exit_codes.h"
-#include "delegate/cli/parser_pages.h"
 
 namespace alabaster::cli {
 namespace {
@@ -72,12 +71,14 @@ void add_checkpoint(CLI::App* c, RenderArguments* a) {
               "Continue from the --checkpoint FILE, to the very bits of a render that nothing interrupted; without the "
               "file, begin. It must be of the same scene, settings and version. --spp may be raised, and --time-limit "
               "counts the time before, too");
-  add_parsed(c, "--samples", &a->samples, parse_samples,
-             "is not a range of samples: write begin:end, such as 256:512 for the samples from 256 to 511; end is at "
-             "most 1048576. --spp N is the number of samples per pixel.",
-             "A:B",
-             "Take samples A to B - 1 of each pixel only: a part of a frame of B or more, which 'alabaster merge' "
-             "adds to the others. Needs --checkpoint, which the part is written to; files of -o show the part alone");
+  add_parsed(
+      c, "--samples", &a->samples, parse_samples,
+      "is not a range of samples: write begin:end, such as 256:512 for the samples from 256 to 511; end is at "
+      "most 1048576. --spp N is the number of samples per pixel.",
+      "A:B",
+      "Take samples A to B - 1 of each pixel only: a part of a frame of B or more, which 'alabaster merge' "
+      "adds to the others. Needs --checkpoint, which the part is written to; files of -o show the part alone. With "
+      "--keep-going a part ends with exit code 0, and the merge with 6");
 }
 
 /// The options of pictures but for --denoise and --ocio.
@@ -157,6 +158,8 @@ CLI::App* add_render(CLI::App& app, RenderArguments* a) {
   return c;
 }
 
+constexpr const char* kNotOfFarm[] = {"--frames", "--pixel", "--stats", "--target-error", "--time-limit"};
+
 CLI::App* add_farm(CLI::App& app, FarmArguments* a) {
   CLI::App* c = app.add_subcommand(
       "farm",
@@ -165,6 +168,8 @@ CLI::App* add_farm(CLI::App& app, FarmArguments* a) {
   add_render_options(c, &a->render);
   add_parsed(c, "--tasks", &a->tasks, parse_tasks, "is not a whole number from 1 to 10000.", "N", "Number of parts");
   c->get_option("--tasks")->required();
+  // The command refuses them with a reason, so it does not list them.
+  for (const char* refused : kNotOfFarm) c->get_option(refused)->group("");
   c->add_option(
        "--engine", a->engine,
        "slurm: a job array and its merge; openjd: the same as a template of Open Job Description, which AWS Deadline "
@@ -218,10 +223,10 @@ CLI::App* add_tradeoff(CLI::App& app, TradeoffArguments* a) {
 std::vector<std::string> given_options(const CLI::App* c, const std::set<std::string>& left_out) {
   std::vector<std::string> words;
   for (const CLI::Option* option : c->get_options()) {
-    if (option->count() == 0 || option->get_positional() || left_out.contains(option->get_name())) continue;
-    if (option->get_expected_max() == 0) words.push_back(option->get_name());
+    if (option->count() == 0 || option->get_positional() || left_out.contains(option_name(*option))) continue;
+    if (option->get_expected_max() == 0) words.push_back(option_name(*option));
     if (option->get_expected_max() > 0)
-      for (const std::string& value : option->results()) words.push_back(option->get_name() + "=" + value);
+      for (const std::string& value : option->results()) words.push_back(option_name(*option) + "=" + value);
   }
   return words;
 }
@@ -233,7 +238,7 @@ void split_options(const CLI::App* c, FarmArguments* a) {
   std::set<std::string> not_of_task = of_farm, not_of_merge;
   not_of_task.insert(of_files.begin(), of_files.end());
   for (const CLI::Option* option : c->get_options())
-    if (const std::string name = option->get_name(); !of_files.contains(name) && name != "--aov" && name != "--ocio")
+    if (const std::string name = option_name(*option); !of_files.contains(name) && name != "--aov" && name != "--ocio")
       not_of_merge.insert(name);
   a->task_options = given_options(c, not_of_task);
   a->merge_options = given_options(c, not_of_merge);
@@ -257,6 +262,7 @@ CLI::App* add_check(CLI::App& app, CheckArguments* a) {
       "Checks a scene without rendering it: reads it and all files that it names, builds what would be rendered, and "
       "reports every fault that a render would. Writes nothing.");
   add_scene_file(c, a);
+  add_ocio(c, a);
   add_parsed(c, "--time-limit", &a->time_limit, parse_positive, "is not a number of seconds above 0.", "S",
              "Give up after this many seconds; default: 60");
   c->add_option("--memory-limit", a->memory_limit, "Memory for the scene, as in render")->type_name("MIB");
@@ -284,12 +290,14 @@ CLI::App* add_convert(CLI::App& app, ConvertArguments* a) {
 CLI::App* add_info(CLI::App& app, InfoArguments* a) {
   CLI::App* c = app.add_subcommand("info", "Lists what a scene contains and what rendering it requires.");
   add_scene_file(c, a);
+  add_ocio(c, a);
   add_parsed(c, "--predict", &a->predict, parse_target_error,
              "is not a target error: write a relative RMSE above 0 and at most 1, for example 0.02.", "E",
              "Predict the cost of rendering to this relative RMSE (0.02 is two per cent) from a probe of a few "
              "seconds");
   add_size(c, &a->size, "Resolution in pixels, for --predict");
   c->add_option("--threads", a->threads, "Render threads, for --predict; 0 uses all cores")->type_name("N");
+  c->add_flag("--json", a->json, "Print one JSON document instead of text");
   return c;
 }
 
@@ -336,15 +344,6 @@ CLI::App* add_man(CLI::App& app, Arguments*) {
   return app.add_subcommand("man", "Prints the man page: every command and flag, as roff for 'man -l'.");
 }
 
-/// Reports why the command line was not read, or prints the help that it requests; an exit code.
-int parse_fault(const CLI::App& app, const Words& words, const CLI::ParseError& error) {
-  const bool is_help = error.get_exit_code() == 0, is_value = error.get_name() == "ValidationError";
-  const std::string fault = is_help || is_value ? std::string() : word_fault(app, words, error);
-  if (fault.empty()) return exit_code(app, error);
-  Console(false).error("", fault);
-  return kUsage;
-}
-
 /// Runs a command. Where it ends by bad usage, the choice that an option does not have may be why.
 int run_command(const CLI::App& app, const Words& words, const std::function<int()>& command) {
   try {
@@ -384,7 +383,7 @@ int parse_and_run(int argc, char** argv) {
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& e) {
-    return parse_fault(app, words, e);
+    return parse_fault(e, app, word_fault(app, words, e));
   }
   a.render.words = words;
   if (farm_command->parsed()) split_options(farm_command, &a.farm);

@@ -2,7 +2,6 @@
 #pragma once
 
 #include "delegate/cli/commands.h"
-#include "delegate/cli/scene_inputs.h"
 #include "delegate/cli/scene_session.h"
 
 namespace alabaster::cli {

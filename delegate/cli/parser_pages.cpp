@@ -1,11 +1,11 @@
-#include "delegate/cli/parser_pages.h"
-
+// The man page and the completion scripts of shells, made from the parser of the command line.
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cctype>
 #include <cstdio>
 
 #include "delegate/api/render_delegate.h"
+#include "delegate/cli/commands.h"
 #include "delegate/cli/console.h"
 #include "delegate/cli/exit_codes.h"
 
@@ -25,6 +25,7 @@ std::vector<const CLI::App*> listed_commands(const CLI::App& app) {
 std::vector<Flag> flags_of(const CLI::App& command) {
   std::vector<Flag> flags;
   for (const CLI::Option* option : command.get_options()) {
+    if (option->get_group().empty()) continue;  // not listed
     Flag flag{{}, option->get_items_expected_max() == 0 ? "" : option->get_type_name(), option->get_description()};
     flag.is_positional = option->get_positional();
     for (const std::string& name : option->get_lnames()) flag.names.push_back("--" + name);

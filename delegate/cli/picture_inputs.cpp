@@ -6,7 +6,6 @@
 
 #include "core/files/input_file.h"
 #include "delegate/cli/exit_codes.h"
-#include "delegate/cli/scene_inputs.h"
 
 namespace alabaster::cli {
 namespace {
@@ -72,6 +71,14 @@ InputDifference describe(InputKind kind, const std::string& name, const std::str
 
 }  // namespace
 
+std::map<std::string, std::optional<std::string>> job_variables(const hd::host::ColorInputs& colors) {
+  auto variables = colors.variables;
+  for (const char* of_machine :
+       {"HOME", "HOSTNAME", "LD_LIBRARY_PATH", "LOGNAME", "PATH", "PWD", "SHELL", "TMPDIR", "USER"})
+    variables.erase(of_machine);
+  return variables;
+}
+
 void add_colors(const hd::host::ColorInputs& colors, PictureInputs* inputs) {
   std::istringstream lines(AlabasterVersions());
   for (std::string line; std::getline(lines, line);) {
@@ -83,7 +90,7 @@ void add_colors(const hd::host::ColorInputs& colors, PictureInputs* inputs) {
   (*inputs)[{InputKind::version, "OpenColorIO"}] = colors.library;
   (*inputs)[{InputKind::colors, colors.origin}] = colors.digest;
   for (const auto& [name, lut] : colors.luts) (*inputs)[{InputKind::lut, name}] = lut.digest;
-  for (const auto& [name, value] : colors.variables)
+  for (const auto& [name, value] : job_variables(colors))
     (*inputs)[{InputKind::variable, name}] = value ? "=" + *value : std::string();
 }
 

@@ -24,6 +24,7 @@ using hd::support::number_in;
 using tradeoff::Prediction;
 using tradeoff::Probe;
 using tradeoff::Range;
+using Json = nlohmann::ordered_json;
 
 constexpr double kProbeSeconds = 2.5;
 // Samples per pixel after which a render looks at its error for the first time.
@@ -194,11 +195,6 @@ std::string amount_text(double value) {
   return text;
 }
 
-void print_range(const char* name, const Range& range, const char* unit, const std::string& more) {
-  std::printf("  %-18s %s%s (%s to %s)%s\n", name, amount_text(range.value).c_str(), unit,
-              amount_text(range.low).c_str(), amount_text(range.high).c_str(), more.c_str());
-}
-
 // Adds a cost that was measured once; the next time it will be a little different.
 Range plus(const Range& range, double fixed) {
   return {range.value + fixed, range.low + 0.8 * fixed, range.high + 1.25 * fixed};
@@ -214,27 +210,38 @@ Range memory(const ProbeRenders& renders) {
   return {(low + high) / 2 / 1e6, 0.95 * low / 1e6, 1.1 * high / 1e6};
 }
 
-std::string phases_text(const Seconds& load, const hd::Dictionary& stats, double render, double write) {
-  return ": load " + amount_text(load.wall) + ", refine " + amount_text(number_in(stats, "sync.refineWallSeconds")) +
-         ", build " + amount_text(number_in(stats, "sync.bvhWallSeconds")) + ", render " + amount_text(render) +
-         ", write " + amount_text(write);
+Json range_json(const Range& range) {
+  return {{"value", range.value}, {"low", range.low}, {"high", range.high}};
 }
 
-void print(const ProbeRenders& renders, const Preparation& spent, const Prediction& p) {
+Json prediction_json(const ProbeRenders& renders, const Preparation& spent, double target) {
+  const Prediction p = tradeoff::predict(renders.probes(), pixels_of(renders.full()), target, kFirstLook);
   const double growth = pixels_of(renders.full()) / pixels_of(renders.last());
-  const Seconds write{number_in(renders.stats(), "phase.write.wall") * growth,
-                      number_in(renders.stats(), "phase.write.cpu") * growth};
+  const hd::Dictionary& stats = renders.stats();
+  const Seconds write{number_in(stats, "phase.write.wall") * growth, number_in(stats, "phase.write.cpu") * growth};
   const Seconds load{spent.load.wall + renders.opening().wall, spent.load.cpu + renders.opening().cpu};
-  print_range("samples per pixel", p.samples, "", "");
-  print_range("wall time", plus(p.wall, load.wall + spent.sync.wall + write.wall), " s",
-              phases_text(load, renders.stats(), p.wall.value, write.wall));
-  print_range("CPU time", plus(p.cpu, load.cpu + spent.sync.cpu + write.cpu), " s", "");
-  print_range("peak memory", memory(renders), " MB", "");
+  return {{"targetError", target},
+          {"resolution", {renders.full().width, renders.full().height}},
+          {"samplesPerPixel", range_json(p.samples)},
+          {"wallSeconds", range_json(plus(p.wall, load.wall + spent.sync.wall + write.wall))},
+          {"cpuSeconds", range_json(plus(p.cpu, load.cpu + spent.sync.cpu + write.cpu))},
+          {"peakMegabytes", range_json(memory(renders))},
+          {"phases",
+           {{"load", load.wall},
+            {"refine", number_in(stats, "sync.refineWallSeconds")},
+            {"build", number_in(stats, "sync.bvhWallSeconds")},
+            {"render", p.wall.value},
+            {"write", write.wall}}},
+          {"isNoisy", p.noisy}};
+}
+
+std::string dimensions(const Json& resolution) {
+  return resolution[0].dump() + "x" + resolution[1].dump();
 }
 
 }  // namespace
 
-int print_prediction(SceneSession* session, Console* console, const Preparation& spent, double target) {
+int predict(SceneSession* session, Console* console, const Preparation& spent, double target, Json* scene) {
   const Stopwatch watch;
   ProbeRenders renders(session, console);
   set_worth_saving(true);  // from here on a signal stops the probe, which then cleans up after itself
@@ -251,20 +258,37 @@ int print_prediction(SceneSession* session, Console* console, const Preparation&
                    "emissions or exposures that are too large.");
     return kRender;
   }
-  const hd::RenderSettingsDescription &full = renders.full(), &last = renders.last();
-  std::printf("predicted for %s %% relative RMSE at %dx%d, from a probe of %.1f s at %dx%d:\n",
-              amount_text(100 * target).c_str(), full.width, full.height, watch.wall(), last.width, last.height);
-  const Prediction p = tradeoff::predict(renders.probes(), pixels_of(full), target, kFirstLook);
-  print(renders, spent, p);
-  if (!p.noisy)
+  Json prediction = prediction_json(renders, spent, target);
+  prediction["probe"] = {{"seconds", watch.wall()}, {"resolution", {renders.last().width, renders.last().height}}};
+  (*scene)["prediction"] = std::move(prediction);
+  return kDone;
+}
+
+void print_prediction(const Json& p) {
+  std::printf("predicted for %s %% relative RMSE at %s, from a probe of %.1f s at %s:\n",
+              amount_text(100 * p["targetError"].get<double>()).c_str(), dimensions(p["resolution"]).c_str(),
+              p["probe"]["seconds"].get<double>(), dimensions(p["probe"]["resolution"]).c_str());
+  std::string phases;
+  for (const auto& [name, seconds] : p["phases"].items())
+    phases += (phases.empty() ? ": " : ", ") + name + " " + amount_text(seconds);
+  const struct {
+    const char *title, *key, *unit;
+    std::string more;
+  } rows[] = {{"samples per pixel", "samplesPerPixel", "", ""},
+              {"wall time", "wallSeconds", " s", phases},
+              {"CPU time", "cpuSeconds", " s", ""},
+              {"peak memory", "peakMegabytes", " MB", ""}};
+  for (const auto& [title, key, unit, more] : rows)
+    std::printf("  %-18s %s%s (%s to %s)%s\n", title, amount_text(p[key]["value"]).c_str(), unit,
+                amount_text(p[key]["low"]).c_str(), amount_text(p[key]["high"]).c_str(), more.c_str());
+  if (!p["isNoisy"])
     std::printf("  the picture is black or noise-free: the render ends when it first estimates its error\n");
   else
     std::printf(
         "  light that the probe has not met, such as a caustic or the sun in a mirror, would take more samples\n");
-  if (p.samples.high > kMostSamplesToAnError)
+  if (p["samplesPerPixel"]["high"] > kMostSamplesToAnError)
     std::printf("  a render with --target-error stops at %d samples per pixel: add --spp to allow more\n",
                 kMostSamplesToAnError);
-  return kDone;
 }
 
 }  // namespace alabaster::cli

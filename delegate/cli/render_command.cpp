@@ -4,7 +4,6 @@
 #include <filesystem>
 
 #include "core/files/real_path.h"
-#include "delegate/cli/checkpoint_options.h"
 #include "delegate/cli/exit_codes.h"
 #include "delegate/cli/interrupt.h"
 #include "delegate/cli/outputs.h"
@@ -38,7 +37,8 @@ class RenderCommand {
     const int code = render();
     write_stats(code);
     if (code == kDone || code == kDegraded) messages_.summarize(stats_, code == kDegraded);
-    return code;
+    // The merge tells it of a part, so that a farm does not repeat the part.
+    return code == kDegraded && a_.samples ? kDone : code;
   }
 
  private:

@@ -3,9 +3,10 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <filesystem>
 
-#include "delegate/cli/next_command.h"
 #include "delegate/cli/render_options.h"
+#include "delegate/host/denoiser_library.h"
 #include "delegate/support/lookup.h"
 #include "delegate/support/process_usage.h"
 
@@ -48,6 +49,51 @@ std::string product_size(const hd::RenderSettingsDescription& frame, const std::
   return size_text(frame.window());
 }
 
+// Relative RMSE above which a picture looks grainy, and above which its denoised one lacks detail.
+constexpr double kGrainy = 0.05, kTooNoisyToDenoise = 0.25;
+
+/// A command that takes the scene, its overrides and --allow-outside alone.
+Words about_scene(const std::string& command, const RenderArguments& a) {
+  Words words{command, a.scene.starts_with("-") ? "./" + a.scene : a.scene};
+  for (const std::string& assignment : a.overrides) words.insert(words.end(), {"--set", assignment});
+  if (a.allow_outside) words.emplace_back("--allow-outside");
+  return words;
+}
+
+std::string with_purpose(const Words& words, const std::string& purpose) {
+  const std::string command = command_text(words);
+  return command.empty() ? command : command + "  # " + purpose;
+}
+
+/// The result of a render, as far as a next command depends on it.
+struct RenderFindings {
+  bool degraded = false;    // rendered without all of its scene
+  bool warned = false;      // there were warnings of the scene
+  bool has_camera = false;  // of its own
+  bool has_light = false;
+  bool denoised = false;
+  double noise = -1;  // relative RMSE before denoising; negative: not known
+};
+
+/// "alabaster ...  # purpose": the one command that improves the picture most. Empty if it would hold a word that
+/// cannot be copied.
+std::string next_command(const RenderArguments& a, const RenderFindings& found) {
+  if (found.degraded) return with_purpose(about_scene("check", a), "all that the picture lacks");
+  // The AOVs of a checkpoint may not change, and denoising adds some.
+  const bool grainy = found.noise > (found.denoised ? kTooNoisyToDenoise : kGrainy) && a.checkpoint.empty();
+  if (grainy && !found.denoised && hd::host::DenoiserFault().empty())
+    return with_purpose(with_options(a.words, {}, {"--denoise"}), "the same without its noise");
+  if (grainy)
+    return with_purpose(with_options(a.words, {"--spp", "--target-error", "--time-limit"}, {"--target-error", "0.05"}),
+                        "until the noise is 5 %");
+  if (found.warned) return with_purpose(about_scene("check", a), "the warnings again, without rendering");
+  if (!found.has_camera && !view_program().empty())
+    return with_purpose(about_scene("view", a), "look around, and save a camera");
+  if (!found.has_light)
+    return with_purpose(with_options(a.words, {"--dome"}, {"--dome", "1,1,1"}), "an even sky in place of the studio");
+  return with_purpose(about_scene("info", a), "the materials and meshes, and how to change them");
+}
+
 }  // namespace
 
 RenderMessages::RenderMessages(const RenderArguments& arguments, const SceneSession& session, Console* console)
@@ -84,7 +130,8 @@ void RenderMessages::begin(const hd::RenderSettingsDescription& frame, const hd:
   console_.note(text);
 }
 
-// The first seconds tell how long a render takes; to a target error, its first noise. A limit of time says it itself.
+// The first seconds tell how long a render takes; to a target error, its first noise. A limit of time alone says it
+// itself.
 void RenderMessages::estimate(const hd::RenderSettingsDescription& frame, const hd::host::RecordProgress& progress,
                               double noise) {
   constexpr double kMeasured = 3, kLong = 20;  // seconds
@@ -93,7 +140,9 @@ void RenderMessages::estimate(const hd::RenderSettingsDescription& frame, const 
   estimated_ = true;
   const double one = progress.seconds / progress.fraction;
   const auto frames = double(std::max<size_t>(a_.frames.size(), 1));
-  if (one * frames < kLong || number_in(frame.settings, "timeLimit") > 0) return;
+  const bool by_time_alone =
+      number_in(frame.settings, "timeLimit") > 0 && !(number_in(frame.settings, "targetError") > 0);
+  if (one * frames < kLong || by_time_alone) return;
   std::string text = "expected time: " + time_text(one);
   if (frames > 1) text += number_text(" a frame, %.0f frames: ", frames) + time_text(one * frames);
   console_.note(text + shorter(frame));
@@ -127,12 +176,11 @@ void RenderMessages::summarize(const RunStats& stats, bool degraded) {
   for (const auto& [file, size] : written_) console_.note("wrote " + file + ", " + size + " pixels");
   console_.note(text);
   if (a_.samples || a_.quiet) return;
-  const std::vector<std::string>& notes = session_.file.notes;
   RenderFindings found;
   found.degraded = degraded;
   found.warned = warned_;
   found.has_camera = !session_.file.framed;
-  found.has_light = std::none_of(notes.begin(), notes.end(), [](const auto& n) { return n.starts_with("no light"); });
+  found.has_light = session_.file.has_light;
   found.denoised = denoised_;
   found.noise = noise_;
   if (const std::string next = next_command(a_, found); !next.empty()) console_.note("next: " + next);

@@ -21,8 +21,6 @@ constexpr TextFlag kFlags[] = {
     {"--variant", &SceneArguments::variant, "N|NAME", "Variant of the glTF file's materials"},
     {"--dome", &SceneArguments::dome, "FILE|COLOR[,I]",
      "Dome light: an image, or a colour as one or three numbers; optionally an intensity"},
-    {"--ocio", &SceneArguments::ocio, "FILE",
-     "OpenColorIO config; default: the scene's, else $OCIO, else the built-in one"},
 };
 
 void add_allow_outside(CLI::App* command, SceneArguments* a) {
@@ -38,11 +36,17 @@ void add_scene_file(CLI::App* command, SceneArguments* a) {
   add_allow_outside(command, a);
 }
 
+void add_ocio(CLI::App* command, SceneArguments* a) {
+  command->add_option("--ocio", a->ocio, "OpenColorIO config; default: the scene's, else $OCIO, else the built-in one")
+      ->type_name("FILE");
+}
+
 void add_scene_options(CLI::App* command, SceneArguments* a) {
   command->add_option("file", a->scene, "Scene file (.gltf, .glb, .alab or a render description .json)")
       ->required()
       ->type_name("SCENE");
   for (const TextFlag& flag : kFlags) command->add_option(flag.flag, a->*flag.value, flag.help)->type_name(flag.type);
+  add_ocio(command, a);
   add_parsed(command, "--time", &a->time, parse_nonnegative, "is not a time: write a number of seconds from 0 up.", "S",
              "Time in the models' animation in seconds; without it they keep the pose in which they are authored");
   add_repeated(command, "--set", &a->overrides, "KEY=VALUE",

@@ -25,6 +25,7 @@ struct SceneArguments {
 
 /// Adds SCENE, --set and --allow-outside.
 void add_scene_file(CLI::App* command, SceneArguments* arguments);
+void add_ocio(CLI::App* command, SceneArguments* arguments);
 /// Adds SCENE, --camera, --time, --scene, --animation, --variant, --dome, --ocio, --set and --allow-outside.
 void add_scene_options(CLI::App* command, SceneArguments* arguments);
 

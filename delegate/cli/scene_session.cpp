@@ -1,10 +1,33 @@
 #include "delegate/cli/scene_session.h"
 
-#include <set>
+#include <algorithm>
+#include <filesystem>
+#include <map>
 
 #include "delegate/cli/exit_codes.h"
 
 namespace alabaster::cli {
+namespace {
+
+// The files of a set of images, with a number of four digits, if the path names one by "<UDIM>"; else itself.
+void add_files(const std::string& image, std::set<std::string>* inputs) {
+  inputs->insert(image);
+  const std::filesystem::path path(image);
+  const std::string name = path.filename().string(), mark = "<UDIM>";
+  const size_t at = name.find(mark);
+  if (at == std::string::npos) return;
+  std::error_code error;
+  const std::filesystem::path folder = path.has_parent_path() ? path.parent_path() : ".";
+  for (std::filesystem::directory_iterator it(folder, error), end; !error && it != end; it.increment(error)) {
+    const std::string file = it->path().filename().string();
+    const bool is_named_so = file.size() == name.size() - mark.size() + 4 && file.starts_with(name.substr(0, at)) &&
+                             file.ends_with(name.substr(at + mark.size()));
+    if (is_named_so && std::all_of(&file[at], &file[at] + 4, [](char c) { return c >= '0' && c <= '9'; }))
+      inputs->insert(it->path().string());
+  }
+}
+
+}  // namespace
 
 SceneSession::~SceneSession() {
   if (index_) scene.Depopulate();
@@ -53,10 +76,40 @@ void SceneSession::start(const hd::DiagnosticSink& sink) {
   scene.Populate(index_.get());
 }
 
-void SceneSession::require_whole() const {
+int SceneSession::fault_code() const {
   delegate_->InvokeCommand("waitForScene", {});
   const hd::Dictionary stats = delegate_->GetRenderStats();
-  if (stats.contains("scene.faults")) throw Exit{stats.at("scene.outOfMemory").number_or(0) != 0 ? kRender : kInput};
+  if (!stats.contains("scene.faults")) return kDone;
+  return stats.at("scene.outOfMemory").number_or(0) != 0 ? kRender : kInput;
+}
+
+std::set<std::string> scene_files(const SceneSession& session, const std::string& scene) {
+  std::set<std::string> inputs{scene};
+  const auto add_images = [&](const std::map<hd::Token, hd::Value>& parameters) {
+    for (const auto& [name, value] : parameters)
+      if (const auto* image = value.get<hd::AssetPath>()) add_files(image->resolved, &inputs);
+  };
+  for (const auto& summary : session.file.gltf) inputs.insert(summary.files.begin(), summary.files.end());
+  for (const auto& archive : session.file.archives) inputs.insert(archive.file);
+  for (const auto& [path, light] : session.scene.GetLights()) add_images(light.parameters);
+  for (const auto& [path, network] : session.scene.GetMaterials())
+    for (const auto& [node_path, node] : network.nodes) add_images(node.parameters);
+  inputs.erase("");
+  return inputs;
+}
+
+std::string input_overwritten(const std::vector<std::string>& outputs, const SceneSession& session,
+                              const std::string& scene) {
+  std::set<std::string> inputs = scene_files(session, scene);
+  inputs.insert(session.colors().ocio);
+  for (const std::string& output : outputs)
+    for (const std::string& input : inputs) {
+      std::error_code error;
+      const bool regular = std::filesystem::is_regular_file(output, error);
+      if (regular && std::filesystem::equivalent(output, input, error))
+        return "'" + output + "' is an input of this scene: choose another name for the output.";
+    }
+  return "";
 }
 
 }  // namespace alabaster::cli

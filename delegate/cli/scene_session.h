@@ -2,6 +2,7 @@
 #pragma once
 
 #include <memory>
+#include <set>
 
 #include "delegate/cli/console.h"
 #include "delegate/description/render_description.h"
@@ -30,8 +31,8 @@ class SceneSession {
   const hd::host::OutputColors& colors() const { return colors_; }
   /// Removes materials that no mesh uses, makes the delegate and the index, and populates the index.
   void start(const hd::DiagnosticSink& sink);
-  /// After a Sync: ends the command if the scene has faults, which have been reported.
-  void require_whole() const;
+  /// After a Sync: the exit code of the scene's faults, which have been reported; kDone if it has none.
+  int fault_code() const;
 
   hd::RenderDelegate* delegate() const { return delegate_.get(); }
   hd::host::RenderIndex* index() const { return index_.get(); }
@@ -49,5 +50,13 @@ class SceneSession {
   std::unique_ptr<hd::RenderDelegate, Destroy> delegate_;
   std::unique_ptr<hd::host::RenderIndex> index_;
 };
+
+/// The scene's own file, and the files of its models, images and lights: those of a set of images one by one. Without
+/// the colour configuration.
+std::set<std::string> scene_files(const SceneSession& session, const std::string& scene);
+
+/// The error message if one of `outputs` is a file that the session has read, under whatever name; else empty.
+std::string input_overwritten(const std::vector<std::string>& outputs, const SceneSession& session,
+                              const std::string& scene);
 
 }  // namespace alabaster::cli

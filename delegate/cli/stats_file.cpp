@@ -25,6 +25,24 @@ json lines_of(const std::string& paragraph) {
   return lines;
 }
 
+/// The samples and the noise of a render: {"samplesPerPixel", "error", "target"}, as far as its statistics have them.
+json outcome_of(const hd::Dictionary& stats) {
+  json out{{"samplesPerPixel", number_in(stats, "numCompletedSamples")}};
+  if (stats.contains("error.relativeRmse"))
+    out["error"] = {{"relativeRmse", number_in(stats, "error.relativeRmse")},
+                    {"low95", number_in(stats, "error.low")},
+                    {"high95", number_in(stats, "error.high")},
+                    {"isKnown", stats.at("error.isKnown").get_or(true)}};
+  if (!stats.contains("target.error")) return out;
+  out["target"] = {{"error", number_in(stats, "target.error")},
+                   {"missed", stats.at("target.missed").get_or(false)},
+                   {"endedBy", stats.at("endedBy").text_or("")}};
+  for (const char* key : {"samples", "seconds", "cpuSeconds"})
+    if (const auto found = stats.find(std::string("target.") + key); found != stats.end())
+      out["target"][key] = found->second.number_or(0);
+  return out;
+}
+
 }  // namespace
 
 void RunStats::add_load(double wall, double cpu) {
@@ -43,6 +61,13 @@ double RunStats::total(const std::string& key) const {
   double sum = 0;
   for (const hd::Dictionary& stats : stats_) sum += number_in(stats, key.c_str());
   return sum;
+}
+
+hd::Dictionary RunStats::noisiest() const {
+  const auto error = [](const hd::Dictionary& stats) { return number_in(stats, "error.relativeRmse", -1); };
+  const auto found =
+      std::max_element(stats_.begin(), stats_.end(), [&](const auto& a, const auto& b) { return error(a) < error(b); });
+  return found == stats_.end() ? hd::Dictionary() : *found;
 }
 
 json RunStats::to_json(const std::string& scene, const std::string& status, const hd::Dictionary& settings) const {
@@ -74,20 +99,15 @@ json RunStats::to_json(const std::string& scene, const std::string& status, cons
       {"count", count("walk.count")},   {"segments", count("rays.walk")},
       {"events", count("walk.events")}, {"exits", count("walk.exits")},
       {"lost", count("walk.lost")},     {"lostShare", total("walk.lostEnergy") / std::max(1.0, total("walk.count"))}};
-  out["samples"] = {{"perPixel", number_in(first, "numCompletedSamples")}, {"total", count("rays.camera")}};
-  if (first.contains("error.relativeRmse"))
-    out["error"] = {{"relativeRmse", number_in(first, "error.relativeRmse")},
-                    {"low95", number_in(first, "error.low")},
-                    {"high95", number_in(first, "error.high")},
-                    {"isKnown", first.at("error.isKnown").get_or(true)}};
-  if (first.contains("target.error")) {
-    out["target"] = {{"error", number_in(first, "target.error")},
-                     {"missed", first.at("target.missed").get_or(false)},
-                     {"endedBy", first.at("endedBy").text_or("")}};
-    for (const char* key : {"samples", "seconds", "cpuSeconds"})
-      if (const auto found = first.find(std::string("target.") + key); found != first.end())
-        out["target"][key] = found->second.number_or(0);
+  out["renders"] = json::array();
+  for (size_t i = 0; i < stats_.size(); ++i) {
+    out["renders"].push_back(outcome_of(stats_[i]));
+    out["renders"].back().update({{"frame", frames_[i]}, {"resolution", resolutions_[i]}});
   }
+  const json worst = outcome_of(noisiest());
+  out["samples"] = {{"perPixel", worst["samplesPerPixel"]}, {"total", count("rays.camera")}};
+  for (const char* key : {"error", "target"})
+    if (worst.contains(key)) out[key] = worst[key];
   out["peakMemory"] = hd::support::peak_memory_bytes();
   out["delegate"] = json::array();
   for (const hd::Dictionary& stats : stats_) out["delegate"].push_back(dictionary_json(stats));

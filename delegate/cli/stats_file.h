@@ -20,6 +20,9 @@ class RunStats {
   double total(const std::string& key) const;
 
  private:
+  /// The statistics of the render with the greatest error; empty without a render.
+  hd::Dictionary noisiest() const;
+
   double load_wall_ = 0, load_cpu_ = 0;
   std::vector<hd::Dictionary> stats_;
   nlohmann::json resolutions_ = nlohmann::json::array(), frames_ = nlohmann::json::array();

@@ -103,7 +103,7 @@ class TradeoffCommand {
     session_.start(console_.sink());
     if (!session_.index()->SyncAll())
       console_.fail(kRender, a_.scene, "The scene could not be prepared: not enough memory or threads.");
-    session_.require_whole();
+    require(session_.fault_code());
     const auto& settings = session_.scene.GetAllRenderSettings().at(session_.file.settings);
     scene_size_ = {settings.width, settings.height};
     const auto configurations = [&](const std::string& only) {

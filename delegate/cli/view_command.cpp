@@ -7,7 +7,6 @@
 #include "delegate/cli/commands.h"
 #include "delegate/cli/console.h"
 #include "delegate/cli/exit_codes.h"
-#include "delegate/cli/view_program.h"
 
 namespace alabaster::cli {
 

@@ -32,7 +32,9 @@ void place_camera(LoadState& load, const json& entry) {
     if (!plan.transform) load.fail("/camera/transform", "The transform cannot be inverted or is not affine.");
   } else if (look != end) {
     const Vec3d up = look->contains("up") ? to_vec3d((*look)["up"]) : Vec3d(0, 1, 0);
-    plan.transform = look_at(to_vec3d((*look)["eye"]), to_vec3d((*look)["target"]), up, !look->contains("up"));
+    const Vec3d eye = to_vec3d((*look)["eye"]), target = to_vec3d((*look)["target"]);
+    plan.transform = look_at(eye, target, up, !look->contains("up"));
+    plan.target_distance = (target - eye).length();
     if (!plan.transform)
       load.fail("/camera/lookAt", "The camera has no direction: eye and target coincide, or up lies along the view.");
   }

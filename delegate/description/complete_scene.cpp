@@ -4,7 +4,6 @@
 #include "delegate/description/description_reader.h"
 #include "delegate/description/layers.h"
 #include "delegate/description/placement.h"
-#include "delegate/description/soft_dome.h"
 #include "delegate/description/studio.h"
 #include "delegate/support/lookup.h"
 #include "delegate/support/window_policy.h"
@@ -52,6 +51,9 @@ host::CameraDescription planned_camera(const CameraPlan& plan, const Path& base,
   }
   for (const auto& [name, value] : plan.parameters) camera.parameters[name] = value;
   if (plan.transform) camera.transform = *plan.transform, camera.transformSamples = plan.motion;
+  if (plan.target_distance > 0 && !plan.parameters.contains("focusDistance") &&
+      number_in(camera.parameters, "focusDistance") == 0)
+    camera.parameters["focusDistance"] = static_cast<float>(plan.target_distance);
   return camera;
 }
 
@@ -131,6 +133,7 @@ void add_studio(LoadState* state, const StudioPlan& plan, bool backdrop) {
 void complete_lights(LoadState* state, bool own_camera) {
   host::RetainedSceneDelegate& scene = *state->scene;
   const bool lit = !scene.GetLights().empty() || any_emission(scene), asked = state->studio == StudioChoice::on;
+  state->result->has_light = lit || asked;
   if (lit && !asked) return;
   if (state->has_archive && !asked) {
     state->result->notes.push_back("no light: the scene is drawn as the archive has it (" +

@@ -6,9 +6,10 @@
 #include "core/files/real_path.h"
 #include "core/texture/texture.h"
 #include "core/texture/udim.h"
-#include "delegate/description/authored_name.h"
 #include "delegate/description/name_match.h"
 #include "delegate/description/prims.h"
+#include "delegate/description/scene_names.h"
+#include "delegate/support/nearest_name.h"
 
 namespace alabaster::hd::description {
 namespace {
@@ -27,6 +28,20 @@ std::vector<Path> paths_of_kind(const host::RetainedSceneDelegate& scene, PrimKi
       return keys_of(scene.GetCameras());
   }
   return {};
+}
+
+/// The nearest name, and the paths of the prims where several have it.
+std::string nearest_prims(const std::string& pattern, const std::map<std::string, std::vector<Path>>& named) {
+  constexpr size_t kMostPaths = 5;
+  const std::string nearest = support::NearestName(pattern, keys_of(named));
+  if (nearest.empty()) return {};
+  const std::string text = " Did you mean '" + nearest + "'?";
+  const std::vector<Path>& paths = named.at(nearest);
+  if (paths.size() == 1) return text;
+  std::string list;
+  for (size_t i = 0; i < std::min(paths.size(), kMostPaths); ++i) list += (i == 0 ? "'" : ", '") + paths[i].str() + "'";
+  return text + " It names " + std::to_string(paths.size()) + ", a path one of them: " + list +
+         (paths.size() > kMostPaths ? ", ..." : "");
 }
 
 const char* kind_name(PrimKind kind) {
@@ -114,17 +129,16 @@ AssetPath LoadState::image(const std::string& pointer, const std::string& file, 
 std::vector<Path> find_prims(LoadState& load, PrimKind kind, const std::string& pattern, const std::string& pointer) {
   const bool is_mesh = kind == PrimKind::mesh;
   std::vector<Path> found;
-  std::vector<std::string> names;
+  std::map<std::string, std::vector<Path>> named;
   for (const Path& path : paths_of_kind(*load.scene, kind)) {
     if (matches(pattern, path, is_mesh) ||
         (is_mesh && !matching_subsets(pattern, load.scene->GetMeshes().at(path).topology).empty()))
       found.push_back(path);
-    names.push_back(AuthoredName(path, is_mesh));
+    named[AuthoredName(path, is_mesh)].push_back(path);
   }
-  if (found.empty() && !load.posing) {
-    const std::string none = names.empty() ? std::string(" The scene has none.") : suggestion(pattern, names);
-    load.fail(pointer, std::string("No ") + kind_name(kind) + " matches '" + pattern + "'." + none);
-  }
+  if (found.empty() && !load.posing)
+    load.fail(pointer, std::string("No ") + kind_name(kind) + " matches '" + pattern + "'." +
+                           (named.empty() ? " The scene has none." : nearest_prims(pattern, named)));
   return found;
 }
 

@@ -18,6 +18,7 @@ struct CameraPlan {
   std::string use;  // path of an existing camera
   std::optional<Matrix4d> transform;
   TimeSamples<Matrix4d> motion;       // in place of the transform, or empty
+  double target_distance = 0;         // from the eye to the target of lookAt; 0: it has none
   std::map<Token, Value> parameters;  // in the contract's units
 };
 

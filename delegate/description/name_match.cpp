@@ -4,7 +4,7 @@
 
 #include <algorithm>
 
-#include "delegate/description/authored_name.h"
+#include "delegate/description/scene_names.h"
 #include "delegate/support/nearest_name.h"
 
 namespace alabaster::hd::description {

@@ -10,6 +10,7 @@
 
 #include "core/math/bounds.h"
 #include "core/math/transform.h"
+#include "delegate/description/scene_names.h"
 #include "delegate/support/float_values.h"
 #include "delegate/support/instancing.h"
 
@@ -136,7 +137,11 @@ std::optional<Matrix4d> look_at(const Vec3d& eye, const Vec3d& target, const Vec
   return Matrix4d(x.x, x.y, x.z, 0, y.x, y.y, y.z, 0, z.x, z.y, z.z, 0, eye.x, eye.y, eye.z, 1);
 }
 
-std::vector<Vec3d> enclosing_points(host::RetainedSceneDelegate& scene) {
+namespace {
+
+/// Calls visit(path, mesh, instances) for each mesh that `takes` takes.
+template <class Takes, class Visit>
+void for_each_placed_mesh(host::RetainedSceneDelegate& scene, const Takes& takes, const Visit& visit) {
   std::map<Path, support::InstancerRecord> instancers;
   for (const auto& [path, description] : scene.GetInstancers())
     instancers[path] = support::pull_instancer(scene, path, {});
@@ -146,9 +151,8 @@ std::vector<Vec3d> enclosing_points(host::RetainedSceneDelegate& scene) {
         return found == instancers.end() ? nullptr : &found->second;
       },
       {});  // Sync reports what is wrong
-  std::vector<Vec3d> all;
   for (const auto& [path, mesh] : scene.GetMeshes()) {
-    if (!mesh.visible) continue;
+    if (!takes(mesh)) continue;
     std::vector<Matrix4d> instances;
     if (mesh.instancer.empty()) {
       instances.emplace_back();
@@ -157,9 +161,32 @@ std::vector<Vec3d> enclosing_points(host::RetainedSceneDelegate& scene) {
       for (const support::Placement& placement : placements.place(path, mesh.instancer, indices))
         if (placement.used) instances.push_back(placement.matrix);
     }
-    add_mesh(mesh, std::move(instances), &all);
+    visit(path, mesh, std::move(instances));
   }
+}
+
+}  // namespace
+
+std::vector<Vec3d> enclosing_points(host::RetainedSceneDelegate& scene) {
+  std::vector<Vec3d> all;
+  const auto is_visible = [](const host::MeshDescription& mesh) { return mesh.visible; };
+  for_each_placed_mesh(scene, is_visible, [&](const Path&, const auto& mesh, std::vector<Matrix4d>&& instances) {
+    add_mesh(mesh, std::move(instances), &all);
+  });
   return all;
+}
+
+std::map<Path, WorldBox> MeshBoxes(host::RetainedSceneDelegate& scene) {
+  std::map<Path, WorldBox> boxes;
+  const auto any = [](const host::MeshDescription&) { return true; };
+  for_each_placed_mesh(scene, any, [&](const Path& path, const auto& mesh, std::vector<Matrix4d>&& instances) {
+    std::vector<Vec3d> points;
+    add_mesh(mesh, std::move(instances), &points);
+    BoundsDouble box;
+    for (const Vec3d& p : points) box.extend(p);
+    boxes[path] = {box.lower, box.upper};
+  });
+  return boxes;
 }
 
 // In camera axes a point (x, y, z) is inside if |x - cx| <= t (cz - z), with t the tangent of the half-angle. With A =

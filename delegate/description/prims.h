@@ -9,8 +9,8 @@
 namespace alabaster::hd::description {
 
 template <class Map>
-std::vector<Path> keys_of(const Map& map) {
-  std::vector<Path> keys;
+std::vector<typename Map::key_type> keys_of(const Map& map) {
+  std::vector<typename Map::key_type> keys;
   for (const auto& entry : map) keys.push_back(entry.first);
   return keys;
 }

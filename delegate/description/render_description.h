@@ -72,6 +72,7 @@ struct SceneFile {
     std::vector<Path> lights, meshes;
   };
   std::vector<Archive> archives;
+  bool has_light = true;           // of its own, or a studio that was asked for
   bool framed = false;             // there was no camera, and one was placed to show all of the scene
   std::vector<std::string> notes;  // "no camera: framed the scene", "no light: added a soft dome", as the program says
 };

@@ -195,6 +195,22 @@ const json* only_of_type(const json& value, const json& choices) {
   return found;
 }
 
+/// The member, or entry of a member, of which `key` is a key: "set" for baseColor of an edit of materials,
+/// "materials/set" from the description on. Empty: there is none within that many levels.
+std::string home_of(const std::string& key, const json& schema, int levels) {
+  std::map<std::string, const json*> members;
+  std::string found;  // the last one: "set" comes before "replace" to people
+  for (const std::string& name : known_keys(schema)) {
+    const json* member = member_schema(schema, name, false);
+    if (const json* entry = member_schema(*member, {}, true)) member = entry;
+    if (member_schema(*member, key, false)) found = name;
+    members.emplace(name, member);
+  }
+  for (auto it = members.begin(); it != members.end() && found.empty() && levels > 1; ++it)
+    if (const std::string home = home_of(key, *it->second, levels - 1); !home.empty()) found = it->first + "/" + home;
+  return found;
+}
+
 class Checker {
  public:
   Checker(const JsonDocument& document, const DiagnosticSink& sink) : document_(document), sink_(sink) {}
@@ -226,9 +242,16 @@ class Checker {
       } else if (value.is_object() && !known.empty()) {
         const std::string retired = retired_text(pointer, key, "");
         fail("description.key.unknown", place,
-             retired.empty() ? "Unknown key '" + shortened(key) + "'." + suggestion(key, known) : retired);
+             retired.empty() ? "Unknown key '" + shortened(key) + "'." + right_key(key, known, schema) : retired);
       }
     }
+  }
+
+  std::string right_key(const std::string& key, const std::vector<std::string>& known, const json& schema) const {
+    const std::string near = suggestion(key, known);
+    std::string home = near.empty() ? home_of(key, schema, 1) : "";
+    if (near.empty() && home.empty()) home = home_of(key, schema_, 2);
+    return home.empty() ? near : " '" + home + "' has a key of this name.";
   }
 
   static std::string retired_text(const std::string& pointer, const std::string& key, const std::string& value) {

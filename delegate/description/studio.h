@@ -27,4 +27,8 @@ std::optional<StudioPlan> plan_studio(const std::vector<Vec3d>& points, const Ma
 void add_studio_lights(const StudioPlan& plan, bool dome, host::RetainedSceneDelegate* scene);
 void add_studio_backdrop(const StudioPlan& plan, host::RetainedSceneDelegate* scene);
 
+/// The default light of a scene that has no studio: a dome light, turned so that its key stands to the upper left of
+/// `camera` (camera to world). Its image is in memory, as Radiance RGBE.
+host::LightDescription soft_dome(const Matrix4d& camera);
+
 }  // namespace alabaster::hd::description

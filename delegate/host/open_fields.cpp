@@ -186,11 +186,6 @@ Put put_product(RenderSettingsDescription* settings, const std::string& rest, co
 
 // Materials -----------------------------------------------------------------------------------------
 
-std::string node_name(const Path& material, const Path& node) {
-  const std::string below = material.str() + "/";
-  return node.str().starts_with(below) ? node.str().substr(below.size()) : node.str();
-}
-
 /// The connection to "NODE.OUTPUT", or to "NODE", whose output is then `otherwise`.
 MaterialConnection connection_of(const Path& material, const std::string& text, const char* otherwise) {
   const size_t dot = text.rfind('.');
@@ -302,6 +297,11 @@ std::string check_input(const std::string& node, const Token& type, const std::s
 }
 
 }  // namespace
+
+std::string node_name(const Path& material, const Path& node) {
+  const std::string below = material.str() + "/";
+  return node.str().starts_with(below) ? node.str().substr(below.size()) : node.str();
+}
 
 Path node_path(const Path& material, const std::string& name) {
   return name.starts_with('/') ? Path(name) : material.append(name);
@@ -508,6 +508,12 @@ void get_open(const MaterialNetwork& network, const Path& id, Fields* fields) {
   if (!network.terminals.contains("surface")) fields->emplace_back("surface", Value());  // else SetPrim chooses one
 }
 
+namespace {
+std::string last_name(const Path& path) {
+  return path.str().substr(path.str().rfind('/') + 1);
+}
+}  // namespace
+
 std::string finish(const MeshDescription& mesh) {
   if (const auto points = mesh.primvars.find("points"); points != mesh.primvars.end()) {
     if (!points->second.indices.empty())
@@ -515,9 +521,14 @@ std::string finish(const MeshDescription& mesh) {
     if (points->second.interpolation != Interpolation::vertex && points->second.interpolation != Interpolation::varying)
       return "'primvars:points:interpolation' must be vertex: there is one point for each vertex";
   }
-  for (const auto& [name, primvar] : mesh.primvars)
+  for (const auto& [name, primvar] : mesh.primvars) {
+    const std::string base = name.str().substr(0, name.str().rfind(':')), end = name.str().substr(base.size());
+    const std::string suffix = support::NearestName(end, {":indices", ":interpolation", ":role", ":samples"});
+    if (!end.empty() && !suffix.empty() && mesh.primvars.contains(base))
+      return "a primvar has no '" + end + "'; did you mean 'primvars:" + base + suffix + "'?";
     if (primvar.value.empty())
       return "'primvars:" + name.str() + "' has no value, but its indices, role or interpolation are given";
+  }
   for (const auto& [name, samples] : mesh.primvarSamples)
     if (!mesh.primvars.contains(name) || !(name == Token("points") || name == Token("normals")))
       return "'primvars:" + name.str() + "' has samples; points and normals alone may have them, beside their values";
@@ -545,8 +556,15 @@ std::string finish(const MaterialNetwork& network) {
     if (!network.nodes.contains(connection.upstreamNode))
       return terminal.str() + " names " + connection.upstreamNode.str() + ", which is no node of the material";
   for (const auto& [path, node] : network.nodes) {
-    const std::string name = path.str().substr(path.str().rfind('/') + 1);
-    if (node.nodeTypeId.empty()) return "node '" + name + "' has no type: set '" + name + ".type'";
+    const std::string name = last_name(path);
+    if (node.nodeTypeId.empty()) {
+      std::vector<std::string> typed;
+      for (const auto& other : network.nodes)
+        if (!other.second.nodeTypeId.empty()) typed.push_back(last_name(other.first));
+      const std::string nearest = support::NearestName(name, typed);
+      return "node '" + name + "' has no type: set '" + name + ".type'" +
+             (nearest.empty() ? "" : "; did you mean node '" + nearest + "'?");
+    }
     for (const auto& [input, value] : node.parameters)
       if (const std::string fault = check_input(name, node.nodeTypeId, input.str(), value); !fault.empty())
         return fault;

@@ -22,6 +22,8 @@ Put put_open(InstancerDescription* instancer, const std::string& name, const Val
 Put put_open(LightDescription* light, const std::string& name, const Value& value);
 Put put_open(CameraDescription* camera, const std::string& name, const Value& value);
 Put put_open(RenderSettingsDescription* settings, const std::string& name, const Value& value);
+/// The name of a node in fields of the material: without its path where it lies below the material.
+std::string node_name(const Path& material, const Path& node);
 /// The node of that name: below the material, or, where the name begins with a slash, of that path.
 Path node_path(const Path& material, const std::string& name);
 Put put_open(MaterialNetwork* network, const Path& id, const std::string& name, const Value& value);

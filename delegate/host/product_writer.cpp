@@ -8,6 +8,7 @@
 #include <cmath>
 #include <mutex>
 
+#include "core/color/config_inputs.h"
 #include "core/files/real_path.h"
 #include "core/images/format_limits.h"
 #include "core/math/float_environment.h"
@@ -249,7 +250,9 @@ ProductCheck CheckProduct(const RenderProduct& product, const OutputColors& colo
     if (!check_output(product, noted)) return false;
     if (!image_functions(&error)) return fail(noted, "images.library", product.file, error);
     OutputTransform out;
-    return make_output_transform(product, plan, colors, noted, out);
+    if (!make_output_transform(product, plan, colors, noted, out)) return false;
+    if (plan.kind == FileKind::exr && !plan.display_referred) report_unknown_primaries(*out.config, to_core(noted));
+    return true;
   });
 }
 

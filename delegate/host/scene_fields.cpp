@@ -182,8 +182,35 @@ const Kind& kind_of() {
   return kinds()[place_of<T>(static_cast<Kinds*>(nullptr))];
 }
 
+std::vector<std::string> parts_of(std::string_view name) {
+  std::vector<std::string> parts(1);
+  for (const char c : name)
+    if (c == ':')
+      parts.emplace_back();
+    else
+      parts.back() += c;
+  return parts;
+}
+
+/// A pattern with the parts of `name` in the places of its capitals; empty if it has another number of parts.
+std::string filled_pattern(std::string_view pattern, const std::string& name) {
+  const std::vector<std::string> wanted = parts_of(pattern), given = parts_of(name);
+  std::string filled;
+  for (size_t i = 0; i < wanted.size() && wanted.size() == given.size(); ++i)
+    filled += (i > 0 ? ":" : "") + (is_pattern(wanted[i]) ? given[i] : wanted[i]);
+  return filled == name ? std::string() : filled;
+}
+
+/// "; did you mean 'surface.baseColor'?" of the parameter that a name without its node means; empty if it means none.
+std::string near_input(const std::string& name, const Path& id, const MaterialNetwork& network) {
+  const std::string input = support::NearestName(name, parameter_names("disney_material"));
+  const auto surface = network.terminals.find("surface");
+  const std::string node = surface == network.terminals.end() ? "surface" : node_name(id, surface->second.upstreamNode);
+  return input.empty() ? input : "; did you mean '" + node + "." + input + "'?";
+}
+
 template <class T>
-std::string unknown(const std::string& name, const T& object) {
+std::string unknown(const std::string& name, const Path& id, const T& object) {
   const Kind& kind = kind_of<T>();
   std::string label = kind.name;
   if constexpr (std::is_same_v<T, LightDescription>) label = object.type.str();
@@ -192,9 +219,15 @@ std::string unknown(const std::string& name, const T& object) {
   if (!kind.fields.empty()) known = parameter_names(kind.parameters);  // those of materials belong to nodes
   for (const auto& table : {kind.fields, kind.open})
     for (const Field& field : table)
-      if (!is_pattern(field.name)) known.emplace_back(field.name);
-  return (label == "instancer" ? "an " : "a ") + label + " has no field '" + name + "'" +
-         support::DidYouMean(name, known);
+      if (const std::string one = is_pattern(field.name) ? filled_pattern(field.name, name) : field.name; !one.empty())
+        known.push_back(one);
+  if constexpr (std::is_same_v<T, Settings>)
+    for (const Field& field : kProductFields)
+      known.push_back(filled_pattern("products:N:" + std::string(field.name), name));
+  std::string near = support::DidYouMean(name, known);
+  if constexpr (std::is_same_v<T, MaterialNetwork>)
+    if (near.empty()) near = near_input(name, id, object);
+  return (label == "instancer" ? "an " : "a ") + label + " has no field '" + name + "'" + near;
 }
 
 template <class T>
@@ -218,7 +251,7 @@ std::string fill_fields(const Fields& fields, const Path& id, T* object) {
   if constexpr (std::is_same_v<T, MaterialNetwork>) chooses = chooses && object->nodes.empty();
   for (const auto& [name, value] : in_order(fields)) {
     const Put put = put_field(id, name, value, object);
-    if (!put) return unknown(name, *object);
+    if (!put) return unknown(name, id, *object);
     if (!put->empty()) return *put;
   }
   if constexpr (std::is_same_v<T, MaterialNetwork>)

@@ -6,7 +6,7 @@
 #include "delegate/host/open_fields.h"
 #include "delegate/host/parameter_pages.h"
 #include "delegate/host/product_writer.h"
-#include "delegate/support/decimal.h"
+#include "delegate/support/json_values.h"
 
 namespace alabaster::hd::host {
 namespace {

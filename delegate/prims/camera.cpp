@@ -46,6 +46,13 @@ void pull_parameters(const GetParameter& get, const Path& id, const alabaster::D
     alabaster::report(sink, alabaster::Severity::warning, "camera.projection", id.str(),
                       "projection '" + projection + "' is not known; perspective is used");
   pull_clipping(get, id, sink, camera);
+  if (camera->f_stop > 0 && camera->orthographic)
+    alabaster::report(sink, alabaster::Severity::warning, "camera.focus", id.str(),
+                      "fStop has no effect: an orthographic camera has no lens; set fStop to 0");
+  else if (camera->f_stop > 0 && !(camera->focus_distance > 0))
+    alabaster::report(sink, alabaster::Severity::warning, "camera.focus", id.str(),
+                      "fStop has no effect while focusDistance is 0: set focusDistance to the distance from the camera "
+                      "to what is sharp, or fStop to 0");
   if (camera->shutter_close >= camera->shutter_open) return;
   alabaster::report(sink, alabaster::Severity::warning, "camera.shutter", id.str(),
                     "the shutter closes before it opens (shutterOpen " + Value(camera->shutter_open).to_string() +
@@ -61,22 +68,29 @@ DirtyBits CameraPrim::post_record(SceneDelegate& scene, SceneParam& param, Dirty
     record_.camera.camera_to_world = scene.GetTransform(GetId());
     record_.motion = checked_motion(scene.SampleTransform(GetId()), GetId(), param.sink());
   }
-  if (bits & dirty::kParams)
-    pull_parameters([&](const Token& name) { return scene.GetCameraParamValue(GetId(), name); }, GetId(), param.sink(),
-                    &record_.camera);
+  if (bits & dirty::kParams) {
+    std::vector<alabaster::Diagnostic> found;
+    pull_parameters([&](const Token& name) { return scene.GetCameraParamValue(GetId(), name); }, GetId(),
+                    [&](const alabaster::Diagnostic& d) { found.push_back(d); }, &record_.camera);
+    faults_.report(param.sink(), std::move(found));
+  }
   param.post(GetId(), record_);
   return dirty::kClean;
 }
 
-CameraRecord record_of(const CameraDescription& camera, const Path& where, const alabaster::DiagnosticSink& sink) {
+CameraRecord record_of(const CameraDescription& camera, const Path& where, const alabaster::DiagnosticSink& sink,
+                       KnownFaults* faults) {
   CameraRecord record;
+  std::vector<alabaster::Diagnostic> found;
+  const alabaster::DiagnosticSink keep = [&](const alabaster::Diagnostic& d) { found.push_back(d); };
   record.camera.camera_to_world = camera.transform;
-  record.motion = checked_motion(camera.transformSamples, where, sink);
+  record.motion = checked_motion(camera.transformSamples, where, keep);
   const auto get = [&](const Token& name) {
     const auto found = camera.parameters.find(name);
     return found == camera.parameters.end() ? Value() : found->second;
   };
-  pull_parameters(get, where, sink, &record.camera);
+  pull_parameters(get, where, keep, &record.camera);
+  faults->report(sink, std::move(found));
   return record;
 }
 

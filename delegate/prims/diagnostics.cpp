@@ -36,4 +36,27 @@ void KnownFaults::report(const alabaster::DiagnosticSink& sink, std::vector<alab
   known_ = std::move(found);
 }
 
+void FileFaults::add(const Path& prim, const alabaster::Diagnostic& fault) {
+  const std::lock_guard lock(mutex_);
+  prims_[{fault.where, fault.code, fault.text, fault.severity}].insert(prim);
+}
+
+void FileFaults::report(const alabaster::DiagnosticSink& sink) {
+  constexpr size_t kMostNames = 5;
+  std::map<Fault, std::set<Path>> found;
+  {
+    const std::lock_guard lock(mutex_);
+    found.swap(prims_);
+  }
+  for (const auto& [fault, prims] : found) {
+    const auto& [where, code, text, severity] = fault;
+    std::string names;
+    size_t count = 0;
+    for (const Path& prim : prims)
+      if (++count <= kMostNames) names += (names.empty() ? "" : ", ") + prim.str();
+    if (count > kMostNames) names += " and " + std::to_string(count - kMostNames) + " others";
+    alabaster::report(sink, severity, code.c_str(), where, text + "; named by " + names);
+  }
+}
+
 }  // namespace alabaster::hd::prims

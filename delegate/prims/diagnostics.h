@@ -2,9 +2,13 @@
 #pragma once
 
 #include <exception>
+#include <map>
+#include <mutex>
 #include <new>
+#include <set>
 #include <string>
 #include <string_view>
+#include <tuple>
 #include <vector>
 
 #include "core/diagnostics/report.h"
@@ -33,6 +37,20 @@ class KnownFaults {
 
  private:
   std::vector<alabaster::Diagnostic> known_;
+};
+
+/// Faults of files that several prims name: each is reported once, with the prims.
+class FileFaults {
+ public:
+  /// Any thread.
+  void add(const Path& prim, const alabaster::Diagnostic& fault);
+  /// Reports all since the last call.
+  void report(const alabaster::DiagnosticSink& sink);
+
+ private:
+  using Fault = std::tuple<std::string, std::string, std::string, alabaster::Severity>;  // file, code, text
+  std::mutex mutex_;
+  std::map<Fault, std::set<Path>> prims_;
 };
 
 /// Runs a boundary entry point, in the default floating-point environment. An exception becomes a report and false.

@@ -19,10 +19,11 @@ struct LightFiles {
   BuiltOnce<Contents> contents = {};
 
   static bool is_named(const TextureSource& source) { return !source.path.empty() || source.bytes; }
-  Contents read(SceneParam& param, const CancelToken& cancel) const {
+  Contents read(const Path& light, SceneParam& param, const CancelToken& cancel) const {
     Contents out;
-    if (is_named(image)) out.texture = param.texture(image, &out.fault, param.sink(), cancel);
-    if (is_named(profile)) out.ies = param.profile(profile, &out.fault);
+    const alabaster::DiagnosticSink sink = [&](const alabaster::Diagnostic& d) { param.file_faults().add(light, d); };
+    if (is_named(image)) out.texture = param.texture(image, &out.fault, sink, cancel);
+    if (is_named(profile)) out.ies = param.profile(profile, &out.fault, sink);
     return out;
   }
 };
@@ -79,8 +80,8 @@ DirtyBits LightPrim::post_record(SceneDelegate& scene, SceneParam& param, DirtyB
 
 void LightPrim::post(SceneParam& param) {
   if (!files_) return param.post(GetId(), record_);
-  param.post_unread(GetId(), [&param, record = record_, files = files_](const CancelToken& cancel) {
-    const LightFiles::Contents& contents = files->contents.get([&] { return files->read(param, cancel); });
+  param.post_unread(GetId(), [&param, id = GetId(), record = record_, files = files_](const CancelToken& cancel) {
+    const LightFiles::Contents& contents = files->contents.get([&] { return files->read(id, param, cancel); });
     LightRecord read = record;
     read.light.texture = contents.texture, read.light.ies = contents.ies, read.fault = contents.fault;
     return read;

@@ -370,7 +370,13 @@ void MaterialPrim::post(const std::shared_ptr<const MaterialNetwork>& network, S
     MaterialRecord record;
     record.material =
         MaterialReader(id, support::TranslatePreviewSurface(*network, warn), param, sink, cancel).read(&record.fault);
-    faults->report(param.sink(), std::move(found));
+    const alabaster::DiagnosticSink tell = [&](const alabaster::Diagnostic& d) {
+      if (!d.code.starts_with("material."))
+        param.file_faults().add(id, d);
+      else if (param.sink())
+        param.sink()(d);
+    };
+    faults->report(tell, std::move(found));
     return record;
   };
   const bool reads_images = has_images(*network);

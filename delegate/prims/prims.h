@@ -104,10 +104,13 @@ class CameraPrim final : public RecordedPrim<Sprim> {
  private:
   DirtyBits post_record(SceneDelegate& scene, SceneParam& param, DirtyBits bits) override;
   CameraRecord record_;
+  KnownFaults faults_;
 };
 
-/// A camera by value; faults are reported. `where`: its name in reports.
-CameraRecord record_of(const CameraDescription& camera, const Path& where, const alabaster::DiagnosticSink& sink);
+/// A camera by value. `where`: its name in reports. `faults`: those of its camera before it, which are not reported
+/// again.
+CameraRecord record_of(const CameraDescription& camera, const Path& where, const alabaster::DiagnosticSink& sink,
+                       KnownFaults* faults);
 
 class RenderSettingsPrim final : public RecordedPrim<Bprim> {
  public:

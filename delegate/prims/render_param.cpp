@@ -88,11 +88,12 @@ std::shared_ptr<const Texture> SceneParam::load(const TextureSource& source, std
   return nullptr;
 }
 
-std::shared_ptr<const IesProfile> SceneParam::profile(const TextureSource& source, std::optional<SceneFault>* fault) {
+std::shared_ptr<const IesProfile> SceneParam::profile(const TextureSource& source, std::optional<SceneFault>* fault,
+                                                      const alabaster::DiagnosticSink& sink) {
   const std::string unread = "the IES profile '" + source.path + "' could not be read";
   if (source.bytes) {
     const std::string_view text(reinterpret_cast<const char*>(source.bytes->data()), source.bytes->size());
-    auto parsed = IesProfile::parse(text, source.path, sink_);
+    auto parsed = IesProfile::parse(text, source.path, sink);
     if (!parsed) *fault = SceneFault{true, unread};
     return parsed;
   }
@@ -105,7 +106,7 @@ std::shared_ptr<const IesProfile> SceneParam::profile(const TextureSource& sourc
     std::vector<alabaster::Diagnostic> reports;
     const alabaster::DiagnosticSink kept = [&](const alabaster::Diagnostic& d) {
       reports.push_back(d);
-      if (sink_) sink_(d);
+      if (sink) sink(d);
     };
     const auto loaded = IesProfile::load(source.path, kept, source.within);
     if (loaded) {
@@ -114,8 +115,8 @@ std::shared_ptr<const IesProfile> SceneParam::profile(const TextureSource& sourc
     }
     failure = {SceneFault{true, unread}, std::move(reports)};
     failed_profiles_.keep(source, std::move(state), *failure);
-  } else if (sink_) {
-    for (const alabaster::Diagnostic& d : failure->reports) sink_(d);
+  } else if (sink) {
+    for (const alabaster::Diagnostic& d : failure->reports) sink(d);
   }
   *fault = failure->fault;
   return nullptr;

@@ -58,7 +58,8 @@ class SceneParam final : public RenderParam {
   std::shared_ptr<const Texture> texture(const TextureSource& source, std::optional<SceneFault>* fault,
                                          const alabaster::DiagnosticSink& sink, const CancelToken& cancel);
   /// The same for an IES profile, which lights share. Path, bytes and `within` of the source count.
-  std::shared_ptr<const IesProfile> profile(const TextureSource& source, std::optional<SceneFault>* fault);
+  std::shared_ptr<const IesProfile> profile(const TextureSource& source, std::optional<SceneFault>* fault,
+                                            const alabaster::DiagnosticSink& sink);
   /// Texels that were in the file of `textureMemory` are gone (reported): they are black.
   bool has_lost_texels() const { return texels_->failed(); }
   /// Reads an image again for a prim, and posts the new record if the prim uses that file; kept until the prim is gone.
@@ -78,6 +79,9 @@ class SceneParam final : public RenderParam {
   void set_texture_memory(uint32_t mib);
   /// MiB; 0: default_memory_limit(). The next commit builds the meshes that were refused.
   void set_memory_limit(uint32_t mib);
+
+  /// Faults of files that the builder reads; it reports them once all are read.
+  FileFaults& file_faults() { return file_faults_; }
 
   // The edit transaction.
   void post(const Path& id, Record record) { post(Edit{id, std::move(record), {}, false}); }
@@ -135,6 +139,7 @@ class SceneParam final : public RenderParam {
   std::mutex profiles_mutex_;                                            // held while one is read
   std::map<std::pair<std::string, std::string>, HeldProfile> profiles_;  // by name and folder
   FailedFiles failed_images_, failed_profiles_;
+  FileFaults file_faults_;
   mutable std::mutex mutex_;  // guards what follows, for look-ups only
   std::multimap<std::string, HeldTexture> textures_;
   std::map<std::string, std::weak_ptr<std::mutex>> decoding_;  // by path

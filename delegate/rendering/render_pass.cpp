@@ -300,7 +300,7 @@ void PassControl::update(PassInputs next, bool building, std::vector<alabaster::
 // Reads the free camera again only if it differs.
 void PassControl::set_view(const RenderPassState& state) {
   if (state.freeCamera && state.freeCamera != free_camera_)
-    free_record_ = prims::record_of(*state.freeCamera, kFreeCamera, delegate_->param->sink());
+    free_record_ = prims::record_of(*state.freeCamera, kFreeCamera, delegate_->param->sink(), &free_faults_);
   free_camera_ = state.freeCamera;
   PassView now{support::Selection(state.renderTags, state.collection), std::nullopt, primvars_of(state)};
   if (state.freeCamera) now.shutter = free_record_.shutter();

@@ -110,6 +110,7 @@ class PassControl : public std::enable_shared_from_this<PassControl> {
   std::optional<PassView> view_;
   std::optional<CameraDescription> free_camera_;  // of the last Execute, under executing_ as its record
   prims::CameraRecord free_record_;
+  prims::KnownFaults free_faults_;
   mutable std::mutex error_mutex_;
   std::optional<CameraParameters> camera_;  // under error_mutex_
   std::string error_;

@@ -189,6 +189,7 @@ void SnapshotBuilder::read_files(const CancelToken& cancel) {
     edit->read = nullptr;
   };
   param_->run([&] { tbb::parallel_for(size_t(0), unread.size(), [&](size_t i) { read_one(unread[i]); }); });
+  param_->file_faults().report(param_->sink());
   cancel.check();
   edits_.remove_if([&](const prims::Edit& edit) { return edit.read && last.at(edit.id) != &edit; });
 }

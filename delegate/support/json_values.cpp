@@ -1,10 +1,9 @@
 #include "delegate/support/json_values.h"
 
 #include <algorithm>
+#include <charconv>
 #include <limits>
 #include <nlohmann/json.hpp>
-
-#include "delegate/support/decimal.h"
 
 namespace alabaster::hd::support {
 namespace {
@@ -38,6 +37,14 @@ Value array_of(const json& list) {
 }
 
 }  // namespace
+
+double shortest_decimal(float value) {
+  char text[64];
+  const auto end = std::to_chars(text, text + sizeof text, value);
+  double read = 0;
+  std::from_chars(text, end.ptr, read);
+  return read;
+}
 
 json json_of(const Value& value) {
   if (value.empty()) return nullptr;

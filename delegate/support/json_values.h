@@ -7,6 +7,9 @@
 
 namespace alabaster::hd::support {
 
+/// The shortest decimal that reads back as the same float: 0.1, not 0.10000000149.
+double shortest_decimal(float value);
+
 /// Numbers, with floats as their shortest decimals; texts; lists of vectors, matrices and arrays; objects of
 /// dictionaries. An empty value is null.
 nlohmann::json json_of(const Value& value);

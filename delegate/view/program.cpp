@@ -1,8 +1,10 @@
 // The program alabaster-view: a window on a scene. It uses the public contract and the kit, nothing else.
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <cstdio>
 #include <filesystem>
 
+#include "delegate/cli/command_words.h"
 #include "delegate/cli/exit_codes.h"
 #include "delegate/cli/flags.h"
 #include "delegate/cli/scene_options.h"
@@ -41,12 +43,14 @@ int view(const Arguments& a, WindowDriver* driver) {
 int run(int argc, char** argv, WindowDriver* driver) {
   CLI::App app("A window on a scene: look around, pick, edit, save.", "alabaster view");
   Arguments a;
+  cli::Words words{"view"};
+  words.insert(words.end(), argv + std::min(argc, 1), argv + argc);
   cli::add_scene_options(&app, &a.scene);
   app.add_flag("--quiet", a.quiet, "Print errors and warnings only");
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& e) {
-    return cli::exit_code(app, e);
+    return cli::parse_fault(e, app, cli::command_fault(app, words, e));
   }
   return view(a, driver);
 }

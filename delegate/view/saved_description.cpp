@@ -8,7 +8,6 @@
 
 #include "core/files/input_file.h"
 #include "delegate/archive/archive.h"
-#include "delegate/support/decimal.h"
 #include "delegate/support/json_values.h"
 #include "delegate/support/output_file.h"
 

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "delegate/cli/scene_inputs.h"
 #include "delegate/description/quality_presets.h"
 #include "delegate/host/snapshot.h"
 #include "delegate/view/saved_description.h"
@@ -271,6 +270,12 @@ void ViewSession::reset_setting(const std::string& key) {
 void ViewSession::apply_quality(const std::string& name) {
   const hd::description::QualityPreset* const preset = hd::description::FindQualityPreset(name);
   if (!preset) return;
+  // Settings of another preset do not stay.
+  for (const auto& other : hd::description::QualityPresets())
+    for (const auto& [key, value] : other.settings) {
+      loaded_->delegate()->SetRenderSetting(key, {});
+      changed_settings_.erase(key);
+    }
   for (const auto& [key, value] : preset->settings) {
     loaded_->delegate()->SetRenderSetting(key, value);
     changed_settings_[key] = value;

@@ -95,18 +95,16 @@ void check_scripts(const cli::FarmJobs& jobs, const std::map<std::string, std::s
   const std::string part = jobs.folder + "/part.", number = "$(printf %05d ";
   expect(words_of(task.at(1)), {"cd", "--", jobs.home});
   const Words inputs = {"--inputs", jobs.folder + "/inputs.txt"};
-  const Words program = jobs.keep_going ? Words{jobs.program, "render"} : Words{"exec", jobs.program, "render"};
-  Words run = joined(program, joined(jobs.task_options, inputs, {}),
-                     {"--quiet", "--samples", "$first:$end", "--resume", "--checkpoint",
-                      part + number + "\x01$1).checkpoint", "--", jobs.scene});
-  if (jobs.keep_going) run.insert(run.end(), {"\x01|\x01|", "code=\x01$\x01?"});
+  const Words run = joined({"exec", jobs.program, "render"}, joined(jobs.task_options, inputs, {}),
+                           {"--quiet", "--samples", "$first:$end", "--resume", "--checkpoint",
+                            part + number + "\x01$1).checkpoint", "--", jobs.scene});
   expect(words_of(task.at(5)), run);
   expect(words_of(merge.at(1)), {"cd", "--", jobs.home});
   expect(words_of(merge.at(5)), {"set", "--", "$@", part + number + "$k).checkpoint"});
   expect(words_of(merge.at(8)),
          joined({"exec", jobs.program, "merge"}, joined(jobs.merge_options, inputs, {}), {"--", "$@"}));
   expect(words_of(lines_of(files.at("status.sh")).at(8)), {"exec", jobs.program, "merge", "--", "$@"});
-  if (task.size() != (jobs.keep_going ? 7u : 6u) || merge.size() != 9) broken("a job has lines that are not its own");
+  if (task.size() != 6 || merge.size() != 9) broken("a job has lines that are not its own");
 }
 
 void check_slurm(const cli::FarmJobs& jobs, const std::map<std::string, std::string>& files) {
@@ -161,7 +159,6 @@ void run_job(Bytes input) {
   cli::FarmJobs jobs;
   constexpr const char* kEngines[] = {"script", "slurm", "openjd"};
   jobs.engine = kEngines[in.choice(3)];
-  jobs.keep_going = in.flag();
   jobs.tasks = 1 + static_cast<uint32_t>(in.choice(5));
   jobs.samples = jobs.tasks + static_cast<uint32_t>(in.choice(200));
   jobs.program = "/" + name_of(in);

@@ -188,6 +188,7 @@ CHECK_ROWS = {
     # promise: pipeline.check
     "--time-limit": [Row(("--time-limit", "0.001"), codes(0, 4), ("check", "heavy.json"))],
     "--memory-limit": [Row(("--memory-limit", "1"), codes(0, 4), ("check", "heavy.json"))],
+    "--ocio": [Row(("--ocio", "absent.ocio"), codes(0, 3), ("check", "model.glb"))],
     "--allow-outside": [Row(("--allow-outside",), codes(3, 0), ("check", "inner/outside.json"))],
     "--quiet": [Row(("--quiet",), lambda a, b: "can be rendered" in a.err + a.out and not b.err + b.out, ("check", "model.glb"))],
 }
@@ -208,6 +209,8 @@ INFO_ROWS = {
     "--predict": [Row(("--predict", "0.5"), predicted, ("info", "model.glb", "--size", "24x16"))],
     "--size": [Row(("--size", "30x20"), lambda a, b: "render /render: 30x20" in b.out and "30x20" not in a.out, ("info", "model.glb"))],
     "--threads": [Row(("--threads", "1"), predicted, ("info", "model.glb", "--size", "24x16", "--predict", "0.5"))],
+    "--json": [Row(("--json",), lambda a, b: b.out.startswith('{\n  "scene": "model.glb",') and a.out != b.out, ("info", "model.glb"))],
+    "--ocio": [Row(("--ocio", "absent.ocio"), codes(0, 3), ("info", "model.glb"))],
     "--allow-outside": [Row(("--allow-outside",), codes(3, 0), ("info", "inner/outside.json"))],
 }
 TABLES = {"render": RENDER_ROWS, "merge": MERGE_ROWS, "check": CHECK_ROWS, "info": INFO_ROWS}

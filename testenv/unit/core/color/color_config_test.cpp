@@ -16,6 +16,7 @@
 
 #include "core/color/builtin_config.h"
 #include "core/color/chromaticities.h"
+#include "core/color/config_inputs.h"
 #include "testenv/support/reports.h"
 
 namespace alabaster {
@@ -214,6 +215,15 @@ TEST(ColorConfig, EnvironmentNamesAConfigUnlessEmpty) {
   ::setenv("OCIO", "/no/such/file.ocio", 1);
   Reports reports;
   const auto missing = ColorConfig::load("", reports.sink);
+  const std::string norole =
+      folder.write("norole.ocio",
+                   "ocio_profile_version: 2\nroles: {default: a}\nfile_rules:\n  - !<Rule> "
+                   "{name: Default, colorspace: a}\ncolorspaces:\n  - !<ColorSpace> {name: a}\n");
+  ::setenv("OCIO", norole.c_str(), 1);
+  Reports roles;
+  EXPECT_FALSE(ColorConfig::load("", roles.sink));
+  EXPECT_NE(roles.text().find("add one, or set $OCIO, which names it, to a .ocio file"), std::string::npos)
+      << roles.text();
   saved ? ::setenv("OCIO", old.c_str(), 1) : ::unsetenv("OCIO");
   ASSERT_TRUE(named);
   EXPECT_EQ(named->origin(), path);
@@ -263,6 +273,11 @@ TEST(ColorConfig, WithoutInterchangeRolesRec709IsAssumedAndSaid) {
   ASSERT_EQ(reports.all.size(), 1u);
   EXPECT_EQ(reports.all[0].severity, Severity::warning);
   EXPECT_EQ(config->chromaticities(""), kRec709);
+  for (int i = 0; i < 2; ++i) report_unknown_primaries(*config, reports.sink);
+  ASSERT_EQ(reports.all.size(), 2u) << "once";
+  EXPECT_EQ(reports.all[1].code, "ocio.interchange.missing");
+  report_unknown_primaries(*builtin(), reports.sink);
+  EXPECT_EQ(reports.all.size(), 2u);
 }
 
 // OpenColorIO itself follows each of these until the stack overflows, or never returns.

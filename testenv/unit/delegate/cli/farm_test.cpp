@@ -64,6 +64,42 @@ TEST_F(Farm, TheMergedFrameIsThatOfOneMachineThoughATaskIsLost) {
   EXPECT_EQ(pixels("a b.exr"), pixels("alone.exr"));
 }
 
+// An engine ends the process that it started, and the merge tells what --keep-going left out.
+TEST_F(Farm, ATaskIsItsRenderAlsoWithKeepGoing) {
+  write("scene.json", R"({"models": [{"file": "patch.gltf"}], "settings": {"resolution": [64, 48]}, "materials":
+    [{"match": "skin", "set": {"baseColor": {"file": "absent.png"}}}]})");
+  const auto farm = [&](const std::string& spp, const std::string& folder) {
+    return run({"farm", "scene.json", "-o", "a.exr", "--tasks", "1", "--keep-going", "--spp", spp, "--folder", folder});
+  };
+  ASSERT_EQ(farm("1000000", "long").code, 0);
+  const std::string checkpoint = folder_ / "long/part.00000.checkpoint";
+  const pid_t task = fork();
+  if (task == 0) {
+    const std::string script = folder_ / "long/task.sh";
+    execl("/bin/sh", "sh", script.c_str(), "0", nullptr);
+    _exit(99);
+  }
+  // The shell alone takes no time, and loading this scene little.
+  const auto cpu_seconds = [&] {
+    std::ifstream stat("/proc/" + std::to_string(task) + "/stat");
+    std::string field;
+    for (int i = 0; i < 13; ++i) stat >> field;
+    double user = 0;
+    stat >> user;
+    return user / static_cast<double>(sysconf(_SC_CLK_TCK));
+  };
+  for (int i = 0; i < 600 && cpu_seconds() < 3; ++i) std::this_thread::sleep_for(std::chrono::milliseconds(100));
+  ASSERT_EQ(kill(task, SIGTERM), 0);
+  int status = 0;
+  ASSERT_EQ(waitpid(task, &status, 0), task);
+  EXPECT_TRUE(WIFEXITED(status));
+  EXPECT_EQ(WEXITSTATUS(status), 130);
+  EXPECT_TRUE(std::filesystem::exists(checkpoint)) << "the render ended, and saved its samples";
+  ASSERT_EQ(farm("2", "short").code, 0);
+  EXPECT_EQ(shell("sh short/task.sh 0"), 0) << read("shell.txt");
+  EXPECT_EQ(shell("sh short/merge.sh") >> 8, 6) << read("shell.txt");
+}
+
 // promise: farm.engine.slurm
 TEST_F(Farm, JobsForSlurmAreAnArrayAndAMerge) {
   ASSERT_EQ(
@@ -169,6 +205,19 @@ TEST_F(FarmInputs, AMachineWithoutAConfigurationOfItsOwnTakesTheBuiltInOne) {
   EXPECT_EQ(pixels("farm.png"), pixels("plain.png"));
 }
 
+// The programs of a job need those of its machine, which may have its users elsewhere.
+TEST_F(FarmInputs, VariablesOfTheLoginStayThoseOfTheMachine) {
+  std::string config = read("show.ocio");
+  config.replace(config.find("luts/$SHOT"), 10, "luts/$SHOT:${HOME}/luts:$PATH");
+  write("show.ocio", config);
+  write_farm("OCIO=show.ocio SHOT=dark");
+  const std::string task = read("patch_farm/task.sh");
+  EXPECT_NE(task.find("\nexport SHOT=dark\n"), std::string::npos) << task;
+  for (const char* name : {"HOME", "PATH"})
+    EXPECT_EQ(task.find("export " + std::string(name)), std::string::npos) << task;
+  EXPECT_EQ(shell("HOME=/nowhere sh patch_farm/task.sh 0"), 0) << read("shell.txt");
+}
+
 // A merge reads no scene, so it does not meet the configuration that the scene names.
 TEST_F(FarmInputs, TheConfigurationOfTheSceneIsThatOfTheMerge) {
   write(
@@ -258,6 +307,23 @@ TEST_F(Farm, AFrameThatItsFileCannotHoldIsRefusedBeforeItsTasks) {
   EXPECT_NE(outcome.err.find("65500 x 65500"), std::string::npos) << outcome.err;
 }
 
+TEST_F(Farm, ItsHelpListsNoOptionThatItRefuses) {
+  const std::string farm = run({"farm", "--help"}).out, render = run({"render", "--help"}).out;
+  for (const std::string option : {"--frames", "--pixel", "--stats", "--target-error", "--time-limit"}) {
+    EXPECT_EQ(farm.find("\n  " + option + " "), std::string::npos) << option;
+    EXPECT_NE(render.find("\n  " + option + " "), std::string::npos) << option;
+  }
+}
+
+// An option that is not listed counts where it is given.
+TEST_F(Farm, ATargetOfTheSceneMayBeTakenBack) {
+  write("scene.json", R"({"models": [{"file": "patch.gltf"}], "settings": {"samples": 2, "resolution": [8, 6],
+    "targetError": 0.1}})");
+  EXPECT_EQ(run({"farm", "scene.json", "-o", "a.exr", "--tasks", "1"}).code, 2);
+  ASSERT_EQ(run({"farm", "scene.json", "-o", "a.exr", "--tasks", "1", "--target-error", "0", "--spp", "2"}).code, 0);
+  EXPECT_EQ(shell("sh scene_farm/task.sh 0"), 0) << read("shell.txt");
+}
+
 TEST_F(Farm, WrongArgumentsAreRefused) {
   const auto refused = [&](const std::vector<std::string>& more, const char* said) {
     std::vector<std::string> all{"farm", "patch.gltf", "--spp", "4"};
@@ -265,13 +331,14 @@ TEST_F(Farm, WrongArgumentsAreRefused) {
     const Outcome outcome = run(all);
     EXPECT_EQ(outcome.code, 2) << said;
     EXPECT_NE(outcome.err.find(said), std::string::npos) << outcome.err;
+    EXPECT_EQ(outcome.err.find("basic_string"), std::string::npos) << outcome.err;
   };
   refused({"-o", "a.exr", "--tasks", "0"}, "--tasks");
   refused({"-o", "a.exr", "--tasks", "5"}, "cannot be shared");
   refused({"--tasks", "2"}, "add -o");
   refused({"-o", "a.exr", "--tasks", "2", "--engine", "cloud"}, "choose from script, slurm, openjd");
   refused({"-o", "a.exr", "--tasks", "2", "--frames", "1:4"}, "--frames");
-  refused({"-o", "a.exr", "--tasks", "2", "--target-error", "0.1"}, "targetError");
+  refused({"-o", "a.exr", "--tasks", "2", "--target-error", "0.1"}, "error: --tasks: The setting targetError decides");
   refused({"-o", "a.exr", "--tasks", "2", "--time", "noon"}, "--time");
   refused({"-o", "a.exr", "--tasks", "2", "--crop", "1,2"}, "--crop");
   refused({"-o", "a.exr", "--tasks", "2", "--engine", "openjd", "--folder", "{{a}}"}, "begins a variable");

@@ -61,6 +61,7 @@ class FramesTest : public hd::description::SceneFiles {
   }
 };
 
+// promise: pipeline.stats.renders
 TEST_F(FramesTest, EveryFrameIsAFileOfItsOwnAndTheSameAsRenderedAlone) {
   std::string said;
   ASSERT_EQ(render("moving.gltf", {"--frames", "0:9:4", "--fps", "8", "-o", "f.##.exr", "--stats", "s.json"}, &said), 0)
@@ -70,6 +71,16 @@ TEST_F(FramesTest, EveryFrameIsAFileOfItsOwnAndTheSameAsRenderedAlone) {
   EXPECT_GT(coverage("f.04.exr"), coverage("f.08.exr"));
   const json stats = json::parse(std::ifstream(folder_ / "s.json"));
   EXPECT_EQ(stats["frames"], (json{0, 4, 8}));
+  ASSERT_EQ(stats["renders"].size(), 3u);
+  double noisiest = 0;
+  for (size_t i = 0; i < 3; ++i) {
+    const json& one = stats["renders"][i];
+    EXPECT_EQ(one["frame"], stats["frames"][i]);
+    EXPECT_EQ(one["resolution"], stats["resolutions"][i]);
+    EXPECT_EQ(one["error"]["relativeRmse"], stats["delegate"][i]["error.relativeRmse"]);
+    noisiest = std::max(noisiest, one["error"]["relativeRmse"].get<double>());
+  }
+  EXPECT_EQ(stats["error"]["relativeRmse"], noisiest);
   EXPECT_EQ(stats["files"], (json{"f.00.exr", "f.04.exr", "f.08.exr"}));
   ASSERT_EQ(render("moving.gltf", {"--time", "0.5", "--set", "frame=4", "-o", "alone.exr"}), 0);
   EXPECT_EQ(pixels("f.04.exr"), pixels("alone.exr"));

@@ -2,8 +2,10 @@
 #include <sys/ioctl.h>
 
 #include <cstdlib>
+#include <nlohmann/json.hpp>
 #include <sstream>
 
+#include "delegate/cli/command_words.h"
 #include "testenv/unit/delegate/cli/run_program.h"
 #include "testenv/unit/delegate/description/scene_fixture.h"
 
@@ -115,6 +117,31 @@ TEST_F(WordsTest, AMisspeltOptionNamesTheNearest) {
   EXPECT_HAS(unknown.err, "alabaster render --help");
 }
 
+TEST_F(WordsTest, TheWindowNamesTheNearestOptionToo) {
+  if (!std::filesystem::exists(std::filesystem::path(testing::kProgram).parent_path() / "alabaster-view"))
+    GTEST_SKIP() << "alabaster-view is not built";
+  const Outcome misspelt = run({"view", "patch.gltf", "--camra", "front"});
+  EXPECT_EQ(misspelt.code, 2);
+  EXPECT_HAS(misspelt.err,
+             "'alabaster view' has no option '--camra'. Did you mean '--camera'?\n  alabaster view "
+             "patch.gltf --camera front\n");
+  const Outcome missing = run({"view"});
+  EXPECT_EQ(missing.code, 2);
+  EXPECT_HAS(missing.err, "alabaster view: SCENE is required. For example:\n  alabaster view model.glb\n");
+  EXPECT_EQ(run({"view", "--help"}).code, 0);
+}
+
+TEST_F(WordsTest, EachWordOfOtherProgramsNamesOurs) {
+  for (const Alias& alias : kCommandAliases)
+    EXPECT_HAS(run({alias.word, "patch.gltf"}).err, std::string("Did you mean '") + alias.ours + "'?");
+  for (const Alias& alias : kFlagAliases) {
+    const Outcome outcome = run({"render", "patch.gltf", std::string("--") + alias.word, "640"});
+    EXPECT_EQ(outcome.code, 2) << alias.word;
+    EXPECT_HAS(outcome.err, std::string("Did you mean '") + alias.ours + "'?");
+    EXPECT_HAS(outcome.err, std::string(" ") + alias.ours + " " + (alias.value ? alias.value : "640"));
+  }
+}
+
 TEST_F(WordsTest, AMisspeltChoiceNamesTheNearest) {
   const struct {
     Words wrong;
@@ -161,6 +188,77 @@ TEST_F(WordsTest, InfoNamesWhatMayBeChangedAndHow) {
     EXPECT_EQ(paste("alabaster info lit.json " + line.substr(std::string("  to change: ").size())), 0) << line;
   }
   EXPECT_EQ(examples, 4u) << "of materials, meshes, lights and the camera";
+}
+
+TEST_F(WordsTest, InfoTellsWhichPrimsShareANameAndThePathOfEach) {
+  write("two.json", R"({"models": [{"file": "patch.gltf"}, {"file": "patch.gltf"}]})");
+  const Outcome info = run({"info", "two.json"});
+  ASSERT_EQ(info.code, 0) << info.err;
+  const std::string several =
+      "  to change: --set materials/skin.roughness=0.3\n"
+      "  it changes 2 materials of this name; a path selects one:\n    ";
+  const size_t at = info.out.find(several);
+  ASSERT_NE(at, std::string::npos) << info.out;
+  const size_t begin = at + several.size();
+  const std::string option = info.out.substr(begin, info.out.find('\n', begin) - begin);
+  EXPECT_EQ(option, "--set materials//copy2/gltf/patch/materials/0_skin.roughness=0.3");
+  ASSERT_EQ(paste("alabaster info two.json --json " + option), 0);
+  std::ifstream file(folder_ / "pasted.txt");
+  const auto scene = nlohmann::json::parse(file);
+  const auto roughness = [&](size_t i) {
+    return scene["materials"][i]["nodes"][0]["parameters"].value("roughness", 0.0);
+  };
+  EXPECT_FLOAT_EQ(float(roughness(0)), 0.3f);
+  EXPECT_NE(roughness(1), roughness(0));
+}
+
+// promise: pipeline.info
+TEST_F(WordsTest, InfoHasTheBoundsOfTheSceneAndOfEachMesh) {
+  write("moved.json",
+        R"({"models": [{"file": "patch.gltf", "transform": {"translate": [10, 0, 0]}}, {"file": "patch.gltf"}],
+    "meshes": [{"match": "/copy2/*", "visible": false}]})");
+  const Outcome text = run({"info", "moved.json"});
+  ASSERT_EQ(text.code, 0) << text.err;
+  EXPECT_HAS(text.out,
+             "bounds in scene units (metres in glTF): min (9, -1, 0), max (11, 1, 0), size (2, 2, 0), centre "
+             "(10, 0, 0)\n");
+  EXPECT_HAS(text.out, "hidden\n    bounds: min (-1, -1, 0), max (1, 1, 0), size (2, 2, 0), centre (0, 0, 0)\n");
+  const Outcome json = run({"info", "moved.json", "--json", "--predict", "0.5", "--size", "16x12"});
+  ASSERT_EQ(json.code, 0) << json.err;
+  const auto scene = nlohmann::json::parse(json.out);
+  using Numbers = std::vector<double>;
+  EXPECT_EQ(scene["bounds"]["centre"], Numbers({10, 0, 0}));
+  EXPECT_EQ(scene["bounds"]["size"], Numbers({2, 2, 0}));
+  size_t boxes = 0;
+  for (const auto& mesh : scene["meshes"]) boxes += mesh["bounds"]["max"].size() == 3;
+  EXPECT_EQ(boxes, scene["meshes"].size());
+  EXPECT_EQ(scene["triangles"]["modelled"].is_number(), true);
+  const auto& prediction = scene["prediction"];
+  EXPECT_EQ(prediction["targetError"], 0.5);
+  EXPECT_EQ(prediction["resolution"], std::vector<int>({16, 12}));
+  for (const char* key : {"samplesPerPixel", "wallSeconds", "cpuSeconds", "peakMegabytes"}) {
+    EXPECT_GT(prediction[key]["value"], 0) << key;
+    EXPECT_LE(prediction[key]["low"], prediction[key]["high"]) << key;
+  }
+}
+
+// A scene of many meshes that are open in the same way, and of a material for each.
+TEST_F(WordsTest, LikeWarningsAreShownThriceAndCounted) {
+  std::string models = R"({"file": "patch.gltf"})";
+  for (int i = 1; i < 7; ++i) models += R"(, {"file": "patch.gltf"})";
+  write("many.json", R"({"models": [)" + models + R"(], "settings": {"resolution": [8, 8], "samples": 1},
+    "materials": [{"match": "*", "set": {"scatterDistance": [0.1, 0.1, 0.1]}}]})");
+  const auto lines = [](const std::string& text, const std::string& part) {
+    size_t count = 0;
+    for (size_t at = text.find(part); at != std::string::npos; at = text.find(part, at + 1)) ++count;
+    return count;
+  };
+  const Outcome render = run({"render", "many.json", "-o", "a.png"});
+  ASSERT_EQ(render.code, 0) << render.err;
+  EXPECT_EQ(lines(render.err, "subsurface scattering in a mesh that is not closed: "), 3u) << render.err;
+  EXPECT_EQ(lines(render.err, "and 4 more warnings 'mesh.open: subsurface scattering"), 1u) << render.err;
+  EXPECT_LT(render.err.find("more warnings"), render.err.find("wrote a.png")) << render.err;
+  EXPECT_EQ(lines(run({"check", "many.json"}).err, "subsurface scattering in a mesh that is not closed: "), 7u);
 }
 
 TEST_F(WordsTest, ARenderTellsSizesAndOneNextCommand) {

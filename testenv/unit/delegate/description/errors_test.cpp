@@ -25,6 +25,35 @@ TEST_F(DescriptionErrors, EveryUnknownKeyIsReported) {
   EXPECT_SAYS("Did you mean 'fStop'?");
 }
 
+// A key that stands a level too high or too low, or in the wrong part.
+TEST_F(DescriptionErrors, AKeyOfAnotherPartNamesThePart) {
+  const std::string model = R"({"gltf": [{"file": "patch.gltf"}], )";
+  const std::pair<const char*, const char*> cases[] = {
+      {R"("materials": [{"match": "skin", "baseColor": [1, 0, 0]}]})", "'baseColor'. 'set' has a key of this name."},
+      {R"("materials": [{"match": "skin", "set": {"surface.baseColor": [1, 0, 0]}}]})", "Did you mean 'baseColor'?"},
+      {R"("materials": [{"match": "skin", "set": {"inputs:rougness": 1}}]})", "Did you mean 'roughness'?"},
+      {R"("settings": {"fStop": 2}})", "'fStop'. 'camera' has a key of this name."},
+      {R"("fStop": 2})", "'fStop'. 'camera' has a key of this name."},
+      {R"("baseColor": 2})", "'baseColor'. 'materials/set' has a key of this name."},
+      {R"("lights": [{"name": "a", "type": "domeLight", "texture": "x"}]})", "Did you mean 'texture:file'?"}};
+  for (const auto& [text, said] : cases) {
+    EXPECT_FALSE(describe(model + text).ok) << text;
+    EXPECT_SAYS(said);
+  }
+}
+
+// Several prims may have one name, and a path selects one.
+TEST_F(DescriptionErrors, ANearNameOfSeveralPrimsComesWithTheirPaths) {
+  EXPECT_FALSE(describe(R"({"gltf": [{"file": "patch.gltf"}, {"file": "patch.gltf"}],
+    "materials": [{"match": "skim", "set": {"roughness": 1}}]})")
+                   .ok);
+  EXPECT_SAYS("Did you mean 'skin'? It names 2, a path one of them: '/copy2/gltf/patch/materials/0_skin', '/gltf/");
+  EXPECT_FALSE(describe(R"({"gltf": [{"file": "patch.gltf"}],
+    "materials": [{"match": "skin.surface", "set": {"roughness": 1}}]})")
+                   .ok);
+  EXPECT_SAYS("No material matches 'skin.surface'. Did you mean 'skin'?");
+}
+
 TEST_F(DescriptionErrors, RangeTypeAndMissingKey) {
   EXPECT_FALSE(describe("{\"settings\":\n{\"samples\": 0}}").ok);
   EXPECT_SAYS("scene.json:2 /settings/samples: 0 is not valid: expected a whole number from 1 to 1048576.");

@@ -372,6 +372,21 @@ TEST_F(LoadSceneTest, CameraInMillimetres) {
   expect_near(Vec3d(1, 0, 0) * m, Vec3d(1, 0, 5), 1e-12);
 }
 
+// A camera that is aimed is focused on its target, unless it has a focus of its own.
+TEST_F(LoadSceneTest, AnAimedCameraIsFocusedOnItsTarget) {
+  const auto focus = [this](const std::string& more) {
+    const SceneFile file = describe(R"({"gltf": [{"file": "lit.gltf"}], "camera": {"fStop": 2)" + more + "}}");
+    EXPECT_TRUE(file.ok) << errors();
+    const auto& p = scene.GetCameras().at(settings(file).camera).parameters;
+    return p.contains("focusDistance") ? p.at("focusDistance").number_or(-1) : 0;
+  };
+  EXPECT_FLOAT_EQ(float(focus(R"(, "lookAt": {"eye": [0, 3, 4], "target": [0, 0, 0]})")), 5.0f);
+  EXPECT_FLOAT_EQ(float(focus(R"(, "use": "front", "lookAt": {"eye": [0, 0, 2], "target": [0, 0, 0]})")), 2.0f);
+  EXPECT_FLOAT_EQ(float(focus(R"(, "focusDistance": 7, "lookAt": {"eye": [0, 3, 4], "target": [0, 0, 0]})")), 7.0f);
+  EXPECT_EQ(focus(R"(, "focusDistance": 0, "lookAt": {"eye": [0, 3, 4], "target": [0, 0, 0]})"), 0);
+  EXPECT_EQ(focus(R"(, "transform": {"translate": [0, 0, 3]})"), 0) << "its target is not known";
+}
+
 TEST_F(LoadSceneTest, CameraOfTheModelWithAnotherLens) {
   const SceneFile file = describe(R"({"gltf": [{"file": "lit.gltf"}], "camera": {"use": "front", "fStop": 4}})");
   ASSERT_TRUE(file.ok) << errors();

@@ -103,6 +103,38 @@ TEST(SceneFields, ParametersOfLightsMayHaveTheNamespaceOfInputs) {
             "node 'surface' has no input 'inputs:baseColor'; did you mean 'baseColor'?");
 }
 
+// A part before or behind the name, or none where one is due.
+TEST(SceneFields, AMisspeltFieldNamesTheNearestWithAllItsParts) {
+  DrawnScene s;
+  s.set("/m", Token("material"), {{"wax.type", Token("AlabasterDisney")}});
+  s.set("/mesh", Token("mesh"), {{"primvars:points", Array<Vec3f>{Vec3f(0)}}, {"primvars:st", Array<Vec2f>{Vec2f(0)}}});
+  s.set("/light", Token("rectLight"), {});
+  s.set("/many", Token("instancer"), {});
+  s.set("/settings", Token("renderSettings"), {{"products:0:file", "a.exr"}});
+  const struct {
+    const char *prim, *field, *right;
+  } cases[] = {{"/m", "baseColor", "wax.baseColor"},
+               {"/m", "basecolour", "wax.baseColor"},
+               {"/m", "inputs:roughness", "wax.roughness"},
+               {"/m", "wax.inputs:roughnes", "roughness"},
+               {"/m", "wx.roughness", "wax"},
+               {"/mesh", "points", "primvars:points"},
+               {"/mesh", "primvars:st:indicies", "primvars:st:indices"},
+               {"/mesh", "subsets:a:face", "subsets:a:faces"},
+               {"/mesh", "refineLevel:value", "refineLevel"},
+               {"/light", "inputs:intensty", "intensity"},
+               {"/light", "shaping:ies", "shaping:ies:file"},
+               {"/light", "ies:file", "shaping:ies:file"},
+               {"/many", "protoypes:/quad", "prototypes:/quad"},
+               {"/settings", "products:0:fil", "products:0:file"},
+               {"/settings", "settings.samples", "samples"}};
+  for (const auto& [prim, field, right] : cases) {
+    const std::string fault = EditPrim(&s.scene, prim, {{field, 1.0f}}).fault;
+    EXPECT_NE(fault.find("did you mean"), std::string::npos) << field << ": " << fault;
+    EXPECT_NE(fault.find("'" + std::string(right) + "'?"), std::string::npos) << field << ": " << fault;
+  }
+}
+
 TEST(SceneFields, SamplesMayComeBeforeTheirValues) {
   DrawnScene s;
   const Value points = Array<Vec3f>{Vec3f(1)};

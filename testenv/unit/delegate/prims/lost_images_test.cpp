@@ -85,6 +85,29 @@ TEST(LostImages, LostImageOfTheBaseColorIsVisible) {
   expect_constant({"baseColor", "rgb", {}, kOne, kZero, "baseColor (1, 0, 1)"});
 }
 
+// One report of an image says which materials and lights lack it.
+TEST(LostImages, AnImageOfSeveralPrimsIsReportedOnceWithTheirNames) {
+  Stage stage;
+  for (int i = 0; i < 8; ++i) {
+    const std::string name = "/m" + std::to_string(i);
+    MaterialNetwork network;
+    network.nodes["/m/surface"] = {"AlabasterDisney", {}, {{"baseColor", {{"/m/map", "rgb"}}}}};
+    network.nodes["/m/map"] = {"AlabasterTexture", {{"file", AssetPath{"none.png", "none.png", nullptr}}}, {}};
+    network.terminals["surface"] = {"/m/surface", "surface"};
+    stage.scene.SetMaterial(Path(name), network);
+    host::MeshDescription mesh = Stage::quad();
+    mesh.material = name;
+    stage.scene.SetMesh(Path("/mesh" + name), mesh);
+  }
+  stage.dump();
+  std::vector<std::string> texts;
+  for (const Diagnostic& d : stage.take_diagnostics())
+    if (d.code == "texture.missing") texts.push_back(d.where + ": " + d.text);
+  ASSERT_EQ(texts.size(), 1u);
+  EXPECT_EQ(texts[0].find("none.png: "), 0u) << texts[0];
+  EXPECT_TRUE(texts[0].ends_with("; named by /m0, /m1, /m2, /m3, /m4 and 3 others")) << texts[0];
+}
+
 /// A file that is written as often as a test likes, with a time of the test's.
 class DatedFile {
  public:

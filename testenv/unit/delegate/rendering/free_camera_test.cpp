@@ -63,6 +63,34 @@ TEST_F(FreeCamera, GivesTheBytesOfThePrim) {
   EXPECT_TRUE(stage_.take_diagnostics().empty());
 }
 
+// Without a focus all is sharp, whatever the lens. A camera that moves on is not reported again.
+TEST_F(FreeCamera, ALensWithoutAFocusIsReportedOnce) {
+  camera_.parameters["fStop"] = 0.5f;
+  const auto said = [this] {
+    std::string text;
+    for (const Diagnostic& d : stage_.take_diagnostics()) text += d.code + " " + d.where + ": " + d.text + "\n";
+    return text;
+  };
+  picture_by_prim();
+  const std::string once = said();
+  EXPECT_EQ(once.find("camera.focus /camera: fStop has no effect while focusDistance is 0: set "), 0u) << once;
+  EXPECT_EQ(once.find('\n'), once.size() - 1) << once;
+  camera_.parameters["exposure"] = 1.0f;
+  picture_by_prim();
+  EXPECT_EQ(said(), "");
+  picture_by_value();
+  EXPECT_NE(said().find("camera.focus"), std::string::npos) << "another camera";
+  camera_.transform[3][0] = 0.3;
+  picture_by_value();
+  EXPECT_EQ(said(), "");
+  camera_.parameters["focusDistance"] = 3.0f;
+  picture_by_value();
+  EXPECT_EQ(said(), "");
+  camera_.parameters["projection"] = Token("orthographic");
+  picture_by_value();
+  EXPECT_NE(said().find("an orthographic camera has no lens"), std::string::npos);
+}
+
 TEST_F(FreeCamera, ItsShutterNeedsNoSync) {
   host::MeshDescription mesh = Stage::quad();
   mesh.transformSamples = {{0, 1},
