@@ -94,8 +94,8 @@ void pass(const PathContext& context, const PathVertex& v, const Rgb& factor, co
 // The side of the surface that a direction leaves to: light that passes must do so by the lobe, by the interpolated
 // normal, which a normal map tilts, and by the facet.
 enum class Side { near, far, neither };
-Side side_of(const PathVertex& v, const Vec3f& wi_local, const Vec3f& wi) {
-  if (wi_local.z > 0 && v.is_above_surface(wi)) return Side::near;
+Side side_of(const PathVertex& v, const DisneyTransmissiveBsdf& bsdf, const Vec3f& wi_local, const Vec3f& wi) {
+  if (bsdf.reflects_to(wi_local) && v.is_above_surface(wi)) return Side::near;
   return wi_local.z < 0 && dot(wi, v.departure.n) < 0 && dot(wi, v.hit.ng) < 0 ? Side::far : Side::neither;
 }
 
@@ -267,7 +267,7 @@ std::optional<Lobe> scatter_at_boundary(const PathContext& context, const PathVe
   const auto sample_lights = [&](const Departure& from, Side side) {
     const auto lobes = [&](const Vec3f& wi_world) -> ScatterValue {
       const Vec3f wi = v.frame.to_local(wi_world);
-      if (side_of(v, wi, wi_world) != side) return {};
+      if (side_of(v, bsdf, wi, wi_world) != side) return {};
       Rgb specular;
       const BsdfValue value = bsdf.evaluate(wi, splits ? &specular : nullptr);
       const Rgb f_cos = (side == Side::far ? value.f * passing : value.f) * std::abs(wi.z);
@@ -294,7 +294,7 @@ std::optional<Lobe> scatter_at_boundary(const PathContext& context, const PathVe
   if (record && sample) record->sample_lobe(lobe_name(sample->lobe), sample->f, sample->pdf);
   const Vec3f wi = sample ? v.frame.to_world(sample->wi) : Vec3f(0, 0, 0);
   const bool leaves = sample && sample->lobe != Lobe::subsurface;
-  const Side side = !leaves ? Side::neither : side_of(v, sample->wi, wi);
+  const Side side = !leaves ? Side::neither : side_of(v, bsdf, sample->wi, wi);
   if (!sample || (leaves && side == Side::neither)) {
     if (record) record->end("no direction was sampled");
     return std::nullopt;

@@ -178,7 +178,7 @@ std::optional<LightLanding> show_landing(const PathContext& context, const Pixel
   const float pixels = context.camera.pixels_per_area(path.ray.dir, x.hit.p) * -dot(x.departure.ng, path.ray.dir);
   const float pdf = way.begin.pdf_area * way.pdf_specular * way.light.pdf * dot(x.departure.ng, dir) *
                     static_cast<float>(context.light_paths->paths);
-  const float carried = wi.z * to_light.z * -dot(y.departure.ng, dir) * way.arrives;
+  const float carried = std::abs(wi.z) * to_light.z * -dot(y.departure.ng, dir) * way.arrives;
   const Rgb arriving = shine * way.light.radiance * (carried * pixels * landing.share / pdf);
   landing.color = value.f * arriving;
   landing.specular = specular * arriving;

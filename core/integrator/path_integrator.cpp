@@ -86,7 +86,7 @@ bool survives_roulette(const Draw& draw, PathState* path) {
 bool scatter_at_surface(const PathContext& context, const PathVertex& v, const BsdfSample& sample, PathState* path) {
   const Vec3f wi = v.frame.to_world(sample.wi);
   if (!v.is_above_surface(wi)) return false;
-  path->throughput *= sample.f * (sample.wi.z / sample.pdf);
+  path->throughput *= sample.f * (std::abs(sample.wi.z) / sample.pdf);
   path->scatter_pdf = sample.pdf;
   path->go_on(origin_of(context, v.departure, wi), wi);
   return true;

@@ -41,6 +41,7 @@ PathVertex make_vertex(const PathContext& context, const Ray& ray, const Triangl
     Vec3f coat = surface;
     if (material.coat_normal_map) coat = mapped(*material.coat_normal_map);
     v.material.coat_normal = v.frame.to_local(coat);
+    v.material.surface_normal = v.mapped ? v.frame.to_local(surface) : Vec3f(0, 0, 1);
   }
   return v;
 }

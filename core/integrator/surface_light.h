@@ -59,13 +59,14 @@ void add_direct_light(const PathContext& context, const std::array<float, 4>& u,
     at->flat.emplace().numbers = u;
   const auto local_lobes = [&](const Vec3f& wi_world) -> ScatterValue {
     const Vec3f wi = v.frame.to_local(wi_world);
-    if (!(wi.z > 0) || !v.is_above_surface(wi_world)) return {};
+    if (!at->bsdf.reaches(wi) || !v.is_above_surface(wi_world)) return {};
     Rgb specular;
     BsdfValue value = at->bsdf.evaluate(wi, splits || shares ? &specular : nullptr);
     if (shares) value.f *= left_to_path(*at, wi, share_of(specular, value.f));
     const float pdf = value.pdf * directions;
-    if (record) record->sample_light(wi_world, value.f * wi.z, pdf);
-    ScatterValue scattered{value.f * wi.z, pdf, splits ? share_of(specular, value.f) : Rgb(0.0f)};
+    const float cosine = std::abs(wi.z);
+    if (record) record->sample_light(wi_world, value.f * cosine, pdf);
+    ScatterValue scattered{value.f * cosine, pdf, splits ? share_of(specular, value.f) : Rgb(0.0f)};
     if (at->flat) scattered.exit_cos = at->bsdf.subsurface_exit(wi) * wi.z, scattered.exit_pdf = wi.z * kInvPi;
     return scattered;
   };

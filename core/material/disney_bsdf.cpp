@@ -64,6 +64,9 @@ void DisneyBsdf::set_probabilities(const Rgb& walked) {
 }
 
 BsdfValue DisneyBsdf::evaluate(const Vec3f& wi, Rgb* specular) const {
+  if (specular) *specular = Rgb(0.0f);
+  if (!(wo_.z > 0)) return {};
+  if (!(wi.z > 0)) return evaluate_coat_alone(wi, specular);
   if (!is_bounded()) [[unlikely]]
     return layers_ ? evaluate_as<true, false>(wi, specular) : evaluate_as<false, false>(wi, specular);
   return layers_ ? evaluate_as<true, true>(wi, specular) : evaluate_as<false, true>(wi, specular);
@@ -71,8 +74,6 @@ BsdfValue DisneyBsdf::evaluate(const Vec3f& wi, Rgb* specular) const {
 
 template <bool kLayered, bool kBounded>
 BsdfValue DisneyBsdf::evaluate_as(const Vec3f& wi, Rgb* specular) const {
-  if (specular) *specular = Rgb(0.0f);
-  if (!(wo_.z > 0 && wi.z > 0)) return {};
   const KeptShares kept = kBounded ? kept_towards(wi) : KeptShares();
   BsdfValue sum;
   // Diffuse and Burley's sheen are sampled alike.
@@ -114,6 +115,15 @@ BsdfValue DisneyBsdf::evaluate_as(const Vec3f& wi, Rgb* specular) const {
     add(Lobe::clearcoat, value);
   }
   return sum;
+}
+
+BsdfValue DisneyBsdf::evaluate_coat_alone(const Vec3f& wi, Rgb* specular) const {
+  const float probability = probability_[index(Lobe::clearcoat)];
+  if (!coated() || !layers_->coat.tilted || !(probability > 0)) return {};
+  BsdfValue value = layers_->coat.evaluate(wo_, wi);
+  value.pdf *= probability;
+  if (specular) *specular = value.f;
+  return value;
 }
 
 Lobe DisneyBsdf::choose(float u) const {

@@ -1,7 +1,8 @@
 // The Disney BSDF (Burley 2015) at one point, with its Lambertian term taken out where the medium scatters.
 //
 // Conventions (Veach 1997, 3.7.5): wo to the viewer, wi to the light, both leave the surface and are unit; local frame
-// with z = ns and x along the tangent of anisotropy; f WITHOUT the cosine; pdf per solid angle.
+// with z = ns and x along the tangent of anisotropy; f WITHOUT the cosine |wi.z|; pdf per solid angle. A coat has a
+// normal of its own (disney_coat.h) and may reflect to wi.z <= 0.
 //
 // f = (1-metallic) (1-specTrans) [ diffuse + sheen ] + specular + clearcoat, the diffuse part being
 //   (C/pi)(1-.5F_L)(1-.5F_V)  +  (C/pi) R_R (F_L + F_V + F_L F_V (R_R-1)),  R_R = 2 roughness cos^2(theta_d).
@@ -73,6 +74,9 @@ class DisneyBsdf {
     return probability_[size_t(Lobe::specular)] > 0 ? specular_.evaluate(wi, wo_).pdf : 0;
   }
 
+  /// False where evaluate() has f = 0 for any material: below the horizon of all lobes.
+  bool reaches(const Vec3f& wi) const { return wi.z > 0 || (coated() && layers_->coat.reaches(wi)); }
+
   /// Null: none.
   const DisneyLayers* layers() const { return layers_ ? &*layers_ : nullptr; }
   /// The share of light that coat and fibres let in or out along `w`.
@@ -116,6 +120,8 @@ class DisneyBsdf {
 
   template <bool kLayered, bool kBounded>
   BsdfValue evaluate_as(const Vec3f& wi, Rgb* specular) const;
+  /// Below the horizon of the other lobes.
+  BsdfValue evaluate_coat_alone(const Vec3f& wi, Rgb* specular) const;
   /// Divides the samples among the lobes. `walked`: the light that subsurface is expected to carry.
   void set_probabilities(const Rgb& walked);
   Lobe choose(float u) const;

@@ -1,6 +1,10 @@
 // Coat: a clear layer of ior 1.5 over the whole surface, GGX with alpha = roughness^2 and the full strength of its
 // Fresnel reflection, as KHR_materials_clearcoat defines it. It takes the place of Burley's clearcoat, which is a
 // quarter as strong and dims nothing.
+//
+// The coat has a normal of its own: with a normal map on the base alone it is the surface's. Its f is reciprocal, and
+// light counts by the cosine to that normal, as in the glTF Sample Viewer (getPunctualRadianceClearCoat) and in Cycles,
+// where each closure counts light by its own normal. So its reflection does not depend on the base's normal map.
 #pragma once
 
 #include "core/material/disney_specular.h"
@@ -11,16 +15,33 @@ namespace alabaster {
 struct DisneyCoat {
   float weight = 0;  // the parameter `coat`, in [0,1]; 0: there is no coat
   DisneySpecular layer;
-  Frame frame;  // about the coat's own normal
+  Frame frame;             // about the coat's own normal
+  Vec3f surface{0, 0, 1};  // the surface's normal
+  bool tilted = false;     // against the normal of the other lobes
 
-  static DisneyCoat from(float coat, float roughness, const Vec3f& normal = {0, 0, 1}) {
+  static DisneyCoat from(float coat, float roughness, const Vec3f& normal = {0, 0, 1},
+                         const Vec3f& surface = {0, 0, 1}) {
     const float alpha = std::max(kMinAlpha, sqr(roughness));
-    return {coat, {Rgb(0.04f * coat), Rgb(coat), {alpha, alpha}}, normal.z < 1 ? frame_from_normal(normal) : Frame()};
+    const bool tilted = normal.z < 1;
+    return {coat,
+            {Rgb(0.04f * coat), Rgb(coat), {alpha, alpha}},
+            tilted ? frame_from_normal(normal) : Frame(),
+            surface,
+            tilted};
   }
 
+  /// f for |wi.z|, the cosine that f of all lobes is multiplied with: f |wi.z| is the coat's own f times its own
+  /// cosine. `wi` may lie below the horizon of the other lobes, where reaches(wi).
   BsdfValue evaluate(const Vec3f& wo, const Vec3f& wi) const {
-    return layer.evaluate(frame.to_local(wo), frame.to_local(wi));
+    if (!tilted) return layer.evaluate(wo, wi);
+    const Vec3f local = frame.to_local(wi);
+    BsdfValue value = layer.evaluate(frame.to_local(wo), local);
+    constexpr float kLeastCosine = 1e-6f;
+    value.f *= reaches(wi) ? local.z / std::max(std::abs(wi.z), kLeastCosine) : 0;
+    return value;
   }
+  /// True if the coat, but for its own normal, reflects to `wi`.
+  bool reaches(const Vec3f& wi) const { return tilted ? dot(wi, surface) > 0 : wi.z > 0; }
   /// Empty where the direction goes below the coat's horizon.
   std::optional<Vec3f> sample(const Vec3f& wo, const Vec2f& u) const {
     const Vec3f local = frame.to_local(wo);

@@ -33,7 +33,8 @@ struct DisneyLayers {
     if (p.sheen > 0 && p.sheen_roughness > 0)
       layers.fibres = CharlieSheen::from(clamp01(sheen_hue(p) * p.sheen), p.sheen_roughness);
     if (p.coat > 0)
-      layers.coat = DisneyCoat::from(p.coat, std::max(p.coat_roughness, p.least_roughness), p.coat_normal);
+      layers.coat =
+          DisneyCoat::from(p.coat, std::max(p.coat_roughness, p.least_roughness), p.coat_normal, p.surface_normal);
     return layers;
   }
 

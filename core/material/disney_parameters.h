@@ -31,24 +31,26 @@ struct DisneyParameters {
   float clearcoat_gloss = 1;
   float coat = 0;  // > 0: a layer of ior 1.5 over everything, in place of the clearcoat
   float coat_roughness = 0;
-  Vec3f coat_normal{0, 0, 1};      // in the local frame, unit; not a row of the table: the integrator sets it at a hit
-  Rgb scatter_distance{0.0f};      // per channel, scene units; 0: Lambert in that channel
-  float scatter_anisotropy = 0;    // Henyey-Greenstein g of the scattering below the surface
-  Rgb emission{0.0f};              // radiance
-  float opacity = 1;               // the share of the surface that is there
-  float opacity_threshold = 0;     // > 0: present where opacity reaches it, nowhere else
-  float spec_trans = 0;            // share of the dielectric base that refracts instead of scattering
-  bool thin = false;               // the surface is a sheet without an interior
-  Sides sides = Sides::mesh;       // no lobe reads it
-  float flatness = 0;              // thin only: towards a flatter diffuse reflection
-  float diff_trans = 0;            // 1: half of the diffuse light leaves on the other side; 2: all of it
-  Rgb diff_trans_color{0.8f};      // of that light
-  Rgb attenuation_color{1.0f};     // white light has this colour after attenuation_distance inside
-  float attenuation_distance = 0;  // scene units; 0: the interior absorbs nothing
-  uint32_t priority = 0;           // where interiors overlap the highest counts
-  float dispersion = 0;            // 20 over the Abbe number of the clear interior
-  float iridescence = 0;           // share of the surface under a thin film
-  float iridescence_ior = 1.3f;    // of the film
+  /// Unit normals of the coat and of the surface in the local frame. Not rows of the table: the integrator sets them at
+  /// a hit.
+  Vec3f coat_normal{0, 0, 1}, surface_normal{0, 0, 1};
+  Rgb scatter_distance{0.0f};         // per channel, scene units; 0: Lambert in that channel
+  float scatter_anisotropy = 0;       // Henyey-Greenstein g of the scattering below the surface
+  Rgb emission{0.0f};                 // radiance
+  float opacity = 1;                  // the share of the surface that is there
+  float opacity_threshold = 0;        // > 0: present where opacity reaches it, nowhere else
+  float spec_trans = 0;               // share of the dielectric base that refracts instead of scattering
+  bool thin = false;                  // the surface is a sheet without an interior
+  Sides sides = Sides::mesh;          // no lobe reads it
+  float flatness = 0;                 // thin only: towards a flatter diffuse reflection
+  float diff_trans = 0;               // 1: half of the diffuse light leaves on the other side; 2: all of it
+  Rgb diff_trans_color{0.8f};         // of that light
+  Rgb attenuation_color{1.0f};        // white light has this colour after attenuation_distance inside
+  float attenuation_distance = 0;     // scene units; 0: the interior absorbs nothing
+  uint32_t priority = 0;              // where interiors overlap the highest counts
+  float dispersion = 0;               // 20 over the Abbe number of the clear interior
+  float iridescence = 0;              // share of the surface under a thin film
+  float iridescence_ior = 1.3f;       // of the film
   float iridescence_thickness = 400;  // of the film, in nanometres
   /// Glossy lobes are at least as rough; the diffuse lobe keeps `roughness`. Not a row of the table: the integrator
   /// sets it (IntegratorSettings::glossy_filter).

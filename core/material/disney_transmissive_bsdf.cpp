@@ -109,15 +109,18 @@ BsdfValue DisneyTransmissiveBsdf::evaluate(const Vec3f& wi, Rgb* specular) const
   if (specular) *specular = Rgb(0.0f);
   if (!(wo_.z > 0) || wi.z == 0) return {};
   BsdfValue sum;
-  if (wi.z > 0 && p_near_ > 0) {
+  if (p_near_ > 0) {
     sum = near_.evaluate(wi, specular);
     sum.pdf *= p_near_;
   }
+  // Light that passed does not come back above the surface: a coat alone reflects to there.
+  const float passes = wi.z < 0 && near_.reaches(wi) ? 0 : 1;
   const float back = chance_of_back();
   if (wi.z < 0 && p_beyond_ > 0) {
-    sum.f = diffuse_beyond_ * (kInvPi * left_by_layers(wi, &DisneyLayers::over_diffuse));
-    if (near_.is_bounded()) sum.f *= kept_beyond(wi);
-    sum.pdf = p_beyond_ * (1 - back) * -wi.z * kInvPi;
+    Rgb beyond = diffuse_beyond_ * (kInvPi * left_by_layers(wi, &DisneyLayers::over_diffuse));
+    if (near_.is_bounded()) beyond *= kept_beyond(wi);
+    sum.f += beyond * passes;
+    sum.pdf += p_beyond_ * (1 - back) * -wi.z * kInvPi;
   }
   if (wi.z > 0 && back > 0) [[unlikely]] {
     sum.f += diffuse_back_ * kInvPi * (near_.is_bounded() ? near_.kept_towards(wi).base : Rgb(1.0f));
@@ -125,7 +128,7 @@ BsdfValue DisneyTransmissiveBsdf::evaluate(const Vec3f& wi, Rgb* specular) const
   }
   if (p_clear_ > 0) {
     const BsdfValue value = at_boundary([&](const auto& lobe) { return lobe.evaluate(wo_, wi); });
-    const float share = (wi.z > 0 ? reflects_ : passes_) * left_by_layers(wi, &DisneyLayers::over_clear);
+    const float share = (wi.z > 0 ? reflects_ : passes_ * passes) * left_by_layers(wi, &DisneyLayers::over_clear);
     sum.f += value.f * share;
     sum.pdf += value.pdf * p_clear_;
     if (specular) *specular += value.f * share;

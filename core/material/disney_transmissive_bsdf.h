@@ -38,6 +38,9 @@ class DisneyTransmissiveBsdf {
   BsdfValue evaluate(const Vec3f& wi, Rgb* specular = nullptr) const;
   std::optional<BsdfSample> sample(float u_lobe, const Vec2f& u, Rgb* specular = nullptr) const;
 
+  /// True if f for `wi` is reflected light, which stays on wo's side.
+  bool reflects_to(const Vec3f& wi) const { return near_.reaches(wi); }
+
   /// False if all light that passes goes straight on: evaluate() is zero on the other side.
   bool scatters_beyond() const;
 

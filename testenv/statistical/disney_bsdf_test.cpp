@@ -144,7 +144,7 @@ std::vector<NamedParameters> materials() {
   list[6].p = list[1].p;
   list[6].p.coat = 1;
   list[6].p.coat_roughness = 0.3f;
-  list[6].p.coat_normal = normalize(Vec3f(0.3f, -0.2f, 1));
+  list[6].p.coat_normal = list[6].p.surface_normal = normalize(Vec3f(0.3f, -0.2f, 1));
   list[6].exponent = 3;
   list[7].name = "velvet";
   list[7].p.sheen = 1;

@@ -153,7 +153,8 @@ bool is_within(const MaterialParameter& row, double value) {
 
 TEST(MaterialParameters, DefaultsAreInRangeAndEveryMemberHasARow) {
   const DisneyParameters defaults;
-  size_t bytes = sizeof(DisneyParameters::coat_normal) + sizeof(DisneyParameters::least_roughness);  // the integrator's
+  // The integrator sets two normals and the least roughness.
+  size_t bytes = 2 * sizeof(DisneyParameters::coat_normal) + sizeof(DisneyParameters::least_roughness);
   for (const MaterialParameter& row : material_parameters()) {
     std::visit(
         [&](auto member) {
