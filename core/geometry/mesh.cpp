@@ -6,6 +6,7 @@
 #include <cmath>
 #include <cstring>
 
+#include "core/geometry/coincident_faces.h"
 #include "core/geometry/grouped_items.h"
 #include "core/geometry/mend_vectors.h"
 #include "core/geometry/mesh_memory.h"
@@ -127,12 +128,18 @@ class FlatBuilder {
     mesh_.points = cage_.points;
     mesh_.normals = cage_.normals.values;
     const size_t triangles = cage_.face_vertex_indices.size() - 2 * hole_.size();
+    const std::vector<CoincidentFace> coincident = find_coincident_faces(cage_);
     mesh_.triangles.reserve(triangles), face_corners_.reserve(triangles), mesh_.triangle_face.reserve(triangles);
+    auto next = coincident.begin();
     size_t first = 0;
     for (size_t face = 0; face < hole_.size(); ++face) {
       const size_t count = static_cast<size_t>(cage_.face_vertex_counts[face]);
-      gather(first, count);
-      if (!hole_[face]) add_face(face, first);
+      const bool is_coincident = next != coincident.end() && next->face == face;
+      if (!hole_[face]) {
+        triangulate(first, count, is_coincident ? &*next : nullptr);
+        add_face(face, first);
+      }
+      if (is_coincident) ++next;
       first += count;
     }
     pair_up(&mesh_.triangles, &face_corners_);
@@ -188,9 +195,17 @@ class FlatBuilder {
       corners_.emplace_back(Vec3d(cage_.points[static_cast<size_t>(cage_.face_vertex_indices[k])]));
   }
 
-  void add_face(size_t face, size_t first) {
+  // Faces that lie on each other are cut alike: else the two diagonals of a doubled quad would enclose a body.
+  void triangulate(size_t first, size_t count, const CoincidentFace* coincident) {
     local_.clear();
+    gather(coincident ? coincident->first_corner : first, count);
     triangulate_polygon(corners_, &local_);
+    if (!coincident) return;
+    local_ = cut_alike(cage_, *coincident, first, local_);
+    if (local_.empty()) triangulate(first, count, nullptr);
+  }
+
+  void add_face(size_t face, size_t first) {
     for (auto t : local_) {
       if (cage_.left_handed) std::swap(t[1], t[2]);
       Corners points{}, corners{};
@@ -378,6 +393,7 @@ Mesh build_mesh(const Cage& cage, const RefinementOptions& options, const Diagno
   return mesh;
 }
 
+// options.memory holds what it takes beside a copy of the cage.
 MeshPose pose_mesh(const Cage& cage, const RefinementOptions& options, MeshPose posed) {
   Cage moved = cage;
   moved.points = posed.points;
@@ -388,6 +404,8 @@ MeshPose pose_mesh(const Cage& cage, const RefinementOptions& options, MeshPose 
   }
   RefinementOptions fitting = options;
   fitting.level = checked_level(cage, options, {});
+  hold_mesh(options, static_cast<double>(count_triangles(cage, fitting.level)),
+            static_cast<double>(estimate_mesh_bytes(cage, fitting.level)));
   if (fitting.level > 0) {
     moved.uvs.clear();
     moved.colors = {}, moved.opacities = {};

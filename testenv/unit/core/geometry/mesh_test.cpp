@@ -5,7 +5,9 @@
 #include <bit>
 #include <chrono>
 #include <ctime>
+#include <map>
 #include <random>
+#include <set>
 
 #include "core/geometry/reversed_edges.h"
 #include "core/geometry/triangulation.h"
@@ -189,7 +191,8 @@ TEST(Mesh, ClosedMeansEveryEdgeIsPairedAfterWelding) {
   EXPECT_FALSE(build_mesh(flap, {}, {}).closed);
 }
 
-Cage with_faces(Cage cage, const Cage& more, bool reversed) {
+// `turn`: by how many corners each face of `more` begins later.
+Cage with_faces(Cage cage, const Cage& more, bool reversed, int turn = 0) {
   size_t first = 0;
   const auto offset = static_cast<int>(cage.points.size());
   cage.points.insert(cage.points.end(), more.points.begin(), more.points.end());
@@ -197,6 +200,7 @@ Cage with_faces(Cage cage, const Cage& more, bool reversed) {
     const auto begin = more.face_vertex_indices.begin() + static_cast<std::ptrdiff_t>(first);
     std::vector<int> face(begin, begin + count);
     if (reversed) std::reverse(face.begin() + 1, face.end());
+    std::rotate(face.begin(), face.begin() + turn, face.end());
     cage.face_vertex_counts.push_back(count);
     for (const int i : face) cage.face_vertex_indices.push_back(i + offset);
     first += static_cast<size_t>(count);
@@ -216,14 +220,54 @@ TEST(Mesh, DoubledSheetsAreOpenAndDoubledBodiesAreClosed) {
     EXPECT_EQ(edges.of_one.first, single.of_one.first) << reversed;
     EXPECT_EQ(edges.of_more.count, 0u) << reversed;
   }
-  // The doubled faces may share the points of the first ones. Each begins where the first one does, so that both are
-  // cut along the same diagonal.
+  // The doubled faces may share the points of the first ones.
   Cage shared = with_faces(sheet, sheet, true);
   shared.points = sheet.points;
   for (int& i : shared.face_vertex_indices) i %= static_cast<int>(sheet.points.size());
   const Mesh mesh = build_mesh(shared, {}, {});
   EXPECT_FALSE(mesh.closed);
   EXPECT_FALSE(mesh.sealed);
+}
+
+/// True if each triangle has one or more others with the same corners.
+bool are_all_doubled(const Mesh& mesh) {
+  const std::vector<int> weld = weld_by_position(mesh.points);
+  std::map<std::set<int>, int> count;
+  for (const Corners& t : mesh.triangles) ++count[{weld[t[0]], weld[t[1]], weld[t[2]]}];
+  return std::all_of(count.begin(), count.end(), [](const auto& entry) { return entry.second % 2 == 0; });
+}
+
+// Faces are authored, triangles are not: a quad and its reverse coincide, wherever the corners of each begin.
+TEST(Mesh, DoubledFacesThatBeginAtAnotherCornerAreCutAlike) {
+  const Cage cube = test::cube_cage(), sheet = test::grid_cage(2);
+  Cage concave;  // the ears of a polygon depend on where it begins
+  concave.points = {{0, 0, 0}, {4, 0, 0}, {4, 4, 0}, {2, 1, 0}, {0, 4, 0}};
+  concave.face_vertex_counts = {5};
+  concave.face_vertex_indices = {0, 1, 2, 3, 4};
+  for (const bool reversed : {false, true})
+    for (const bool left_handed : {false, true})
+      for (const int turn : {1, 2, 3}) {
+        Cage doubled = with_faces(sheet, sheet, reversed, turn), body = with_faces(cube, cube, reversed, turn);
+        doubled.left_handed = body.left_handed = left_handed;
+        for (const bool shares_points : {false, true}) {
+          if (shares_points)
+            for (int& i : doubled.face_vertex_indices) i %= static_cast<int>(sheet.points.size());
+          const Mesh mesh = build_mesh(doubled, {}, {});
+          EXPECT_TRUE(are_all_doubled(mesh)) << turn;
+          EXPECT_FALSE(mesh.closed) << turn;
+          EXPECT_EQ(find_open_edges(mesh).of_one.count, 8u) << turn;
+        }
+        const Mesh mesh = build_mesh(body, {}, {});
+        EXPECT_TRUE(are_all_doubled(mesh)) << turn;
+        EXPECT_TRUE(mesh.closed) << turn;
+        EXPECT_EQ(find_reversed_edges(mesh).count, 0u) << turn;
+        EXPECT_TRUE(are_all_doubled(build_mesh(with_faces(concave, concave, reversed, turn), {}, {}))) << turn;
+        // Each face keeps its winding: the volumes of two bodies cancel or add up.
+        double volume = 0;
+        for (const Corners& t : mesh.triangles)
+          volume += dot(Vec3d(mesh.points[t[0]]), cross(Vec3d(mesh.points[t[1]]), Vec3d(mesh.points[t[2]]))) / 6;
+        EXPECT_NEAR(std::abs(volume), reversed ? 0 : 16, 1e-6) << turn;
+      }
 }
 
 TEST(Mesh, ReversedEdgesAreThoseAroundTurnedFaces) {
