@@ -105,4 +105,18 @@ void MemoryReservation::shrink(size_t bytes) noexcept {
   bytes_ = bytes;
 }
 
+std::shared_ptr<const MemoryReservation> BufferReservations::hold(const void* data, size_t bytes,
+                                                                  const std::string& what) {
+  const std::lock_guard lock(mutex_);
+  if (known_.size() >= next_cleaning_) {
+    std::erase_if(known_, [](const auto& entry) { return entry.second.expired(); });
+    next_cleaning_ = 2 * known_.size() + 64;
+  }
+  std::weak_ptr<const MemoryReservation>& known = known_[{data, bytes}];
+  if (auto held = known.lock()) return held;
+  auto held = std::make_shared<const MemoryReservation>(budget_, use_, bytes, what);
+  known = held;
+  return held;
+}
+
 }  // namespace alabaster

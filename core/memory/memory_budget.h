@@ -4,9 +4,13 @@
 #include <array>
 #include <atomic>
 #include <cstddef>
+#include <map>
 #include <memory>
+#include <mutex>
 #include <new>
 #include <string>
+#include <utility>
+#include <vector>
 
 namespace alabaster {
 
@@ -91,10 +95,26 @@ class MemoryReservation {
   size_t bytes_ = 0;
 };
 
-/// A reservation that copies of a value share. It takes no part in comparisons of these values.
-struct SharedReservation {
-  std::shared_ptr<const MemoryReservation> held;
-  bool operator==(const SharedReservation&) const { return true; }
+/// Reservations of the buffers of a value, which its copies share. They take no part in comparisons of these values.
+struct SharedReservations {
+  std::vector<std::shared_ptr<const MemoryReservation>> held;
+  bool operator==(const SharedReservations&) const { return true; }
+};
+
+/// Reservations of buffers that several values may share: a buffer is counted once. Any thread.
+class BufferReservations {
+ public:
+  BufferReservations(std::shared_ptr<MemoryBudget> budget, MemoryUse use) : budget_(std::move(budget)), use_(use) {}
+  /// The caller keeps it as long as it keeps the buffer. Throws MemoryRefused.
+  std::shared_ptr<const MemoryReservation> hold(const void* data, size_t bytes, const std::string& what);
+
+ private:
+  using Buffer = std::pair<const void*, size_t>;
+  const std::shared_ptr<MemoryBudget> budget_;
+  const MemoryUse use_;
+  std::mutex mutex_;
+  std::map<Buffer, std::weak_ptr<const MemoryReservation>> known_;
+  size_t next_cleaning_ = 64;  // once so many are known
 };
 
 }  // namespace alabaster

@@ -104,7 +104,11 @@ void MeshPrim::pull_shape(SceneDelegate& scene, DirtyBits bits) {
     if (!(pulled_.topology == topology)) pulled_.topology_memory = {};
     update(&pulled_.topology, std::move(topology), &shape_changed_);
   }
-  if (bits & dirty::kSubdivTags) update(&pulled_.tags, frozen(scene.GetSubdivTags(GetId())), &shape_changed_);
+  if (bits & dirty::kSubdivTags) {
+    SubdivTags tags = frozen(scene.GetSubdivTags(GetId()));
+    if (!(pulled_.tags == tags)) pulled_.topology_memory = {};
+    update(&pulled_.tags, std::move(tags), &shape_changed_);
+  }
   if (bits & dirty::kDisplayStyle) update(&pulled_.style, scene.GetDisplayStyle(GetId()), &shape_changed_);
   if (bits & dirty::kPoints) {
     PulledPrimvar points;  // pulled even when no descriptor names them
@@ -121,7 +125,7 @@ void MeshPrim::pull_shape(SceneDelegate& scene, DirtyBits bits) {
 }
 
 // Those that no material reads are held beside the shape: they do not count as a change of it.
-void MeshPrim::pull_primvars(SceneDelegate& scene, const SceneParam& param) {
+void MeshPrim::pull_primvars(SceneDelegate& scene, SceneParam& param) {
   const alabaster::DiagnosticSink& sink = param.sink();
   const std::vector<PrimvarDescriptor> descriptors = scene.GetPrimvarDescriptors(GetId());
   const auto is_of_shape = [](const Token& name) {
@@ -144,14 +148,14 @@ void MeshPrim::pull_primvars(SceneDelegate& scene, const SceneParam& param) {
   if (others.empty()) {
     record_.other_primvars = nullptr;
   } else if (!record_.other_primvars || !(*record_.other_primvars == others)) {
-    hold_arrays(&others, param.memory(), GetId().str());
+    hold_arrays(&others, &param.buffers(), GetId().str());
     record_.other_primvars = std::make_shared<const OtherPrimvars>(std::move(others));
   }
   record_.subsurface_set = pull_subsurface_set(scene, GetId(), descriptors, sink);
   pull_options(scene, GetId(), descriptors, sink, &record_.options);
 }
 
-void MeshPrim::pull(SceneDelegate& scene, const SceneParam& param, DirtyBits bits) {
+void MeshPrim::pull(SceneDelegate& scene, SceneParam& param, DirtyBits bits) {
   pull_shape(scene, bits);
   if (bits & kPrimvarBits) pull_primvars(scene, param);
   if (bits & dirty::kVisibility) record_.visible = scene.GetVisible(GetId());
@@ -173,13 +177,13 @@ void MeshPrim::pull(SceneDelegate& scene, const SceneParam& param, DirtyBits bit
 void MeshPrim::update_slots(SceneParam& param) {
   FaceSlots slots = face_slots(subsets_);
   if (record_.slots && *record_.slots == slots) return;
-  hold_arrays(&slots, param.memory(), GetId().str());
+  hold_arrays(&slots, &param.buffers(), GetId().str());
   record_.slots = std::make_shared<const FaceSlots>(std::move(slots));
 }
 
 DirtyBits MeshPrim::post_record(SceneDelegate& scene, SceneParam& param, DirtyBits bits) {
   pull(scene, param, bits);
-  hold_arrays(&pulled_, param.memory(), GetId().str());
+  hold_arrays(&pulled_, &param.buffers(), GetId().str());
   if (shape_changed_) record_.source = std::make_shared<const PulledMesh>(pulled_);
   shape_changed_ = false;
   if (bits & dirty::kTopology) update_slots(param);

@@ -195,9 +195,9 @@ class MeshBuilder {
     MemoryReservation memory(param_.memory(), MemoryUse::meshes, samples * pose,
                              "its shape at " + std::to_string(samples) + " times");
     // Each pose is made by a mesh of its own, of another copy of the cage.
-    const MemoryReservation posed(param_.memory(), MemoryUse::meshes, cage_bytes + mesh.memory_bytes(),
-                                  "a mesh at another time");
-    options.memory = nullptr;
+    const MemoryReservation copy(param_.memory(), MemoryUse::meshes, cage_bytes, "a copy of its cage");
+    MemoryReservation posed(param_.memory(), MemoryUse::meshes);
+    options.memory = &posed;
     const auto deformation = deform(mesh_, cage, options, mesh, sink_);
     if (deformation) deformation->memory = std::move(memory);
     return deformation;

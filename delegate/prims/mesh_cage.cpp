@@ -122,38 +122,72 @@ alabaster::Primvar<Rgb> to_colors(alabaster::Primvar<Vec3f> vectors) {
   return colors;
 }
 
-template <class... T>
-size_t bytes_in(const Array<T>&... arrays) {
-  return ((arrays.size() * sizeof(T)) + ... + 0);
+// for_each_buffer(visit, value) calls visit(data, bytes) for each array of a value that is not empty.
+template <class Visit, class... T>
+void for_each_buffer(const Visit& visit, const Array<T>&... arrays) {
+  const auto one = [&](const auto& array) {
+    if (!array.empty()) visit(array.data(), array.size() * sizeof(*array.data()));
+  };
+  (one(arrays), ...);
 }
 
-size_t bytes_in(const Value& value) {
-  const auto in = [](const auto* array) { return array ? bytes_in(*array) : 0; };
-  return in(value.get<Array<float>>()) + in(value.get<Array<Vec2f>>()) + in(value.get<Array<Vec3f>>()) +
-         in(value.get<Array<Vec4f>>());
+template <class Visit>
+void for_each_buffer(const Visit& visit, const Value& value) {
+  const auto one = [&](const auto* array) {
+    if (array) for_each_buffer(visit, *array);
+  };
+  one(value.get<Array<float>>()), one(value.get<Array<Vec2f>>());
+  one(value.get<Array<Vec3f>>()), one(value.get<Array<Vec4f>>());
+}
+
+template <class Visit>
+void for_each_buffer(const Visit& visit, const PulledPrimvar& primvar) {
+  for_each_buffer(visit, primvar.value);
+  for_each_buffer(visit, primvar.indices);
+}
+
+template <class Visit>
+void for_each_buffer(const Visit& visit, const TimeSamples<Value>& samples) {
+  for (const Value& value : samples.values) for_each_buffer(visit, value);
 }
 
 size_t bytes_in(const PulledPrimvar& primvar) {
-  return bytes_in(primvar.value) + bytes_in(primvar.indices);
+  size_t all = 0;
+  for_each_buffer([&](const void*, size_t bytes) { all += bytes; }, primvar);
+  return all;
 }
 
-size_t bytes_in(const TimeSamples<Value>& samples) {
-  size_t bytes = 0;
-  for (const Value& value : samples.values) bytes += bytes_in(value);
-  return bytes;
-}
-
-// Calls visit(bytes, reservation).
+// Calls visit(buffers, reservations) for each part that is pulled at once; buffers(f) calls f(data, bytes).
 template <class Mesh, class Visit>
 void for_each_part(Mesh& mesh, const Visit& visit) {
-  for (const auto& [name, primvar] : kPulledPrimvars) visit(bytes_in(mesh.*primvar), &(mesh.*primvar).memory);
-  for (auto& [name, uv] : mesh.uvs) visit(bytes_in(uv), &uv.memory);
+  const auto visit_primvar = [&](auto& primvar) {
+    visit([&](const auto& f) { for_each_buffer(f, primvar); }, &primvar.memory);
+  };
+  for (const auto& [name, primvar] : kPulledPrimvars) visit_primvar(mesh.*primvar);
+  for (auto& [name, uv] : mesh.uvs) visit_primvar(uv);
   const MeshTopology& t = mesh.topology;
-  const size_t topology = bytes_in(t.faceVertexCounts, t.faceVertexIndices, t.holeIndices, t.invisibleFaces) +
-                          bytes_in(mesh.tags.creaseIndices, mesh.tags.creaseLengths, mesh.tags.cornerIndices) +
-                          bytes_in(mesh.tags.creaseWeights, mesh.tags.cornerWeights);
-  visit(topology, &mesh.topology_memory);
-  visit(bytes_in(mesh.point_samples) + bytes_in(mesh.normal_samples), &mesh.samples_memory);
+  const SubdivTags& tags = mesh.tags;
+  visit(
+      [&](const auto& f) {
+        for_each_buffer(f, t.faceVertexCounts, t.faceVertexIndices, t.holeIndices, t.invisibleFaces, tags.creaseIndices,
+                        tags.creaseLengths, tags.cornerIndices, tags.creaseWeights, tags.cornerWeights);
+      },
+      &mesh.topology_memory);
+  visit(
+      [&](const auto& f) {
+        for_each_buffer(f, mesh.point_samples);
+        for_each_buffer(f, mesh.normal_samples);
+      },
+      &mesh.samples_memory);
+}
+
+// Has `reservations` hold all that `for_each` visits, or nothing.
+template <class ForEach>
+void hold_all(const ForEach& for_each, BufferReservations* buffers, const std::string& where,
+              SharedReservations* reservations) {
+  SharedReservations all;
+  for_each([&](const void* data, size_t bytes) { all.held.push_back(buffers->hold(data, bytes, where)); });
+  *reservations = std::move(all);
 }
 
 }  // namespace
@@ -192,29 +226,31 @@ Cage make_cage(const PulledMesh& mesh, const NamedPrimvars& named, const std::st
 
 size_t memory_bytes(const PulledMesh& mesh, const NamedPrimvars& named) {
   size_t all = 0;
-  for_each_part(mesh, [&](size_t bytes, const SharedReservation*) { all += bytes; });
+  for_each_part(mesh, [&](const auto& buffers, const SharedReservations*) {
+    buffers([&](const void*, size_t bytes) { all += bytes; });
+  });
   for (const Token& name : named.names)
     if (const PulledPrimvar* const found = find_primvar(mesh, named, name)) all += bytes_in(*found);
   return all;
 }
 
-void hold_arrays(PulledMesh* mesh, const std::shared_ptr<MemoryBudget>& budget, const std::string& where) {
-  for_each_part(*mesh, [&](size_t bytes, SharedReservation* memory) {
-    if (bytes > 0 && !memory->held)
-      memory->held = std::make_shared<const MemoryReservation>(budget, MemoryUse::scene, bytes, where);
+void hold_arrays(PulledMesh* mesh, BufferReservations* buffers, const std::string& where) {
+  for_each_part(*mesh, [&](const auto& part, SharedReservations* reservations) {
+    if (reservations->held.empty()) hold_all(part, buffers, where, reservations);
   });
 }
 
-void hold_arrays(FaceSlots* slots, const std::shared_ptr<MemoryBudget>& budget, const std::string& where) {
-  size_t bytes = 0;
-  for (const Array<int32_t>& faces : slots->faces) bytes += bytes_in(faces);
-  if (bytes > 0) slots->memory.held = std::make_shared<const MemoryReservation>(budget, MemoryUse::scene, bytes, where);
+void hold_arrays(FaceSlots* slots, BufferReservations* buffers, const std::string& where) {
+  const auto each = [&](const auto& visit) {
+    for (const Array<int32_t>& faces : slots->faces) for_each_buffer(visit, faces);
+  };
+  hold_all(each, buffers, where, &slots->memory);
 }
 
-void hold_arrays(OtherPrimvars* primvars, const std::shared_ptr<MemoryBudget>& budget, const std::string& where) {
+void hold_arrays(OtherPrimvars* primvars, BufferReservations* buffers, const std::string& where) {
   for (auto& [name, primvar] : *primvars)
-    if (const size_t bytes = bytes_in(primvar); bytes > 0)
-      primvar.memory.held = std::make_shared<const MemoryReservation>(budget, MemoryUse::scene, bytes, where);
+    hold_all([&primvar = primvar](const auto& visit) { for_each_buffer(visit, primvar); }, buffers, where,
+             &primvar.memory);
 }
 
 std::vector<int32_t> slots_of_faces(const FaceSlots& slots, size_t count, const std::string& where,

@@ -14,7 +14,7 @@ struct PulledPrimvar {
   hd::Interpolation interpolation = hd::Interpolation::vertex;
   Value value;
   Array<int32_t> indices;
-  SharedReservation memory = {};
+  SharedReservations memory = {};
   bool operator==(const PulledPrimvar&) const = default;
 };
 
@@ -27,7 +27,7 @@ struct PulledMesh {
   PulledPrimvar points, normals, tangents, display_color, display_opacity;
   TimeSamples<Value> point_samples, normal_samples;
   std::map<Token, PulledPrimvar> uvs;  // texture coordinates by name
-  SharedReservation topology_memory, samples_memory;
+  SharedReservations topology_memory, samples_memory;
 };
 
 struct PulledPrimvarName {
@@ -48,18 +48,18 @@ int refine_level(const PulledMesh& mesh);
 /// The faces of a mesh's material slots from 1 on; all others have slot 0. Where they overlap, the later slot wins.
 struct FaceSlots {
   std::vector<Array<int32_t>> faces;
-  SharedReservation memory = {};
+  SharedReservations memory = {};
   bool operator==(const FaceSlots&) const = default;
 };
 
 /// Primvars that no material reads, by name.
 using OtherPrimvars = std::map<Token, PulledPrimvar>;
 
-/// Has the budget hold the arrays that it does not hold yet: a mesh and its copies hold each once. Throws
+/// Has the memory budget hold the arrays that it does not hold yet, each once, however many meshes share it. Throws
 /// MemoryRefused.
-void hold_arrays(PulledMesh* mesh, const std::shared_ptr<MemoryBudget>& budget, const std::string& where);
-void hold_arrays(FaceSlots* slots, const std::shared_ptr<MemoryBudget>& budget, const std::string& where);
-void hold_arrays(OtherPrimvars* primvars, const std::shared_ptr<MemoryBudget>& budget, const std::string& where);
+void hold_arrays(PulledMesh* mesh, BufferReservations* buffers, const std::string& where);
+void hold_arrays(FaceSlots* slots, BufferReservations* buffers, const std::string& where);
+void hold_arrays(OtherPrimvars* primvars, BufferReservations* buffers, const std::string& where);
 
 /// The primvars of a mesh that AOVs show.
 struct NamedPrimvars {

@@ -48,9 +48,9 @@ class MeshPrim final : public RecordedPrim<Rprim> {
 
  private:
   DirtyBits post_record(SceneDelegate& scene, SceneParam& param, DirtyBits bits) override;
-  void pull(SceneDelegate& scene, const SceneParam& param, DirtyBits bits);
+  void pull(SceneDelegate& scene, SceneParam& param, DirtyBits bits);
   void pull_shape(SceneDelegate& scene, DirtyBits bits);
-  void pull_primvars(SceneDelegate& scene, const SceneParam& param);
+  void pull_primvars(SceneDelegate& scene, SceneParam& param);
   void update_slots(SceneParam& param);
 
   PulledMesh pulled_;

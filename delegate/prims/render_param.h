@@ -52,6 +52,8 @@ class SceneParam final : public RenderParam {
   const std::shared_ptr<TraceDevice>& device() const { return device_; }
   const ColorConfig& colors() const { return *colors_; }
   const std::shared_ptr<MemoryBudget>& memory() const { return memory_; }
+  /// Counts the arrays of meshes.
+  BufferReservations& buffers() { return buffers_; }
   /// Shared by all materials and lights that name the same image, whatever their wrap modes and filters; null
   /// (reported, and in *fault) if it cannot be had; the same file is not read for that again until it is written.
   /// Within run() only. Throws BuildCancelled while it decodes.
@@ -131,6 +133,7 @@ class SceneParam final : public RenderParam {
   std::shared_ptr<TraceDevice> device_;
   std::shared_ptr<const ColorConfig> colors_;
   std::shared_ptr<MemoryBudget> memory_;
+  BufferReservations buffers_{memory_, MemoryUse::scene};
   std::shared_ptr<TexelStore> texels_;
   std::atomic<uint32_t> threads_{0};
   std::atomic<size_t> edits_{0};

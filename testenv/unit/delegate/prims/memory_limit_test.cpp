@@ -5,6 +5,8 @@
 #include <numeric>
 #include <thread>
 
+#include "core/geometry/mesh.h"
+#include "testenv/support/cages.h"
 #include "testenv/support/failing_memory.h"
 #include "testenv/support/stage.h"
 
@@ -134,6 +136,68 @@ TEST(MemoryLimit, LimitOfASettingsPrimAppliesToMeshesOfTheSameSync) {
   EXPECT_TRUE(stage.index->SyncAll());
   EXPECT_GT(stage.stat("memoryInUse"), 32 * kMiB);
   EXPECT_EQ(stage.count("delegate.exception"), 1u);
+}
+
+// A buffer counts once, however many meshes hold it, and until the last one is gone.
+TEST(MemoryLimit, ArraysThatMeshesShareCountOnce) {
+  constexpr size_t kPoints = 100000, kMeshes = 16;
+  constexpr double kBytes = kPoints * sizeof(Vec3f);
+  const auto growth = [&](bool shares) {
+    Stage stage;
+    const auto make = [] { return Array<Vec3f>(std::vector<Vec3f>(kPoints, Vec3f(1, 2, 3))); };
+    const Array<Vec3f> shared = make();
+    host::MeshDescription mesh = Stage::quad();
+    const auto in_use = [&] {
+      stage.index->SyncAll();
+      return stage.stat("memoryInUse");
+    };
+    const double before = in_use();
+    const auto path = [](size_t i) { return Path("/m" + std::to_string(i)); };
+    for (size_t i = 0; i < kMeshes; ++i) {
+      mesh.primvars["points"].value = shares ? shared : make();
+      stage.scene.SetMesh(path(i), mesh);
+    }
+    const double all = in_use() - before;
+    for (size_t i = 1; i < kMeshes; ++i) stage.scene.Remove(path(i));
+    EXPECT_NEAR(in_use() - before, kBytes, kBytes / 10) << "of the last one";
+    stage.scene.Remove(path(0));
+    EXPECT_NEAR(in_use(), before, kBytes / 10);
+    return all;
+  };
+  EXPECT_NEAR(growth(true), kBytes, kBytes / 10);
+  EXPECT_NEAR(growth(false), kMeshes * kBytes, kMeshes * kBytes / 10);
+}
+
+// A budget that does not hold what a pose was seen to take refuses it, so it holds all of it.
+TEST(MemoryLimit, APoseOfAMeshHoldsWhatItTakes) {
+  for (const bool displaced : {false, true})
+    for (const int level : {0, 2}) {
+      const int n = level == 0 ? 400 : 100;
+      Cage cage = test::grid_cage(n, SubdivisionScheme::catmull_clark);
+      cage.face_material.assign(cage.face_vertex_counts.size(), 0);
+      RefinementOptions options;
+      options.level = level;
+      if (displaced)
+        options.displace = [](alabaster::Mesh* mesh) {
+          for (Vec3f& p : mesh->points) p.z += 1;
+        };
+      const size_t cage_bytes = cage.points.size() * sizeof(Vec3f) +
+                                (cage.face_vertex_indices.size() + 2 * cage.face_vertex_counts.size()) * sizeof(int);
+      size_t taken = 0;
+      {
+        const testing::PeakMemory peak;
+        pose_mesh(cage, options, {cage.points, {}});
+        taken = peak.bytes();
+      }
+      ASSERT_GT(taken, cage_bytes) << displaced << level;
+      const auto poses_within = [&](size_t limit) {
+        MemoryReservation held(std::make_shared<MemoryBudget>(limit), MemoryUse::meshes);
+        options.memory = &held;
+        pose_mesh(cage, options, {cage.points, {}});
+      };
+      EXPECT_THROW(poses_within(taken - cage_bytes - 1), MemoryRefused) << displaced << level;
+      EXPECT_NO_THROW(poses_within(10 * taken)) << displaced << level;
+    }
 }
 
 // A deforming mesh takes memory for each pose of the shutter.
