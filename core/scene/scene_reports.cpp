@@ -48,10 +48,7 @@ void report_open_bodies(const ReportedScene& scene) {
         "does not come back is lost (stats: walk.lostEnergy)" +
         describe_open_edges(prototype.interior.open_edges(prototype.mesh)) +
         "; or bind a material without scatterDistance";
-    if (const size_t others = open.names.size() - 1; others > 0)
-      text += "; " + std::to_string(others) +
-              (others == 1 ? " other mesh of its subsurfaceSet is" : " other meshes of its subsurfaceSet are") +
-              " not closed either: a set does not close the meshes that it unites";
+    text += describe_open_fellows(open.names.size() - 1);
     report(scene.sink, Severity::warning, "mesh.open", *open.names.begin(), text);
   }
 }
@@ -179,6 +176,13 @@ std::string describe_open_edges(const OpenEdges& edges) {
   add(edges.of_one, " of its edges have one face", "close it there, or join it with the mesh that it meets there");
   add(edges.of_more, " have three faces or another odd number", "delete the faces inside");
   return text;
+}
+
+std::string describe_open_fellows(size_t others) {
+  if (others == 0) return {};
+  return "; " + std::to_string(others) +
+         (others == 1 ? " other mesh of its subsurfaceSet is" : " other meshes of its subsurfaceSet are") +
+         " not closed either: a set does not close the meshes that it unites";
 }
 
 void report_bodies(const ReportedScene& scene) {

@@ -17,6 +17,8 @@ struct ReportedScene {
 
 /// "; 4 of its edges have one face, one from (0, 0, 0) to (1, 0, 0): close it there, ...": each kind with its remedy.
 std::string describe_open_edges(const OpenEdges& edges);
+/// "; 2 other meshes of its subsurfaceSet are not closed either, ..."; empty if there are none.
+std::string describe_open_fellows(size_t others);
 
 /// Warns of bodies that are not closed, once for a union, of closed shells that are thinner than the rounding of
 /// positions, in which no walk can begin, and of lights and meshes that emit within a body: walks meet no light before

@@ -176,6 +176,14 @@ struct SceneTranslator::Run {
   CategorySets category_sets;
   std::map<Path, std::string> answers = {};        // of nearest()
   std::vector<std::string> known_categories = {};  // sorted; empty: not asked for yet
+  // Open meshes with a clear interior, that of one subsurfaceSet or a mesh alone: as bodies that scatter, each set has
+  // one report.
+  struct OpenClear {
+    std::string first;  // in the order of paths
+    std::shared_ptr<const MeshPrototype> prototype;
+    size_t others = 0;
+  };
+  std::map<std::string, OpenClear> open_clear = {};
 
   // A mesh that memory does not hold is left out.
   void add_mesh(const Path& path, const MeshRecord& mesh) {
@@ -212,7 +220,7 @@ struct SceneTranslator::Run {
     instance.name = path.str();
     instance.options = mesh.options;
     for (const Path& id : mesh.materials) instance.materials.push_back(material(path, id, instance.prototype->mesh));
-    check_closed(instance);
+    check_closed(instance, mesh);
     check_direction(instance);
     instance.subsurface_set = set_of(instance, mesh);
     const std::vector<Matrix4d> own =
@@ -351,7 +359,9 @@ struct SceneTranslator::Run {
 
   // A named set and the set of a material never meet. Among several materials the first that scatters names the set.
   static std::string set_of(const InstanceDescription& instance, const MeshRecord& mesh) {
-    const std::vector<size_t> slots = scattering_slots(instance);
+    return set_of(scattering_slots(instance), mesh);
+  }
+  static std::string set_of(const std::vector<size_t>& slots, const MeshRecord& mesh) {
     if (mesh.subsurface_set.empty() || slots.empty()) return {};
     if (mesh.subsurface_set != "byMaterial") return "named " + mesh.subsurface_set;
     return "material " + mesh.materials[slots.front()].str();
@@ -359,19 +369,26 @@ struct SceneTranslator::Run {
 
   // Bodies that scatter are reported as the unions that they are (core/scene/scene_reports.h). A sheet that spreads
   // light alone may be open: both of its sides are lit.
-  void check_closed(const InstanceDescription& instance) {
-    const MeshPrototype& prototype = *instance.prototype;
-    const bool is_clear = !used_slots(instance, [](const DisneyMaterial& material) {
-                             const DisneyParameters& p = material.constants;
-                             return !p.thin && (p.spec_trans > 0 || (p.diff_trans > 0 && p.attenuation_distance > 0));
-                           }).empty();
-    if (!is_clear || !scattering_slots(instance).empty()) return;
-    if (prototype.mesh.closed) return check_winding(instance);
-    translator.warn("mesh.open", Path(instance.name),
-                    "a clear material in a mesh that is not closed: all that lies behind it is in its interior, which "
-                    "absorbs nothing and which light reaches by refraction alone" +
-                        describe_open_edges(prototype.interior.open_edges(prototype.mesh)) +
-                        "; or make the material `thin`");
+  void check_closed(const InstanceDescription& instance, const MeshRecord& mesh) {
+    const std::vector<size_t> clear = used_slots(instance, [](const DisneyMaterial& material) {
+      const DisneyParameters& p = material.constants;
+      return !p.thin && (p.spec_trans > 0 || (p.diff_trans > 0 && p.attenuation_distance > 0));
+    });
+    if (clear.empty() || !scattering_slots(instance).empty()) return;
+    if (instance.prototype->mesh.closed) return check_winding(instance);
+    const std::string set = set_of(clear, mesh);
+    const auto [body, is_new] =
+        open_clear.try_emplace(set.empty() ? instance.name : set, OpenClear{instance.name, instance.prototype});
+    if (!is_new) ++body->second.others;
+  }
+
+  void report_open_clear() {
+    for (const auto& [set, body] : open_clear)
+      translator.warn("mesh.open", Path(body.first),
+                      "a clear material in a mesh that is not closed: all that lies behind it is in its interior, "
+                      "which absorbs nothing and which light reaches by refraction alone" +
+                          describe_open_edges(body.prototype->interior.open_edges(body.prototype->mesh)) +
+                          "; or make the material `thin`" + describe_open_fellows(body.others));
   }
 
   // The winding of a face says which of its sides is in the interior.
@@ -483,6 +500,7 @@ Translation SceneTranslator::translate(const Parts& parts) {
     if (const auto* mesh = std::get_if<MeshRecord>(&record)) run.add_mesh(path, *mesh);
     if (const auto* light = std::get_if<LightRecord>(&record); light && light->visible) run.add_light(path, *light);
   }
+  run.report_open_clear();
   run.out.scene.category_sets = run.category_sets.take();
   run.out.categories = run.category_sets.names();
   return std::move(run.out);
