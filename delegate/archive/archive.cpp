@@ -8,7 +8,7 @@
 #include "core/files/input_file.h"
 #include "core/files/real_path.h"
 #include "core/memory/memory_budget.h"
-#include "delegate/archive/values.h"
+#include "delegate/archive/tensors.h"
 #include "delegate/host/scene_fields.h"
 #include "delegate/support/output_file.h"
 

@@ -1,6 +1,7 @@
 // The layout of safetensors: named arrays of numbers behind a JSON header. Internal to this room.
 #pragma once
 
+#include <functional>
 #include <map>
 #include <nlohmann/json.hpp>
 #include <set>
@@ -75,5 +76,13 @@ class TensorReader {
   mutable std::set<std::string> flags_;  // tensors of bools that have been looked through
   nlohmann::json metadata_;
 };
+
+/// {"type": number, text or list}; {"type[]": list, or the name of a tensor}. Numbers that JSON lacks (NaN, infinity)
+/// are tensors, too. `asset` writes the names and contents of files.
+nlohmann::json write_value(const Value& value, TensorWriter* tensors,
+                           const std::function<nlohmann::json(const AssetPath&)>& asset);
+/// Throws Fault.
+Value read_value(const nlohmann::json& json, const TensorReader& tensors,
+                 const std::function<AssetPath(const nlohmann::json&)>& asset);
 
 }  // namespace alabaster::hd::archive

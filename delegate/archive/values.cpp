@@ -1,4 +1,4 @@
-#include "delegate/archive/values.h"
+#include "delegate/archive/tensors.h"
 
 #include <cmath>
 #include <limits>

@@ -1,6 +1,7 @@
 // Typed data of a document: accessors all of whose bytes are known to lie inside their buffers.
 #pragma once
 
+#include <compare>
 #include <cstddef>
 #include <cstdint>
 #include <optional>
@@ -30,6 +31,7 @@ struct AccessorView {
   int buffer_view = -1;                    // -1: none
   bool has_stride = false;                 // its buffer view has a byteStride
   bool has_bounds = false;                 // min and max are given
+  auto operator<=>(const AccessorView&) const = default;
 };
 
 /// One integer component at `p`, which need not be aligned.

@@ -73,6 +73,7 @@ class MeshCheck : DocumentCheck {
   /// Bytes of all meshes when decoded.
   double run() {
     double total_bytes = 0;
+    find_alike();
     for (size_t m = 0; m < list("meshes").size(); ++m) {
       const Json& mesh = list("meshes")[m];
       const std::string element = element_name("meshes", m);
@@ -80,13 +81,45 @@ class MeshCheck : DocumentCheck {
         check_primitive(mesh["primitives"][p], element_name(element + ".primitives", p));
       check_target_counts(mesh, element);
       // Nodes with a skin or with weights have copies of their own, those without share one.
-      total_bytes += double(decoded_bytes_) * double(copies_[m] + 1);
+      total_bytes += double(decoded_bytes_) * double(copies_[m] + (document_.alike[m] == m ? 1 : 0));
       decoded_bytes_ = 0;
     }
     return total_bytes;
   }
 
  private:
+  // Meshes whose primitives have equal accessors are decoded once. Their materials must agree in doubleSided, which is
+  // a part of the mesh, and in being there.
+  void find_alike() {
+    std::vector<size_t> first_accessor;
+    std::map<AccessorView, size_t> accessors;
+    for (const AccessorView& view : document_.accessors)
+      first_accessor.push_back(accessors.try_emplace(view, first_accessor.size()).first->second);
+    const auto accessors_of = [&](const Json& attributes) {
+      Json all = Json::object();
+      for (const auto& [name, index] : attributes.items()) all[name] = first_accessor[index.get<size_t>()];
+      return all;
+    };
+    std::map<std::string, size_t> meshes;
+    for (const Json& mesh : list("meshes")) {
+      Json key = Json::array();
+      for (const Json& primitive : mesh["primitives"]) {
+        Json targets = Json::array();
+        for (const Json& target : at(primitive, "targets")) targets.push_back(accessors_of(target));
+        const Json &indices = at(primitive, "indices"), &material = at(primitive, "material");
+        key.push_back({accessors_of(primitive["attributes"]), targets, primitive.value("mode", 4),
+                       indices.is_null() ? Json() : Json(first_accessor[indices.get<size_t>()]),
+                       material.is_null() ? Json() : Json(is_double_sided(material)), mappings_of(primitive),
+                       extension_of(primitive, "FB_ngon_encoding").is_null()});
+      }
+      document_.alike.push_back(meshes.try_emplace(key.dump(), document_.alike.size()).first->second);
+    }
+  }
+
+  bool is_double_sided(const Json& material) const {
+    return list("materials")[material.get<size_t>()].value("doubleSided", false);
+  }
+
   void check_primitive(const Json& primitive, const std::string& element) {
     const Json& attributes = primitive["attributes"];
     const AccessorView* first = nullptr;

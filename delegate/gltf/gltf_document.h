@@ -29,6 +29,7 @@ struct Document {
   std::vector<Bytes> buffers;  // null: its data is stored compressed
   std::vector<Bytes> decoded;  // from compressed buffer views and primitives
   std::vector<AccessorView> accessors;
+  std::vector<size_t> alike;      // of the meshes: the first one that differs from it in materials alone
   std::vector<AssetPath> images;  // not usable without `resolved` and `bytes` (reported)
   std::vector<int64_t> parents;   // of the nodes; -1: none
   std::optional<ImageLight> image_light;
@@ -43,13 +44,12 @@ bool read_document(const std::string& file, const GltfOptions& options, Report& 
 
 // The steps of read_document, in order. Each reports faults; the steps after an error are not run.
 
-/// Lists scenes, animations and variants, and finds those that `options` choose.
-void choose(const Json& root, const GltfOptions& options, Report& report, Document* document);
 /// Gives every buffer its bytes from the GLB chunk, data URIs or files, at most `max_bytes` together.
 void load_buffers(const Json& root, const Bytes& binary_chunk, size_t max_bytes, Report& report, Document* document);
 /// Checks buffer views and accessors against the buffers.
 void load_accessors(const Json& root, Report& report, Document* document);
-/// Checks attributes against their semantics and each other, and indices against vertex counts.
+/// Checks attributes against their semantics and each other, and indices against vertex counts. Finds meshes that are
+/// alike.
 void check_meshes(const Json& root, Report& report, Document* document);
 /// Checks node trees, transforms, scenes, cameras and lights; then skins, morph weights and instances of nodes.
 void check_nodes(const Json& root, Report& report, Document* document);
@@ -61,8 +61,6 @@ void check_animations(Json& root, Report& report, Document* document);
 void load_images(Json& root, size_t max_bytes, Report& report, Document* document);
 /// Finds the image-based light of the scene that is used.
 void choose_image_light(const Json& root, Report& report, Document* document);
-/// Gives every primitive that has a material for the document's variant that material.
-void apply_variant(Json& root, size_t variant);
 
 /// The base of classes that check a document.
 class DocumentCheck {

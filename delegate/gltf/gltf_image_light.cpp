@@ -1,5 +1,4 @@
-#include "delegate/gltf/gltf_image_light.h"
-
+// EXT_lights_image_based: the scene's dome of light, given as the faces of a cube.
 #include <cmath>
 #include <cstring>
 #include <filesystem>
@@ -9,6 +8,7 @@
 #include "core/texture/cube_map.h"
 #include "core/texture/texture.h"
 #include "delegate/gltf/gltf_nodes.h"
+#include "delegate/gltf/gltf_translation.h"
 
 namespace alabaster::hd::gltf {
 namespace {

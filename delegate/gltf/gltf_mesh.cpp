@@ -335,6 +335,20 @@ void set_subsets(const std::vector<size_t>& ends, MeshTopology* topology) {
   }
 }
 
+// The points of a cage at which normals differ by more than 30 degrees: edges that a modeller sees and refinement
+// rounds.
+size_t count_hard_points(const std::vector<Vec3f>& normals, const Cage& cage) {
+  constexpr float kLeastCosine = 0.866f;
+  if (normals.size() != cage.vertex_points.size()) return 0;  // some primitive has none
+  std::vector<char> hard(cage.point_vertices.size(), 0);
+  for (size_t vertex = 0; vertex < normals.size(); ++vertex) {
+    const auto point = size_t(cage.vertex_points[vertex]);
+    const Vec3f &n = normals[vertex], &first = normals[cage.point_vertices[point]];
+    if (n.length2() > 0 && first.length2() > 0 && n.dot(first) < kLeastCosine) hard[point] = 1;
+  }
+  return size_t(std::count(hard.begin(), hard.end(), 1));
+}
+
 // Without paths. No faces: all are degenerate (reported).
 host::MeshDescription describe(Surface surface, int refine_level, const std::string& element, Report& report) {
   host::MeshDescription mesh;
@@ -349,6 +363,13 @@ host::MeshDescription describe(Surface surface, int refine_level, const std::str
   if (cage.dropped_faces > 0)
     report.warning("mesh.degenerate", element,
                    std::to_string(cage.dropped_faces) + " faces have no area and are left out");
+  if (const size_t hard = count_hard_points(surface.vertices.normals, cage); hard > 0 && refine_level > 0)
+    report.warning(
+        "mesh.ngon", element,
+        "FB_ngon_encoding makes it a control mesh, and refinement rounds the hard edges that its normals have "
+        "at " +
+            std::to_string(hard) + " of " + std::to_string(cage.point_vertices.size()) +
+            " points (assimp marks every mesh); \"scheme\": \"none\" in a render description draws it as it is");
   mesh.displayStyle.refineLevel = refine_level;
   set_subsets(cage.part_ends, &mesh.topology);
   set_cage(surface, std::move(cage), &mesh);

@@ -24,11 +24,22 @@ class Report {
   void info(const std::string& code, const std::string& element, const std::string& text) {
     send(Severity::info, code, element, text);
   }
-  void send(Severity severity, const std::string& code, const std::string& element, const std::string& text);
-  void finish();
+  void send(Severity severity, const std::string& code, const std::string& element, const std::string& text) {
+    const size_t count = ++counts_[int(severity)];
+    if (!sink_ || count > kMostMessages) return;
+    sink_({severity, "gltf." + code, element.empty() ? file_ : file_ + ": " + element, text});
+  }
+  void finish() {
+    for (const Severity severity : {Severity::info, Severity::warning, Severity::error})
+      if (const size_t count = counts_[int(severity)]; sink_ && count > kMostMessages)
+        sink_({severity, "gltf.more", file_,
+               "there are " + std::to_string(count - kMostMessages) + " more messages of this kind"});
+  }
   bool failed() const { return counts_[int(Severity::error)] > 0; }
+  size_t count() const { return counts_[0] + counts_[1] + counts_[2]; }
 
  private:
+  static constexpr size_t kMostMessages = 100;
   std::string file_;
   DiagnosticSink sink_;
   size_t counts_[3] = {0, 0, 0};

@@ -1,10 +1,10 @@
 #include "delegate/gltf/gltf_translation.h"
 
 #include <algorithm>
+#include <cmath>
 #include <filesystem>
 #include <numeric>
 
-#include "delegate/gltf/gltf_light_camera.h"
 #include "delegate/gltf/gltf_material.h"
 #include "delegate/gltf/gltf_mesh.h"
 #include "delegate/gltf/gltf_vertices.h"
@@ -29,6 +29,67 @@ std::string clean_name(const std::string& text) {
   for (char& c : name)
     if (c == '/' || static_cast<unsigned char>(c) <= ' ' || c == 0x7f) c = '_';
   return name;
+}
+
+constexpr double kFilmHeight = 0.024, kFilmAspect = 1.5;  // of 35 mm film, in metres
+constexpr float kNoFarPlane = 1e30f;
+constexpr double kDegrees = 180 / 3.14159265358979323846;
+
+Vec2f clipping_range(double znear, double zfar) {
+  return {float(znear), zfar > znear ? float(zfar) : kNoFarPlane};
+}
+
+// glTF gives an angle where the contract has a lens: the film is 24 mm high, and the focal length follows from yfov.
+// Without an aspectRatio the film is 36 mm wide; vertical framing then agrees with glTF under every window policy that
+// keeps the height. Orthographic apertures are twice the magnifications, in metres. Without a far plane
+// clippingRange.y is 1e30.
+host::CameraDescription translate_camera(const tinygltf::Camera& camera, const Matrix4d& transform) {
+  host::CameraDescription description;
+  description.transform = transform;
+  auto& parameters = description.parameters;
+  if (camera.type == "orthographic") {
+    const auto& lens = camera.orthographic;
+    parameters["projection"] = Token("orthographic");
+    parameters["horizontalAperture"] = float(2 * std::abs(lens.xmag));
+    parameters["verticalAperture"] = float(2 * std::abs(lens.ymag));
+    parameters["clippingRange"] = clipping_range(lens.znear, lens.zfar);
+    return description;
+  }
+  const auto& lens = camera.perspective;
+  const double aspect = lens.aspectRatio > 0 ? lens.aspectRatio : kFilmAspect;
+  parameters["projection"] = Token("perspective");
+  parameters["focalLength"] = float(kFilmHeight / 2 / std::tan(lens.yfov / 2));
+  parameters["horizontalAperture"] = float(kFilmHeight * aspect);
+  parameters["verticalAperture"] = float(kFilmHeight);
+  parameters["clippingRange"] = clipping_range(lens.znear, lens.zfar);
+  return description;
+}
+
+// KHR_lights_punctual. Photometric values are kept as radiometric ones: the intensity of point and spot lights
+// (candela) becomes radiant intensity, and that of directional lights (lux) irradiance; choose the exposure
+// accordingly. `range`, a cut-off for game engines, is not used;
+// the reader says so.
+host::LightDescription translate_light(const tinygltf::Light& light, const Matrix4d& transform) {
+  host::LightDescription description;
+  description.transform = transform;
+  auto& parameters = description.parameters;
+  parameters["color"] =
+      light.color.size() == 3 ? Vec3f(float(light.color[0]), float(light.color[1]), float(light.color[2])) : Vec3f(1);
+  parameters["intensity"] = float(light.intensity);
+  if (light.type == "directional") {
+    description.type = "distantLight";
+    parameters["angle"] = 0.0f;
+    return description;
+  }
+  description.type = "sphereLight";
+  parameters["treatAsPoint"] = true;
+  parameters["radius"] = 0.0f;
+  if (light.type == "spot") {
+    const double outer = std::clamp(light.spot.outerConeAngle, 0.0, 90 / kDegrees);
+    parameters["coneInner"] = float(std::clamp(light.spot.innerConeAngle, 0.0, outer) * kDegrees);
+    parameters["coneOuter"] = float(outer * kDegrees);
+  }
+  return description;
 }
 
 }  // namespace
@@ -113,6 +174,7 @@ GltfPrims SceneTranslator::still_prims(Report& report) {
     add_users(users, &prims, report);
     users.shapes.clear();
   }
+  shared_.clear();
   return prims;
 }
 
@@ -124,6 +186,7 @@ GltfPrims SceneTranslator::moving_prims(Report& report) {
   add_views(true, &prims);
   for (auto& [key, users] : users_)
     if (users.moves) add_users(users, &prims, report);
+  shared_.clear();
   return prims;
 }
 
@@ -218,13 +281,24 @@ std::shared_ptr<const SceneTranslator::Shape> SceneTranslator::shape_of(MeshUser
                                                                         const std::vector<double>& weights,
                                                                         Report& report) {
   PrimitiveShape shape{options_.refine_level, weights, joints_of(users)};
-  std::string key;  // the lengths are those of the mesh and the skin
+  std::string key = std::to_string(shape.weights.size());
   append_bytes(shape.weights.data(), shape.weights.size() * sizeof(double), &key);
   append_bytes(shape.joint_matrices.data(), shape.joint_matrices.size() * sizeof(Matrix4d), &key);
-  const auto [found, is_new] = users.shapes.try_emplace(std::move(key));
-  if (is_new) found->second.shape = std::make_shared<const Shape>(translate_mesh(document_, users.mesh, shape, report));
+  const auto [found, is_new] = users.shapes.try_emplace(key);
+  if (is_new) found->second.shape = translate(users.mesh, shape, {document_.alike[users.mesh], std::move(key)}, report);
   found->second.call = calls_;
   return found->second.shape;
+}
+
+// Faults are reported for each mesh, so that only those without are shared.
+std::shared_ptr<const SceneTranslator::Shape> SceneTranslator::translate(size_t mesh, const PrimitiveShape& shape,
+                                                                         std::pair<size_t, std::string> key,
+                                                                         Report& report) {
+  if (const auto known = shared_.find(key); known != shared_.end()) return known->second;
+  const size_t faults = report.count();
+  auto made = std::make_shared<const Shape>(translate_mesh(document_, mesh, shape, report));
+  if (report.count() == faults) shared_.emplace(std::move(key), made);
+  return made;
 }
 
 }  // namespace alabaster::hd::gltf

@@ -58,6 +58,8 @@ class SceneTranslator {
   void add_mesh(const MeshUsers& users, const MeshUse& use, const Shape& shape, GltfPrims* prims) const;
   void add_views(bool moving, GltfPrims* prims) const;
   std::shared_ptr<const Shape> shape_of(MeshUsers& users, const std::vector<double>& weights, Report& report);
+  std::shared_ptr<const Shape> translate(size_t mesh, const PrimitiveShape& shape, std::pair<size_t, std::string> key,
+                                         Report& report);
   std::vector<Matrix4d> joints_of(const MeshUsers& users) const;
   const std::vector<Matrix4d>& instances_of(size_t node);
   Path child(const char* folder, size_t node) const;
@@ -73,6 +75,15 @@ class SceneTranslator {
   std::map<std::pair<int, int>, MeshUsers> users_;     // by mesh and skin
   std::map<size_t, std::vector<Matrix4d>> instances_;  // by node, relative to it
   size_t calls_ = 0;                                   // of moving_prims() so far
+  // During still_prims() or moving_prims(): the shapes of meshes, which those that are alike share.
+  std::map<std::pair<size_t, std::string>, std::shared_ptr<const Shape>> shared_;
 };
+
+/// EXT_lights_image_based: a dome light with the largest of the light's cube maps as its image, resampled to latitude
+/// and longitude and encoded as EXR. Its colours are radiance. The smaller maps and the irradiance coefficients, which
+/// an engine without shadow rays needs, are not read. A face that cannot be used leaves an image that is not there, so
+/// that the renderer refuses it as it refuses every missing image. `document.image_light` has a value. Throws
+/// MemoryRefused.
+host::LightDescription translate_image_light(Document* document, const Matrix4d& root, Report& report);
 
 }  // namespace alabaster::hd::gltf

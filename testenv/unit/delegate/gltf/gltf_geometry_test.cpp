@@ -286,6 +286,69 @@ TEST(GltfGeometry, CagesOfSeveralPrimitivesAreWelded) {
   EXPECT_EQ(mesh.topology.geomSubsets[1].indices, (Array<int32_t>{1}));
 }
 
+// Meshes that differ in materials alone, and accessors that differ in their number alone: one geometry, decoded once.
+TEST(GltfGeometry, MeshesOfEqualAccessorsShareTheirArrays) {
+  GltfBuilder b;
+  b.triangle();
+  b.json["materials"] = {Json::object(), Json::object(), {{"doubleSided", true}}};
+  b.json["accessors"].push_back(b.json["accessors"][b.primitive()["attributes"]["POSITION"].get<size_t>()]);
+  const size_t copy = b.json["accessors"].size() - 1;
+  const size_t other = b.add<float>({0, 0, 0, 2, 0, 0, 0, 2, 0}, "VEC3");
+  const Json first = b.json["meshes"][0];
+  const auto mesh = [&](size_t material, size_t positions) {
+    Json made = first;
+    made["primitives"][0]["material"] = material;
+    if (positions) made["primitives"][0]["attributes"]["POSITION"] = positions;
+    return made;
+  };
+  b.json["meshes"] = {mesh(0, 0), mesh(1, 0), mesh(1, copy), mesh(2, 0), mesh(0, other)};
+  for (size_t m = 1; m < 5; ++m) {
+    b.json["nodes"].push_back({{"mesh", m}});
+    b.json["scenes"][0]["nodes"].push_back(m);
+  }
+  const Loaded loaded = b.load();
+  ASSERT_EQ(loaded.scene->GetMeshes().size(), 5u) << loaded.said();
+  std::vector<const host::MeshDescription*> meshes;
+  for (const auto& [path, description] : loaded.scene->GetMeshes()) meshes.push_back(&description);
+  const auto points = [&](size_t i) { return primvar<Array<Vec3f>>(*meshes[i], "points"); };
+  for (const size_t shared : {1u, 2u}) {
+    EXPECT_EQ(points(shared).data(), points(0).data()) << shared;
+    EXPECT_EQ(meshes[shared]->topology.faceVertexIndices.data(), meshes[0]->topology.faceVertexIndices.data());
+    EXPECT_NE(meshes[shared]->material, meshes[0]->material);
+  }
+  EXPECT_TRUE(meshes[3]->doubleSided);
+  EXPECT_FALSE(meshes[0]->doubleSided);
+  EXPECT_EQ(points(4)[1], Vec3f(2, 0, 0));
+  EXPECT_EQ(points(0)[1], Vec3f(1, 0, 0));
+  // The limit of memory counts what is decoded.
+  GltfBuilder alone;
+  alone.triangle();
+  EXPECT_EQ(loaded.summary.memory_bytes, alone.load().summary.memory_bytes * 3);
+}
+
+// A cube of assimp: normals that differ along its edges, below a marker that makes it a control mesh.
+TEST(GltfGeometry, CagesWhoseNormalsHaveHardEdgesAreReported) {
+  const auto said = [](bool hard, int level) {
+    GltfBuilder b;
+    // Two triangles that meet at a right angle, with vertices of their own.
+    b.attribute<float>("POSITION", {0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 0, 0, 0, 1, 1, 0, 0}, "VEC3");
+    const float s = std::sqrt(0.5f);
+    const std::vector<float> edges{0, 0, 1, 0, 0, 1, 0, 0, 1, 0, 1, 0, 0, 1, 0, 0, 1, 0};
+    const std::vector<float> smooth{0, s, s, 0, s, s, 0, s, s, 0, s, s, 0, s, s, 0, s, s};
+    b.attribute<float>("NORMAL", hard ? edges : smooth, "VEC3");
+    b.primitive()["extensions"]["FB_ngon_encoding"] = Json::object();
+    b.json["extensionsUsed"] = {"FB_ngon_encoding"};
+    GltfOptions options;
+    options.refine_level = level;
+    return b.load(options).said();
+  };
+  EXPECT_NE(said(true, 2).find("the hard edges that its normals have at 2 of 4 points"), std::string::npos)
+      << said(true, 2);
+  EXPECT_NE(said(true, 2).find("\"scheme\": \"none\""), std::string::npos);
+  EXPECT_EQ(said(false, 2).find("hard edges"), std::string::npos);
+  EXPECT_EQ(said(true, 0).find("hard edges"), std::string::npos) << "it is not refined";
+}
+
 // The report says that the nearest legal value is used.
 TEST(GltfLights, ColorsOutOfRangeAreTheNearestLegalOnes) {
   GltfBuilder b;
