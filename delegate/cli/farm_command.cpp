@@ -78,6 +78,13 @@ class FarmCommand {
     console_.require_usage("farm", farm_fault(jobs_));
   }
 
+  bool is_denoised() const {
+    const auto all = session_.scene.GetAllRenderSettings();
+    const auto& settings = all.at(session_.file.settings).settings;
+    const auto denoise = settings.find("denoise");
+    return denoise != settings.end() && denoise->second.number_or(0) != 0;
+  }
+
   // The configuration goes by its variable, because a merge does not read the scene, which may name it.
   void list_inputs() {
     const auto colors = hd::host::ReadColorInputs(session_.colors(), console_.sink());
@@ -85,6 +92,7 @@ class FarmCommand {
     PictureInputs inputs;
     add_colors(*colors, &inputs);
     add_files(session_, a_.render.scene, &inputs);
+    if (is_denoised()) add_denoiser(&inputs);
     jobs_.inputs = to_text(inputs);
     jobs_.variables = job_variables(*colors);
     jobs_.variables["OCIO"] = colors->origin;

@@ -6,12 +6,17 @@
 
 #include "core/files/input_file.h"
 #include "delegate/cli/exit_codes.h"
+#include "delegate/host/denoiser_library.h"
 
 namespace alabaster::cli {
 namespace {
 
 constexpr const char* kTitle = "alabaster farm inputs 1";
 constexpr std::array<const char*, 5> kInputKinds{"version", "variable", "colors", "lut", "file"};  // by InputKind
+
+PictureInputs::key_type denoiser_key() {
+  return {InputKind::version, "Open Image Denoise"};
+}
 
 // Bytes other than visible ASCII as %XX.
 std::string percent_escaped(const std::string& text) {
@@ -94,6 +99,10 @@ void add_colors(const hd::host::ColorInputs& colors, PictureInputs* inputs) {
     (*inputs)[{InputKind::variable, name}] = value ? "=" + *value : std::string();
 }
 
+void add_denoiser(PictureInputs* inputs) {
+  if (const std::string version = hd::host::DenoiserVersion(); !version.empty()) (*inputs)[denoiser_key()] = version;
+}
+
 void add_files(const SceneSession& session, const std::string& scene, PictureInputs* inputs) {
   for (const std::string& file : scene_files(session, scene))
     (*inputs)[{InputKind::file, file}] = hd::host::FileDigest(file);
@@ -151,6 +160,11 @@ void require_inputs(const std::string& file, const SceneSession& session, const 
   PictureInputs here;
   add_colors(*colors, &here);
   if (!scene.empty()) add_files(session, scene, &here);
+  // The merge denoises. The tasks do not, so that their machines may have another denoiser.
+  if (const auto denoiser = farm.find(denoiser_key()); denoiser != farm.end() && scene.empty())
+    add_denoiser(&here);
+  else if (denoiser != farm.end())
+    here.insert(*denoiser);
   const InputDifference found = input_difference(farm, here, !scene.empty());
   if (!found.text.empty()) console->fail(kInput, found.where, found.text);
 }

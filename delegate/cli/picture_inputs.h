@@ -22,6 +22,8 @@ using PictureInputs = std::map<std::pair<InputKind, std::string>, std::string>;
 std::map<std::string, std::optional<std::string>> job_variables(const hd::host::ColorInputs& colors);
 /// The versions of the program and of its libraries, and the colour configuration with its LUTs and job_variables().
 void add_colors(const hd::host::ColorInputs& colors, PictureInputs* inputs);
+/// Open Image Denoise, with which a merge denoises the frame; nothing is added where there is none.
+void add_denoiser(PictureInputs* inputs);
 /// The files that a loaded scene was read from.
 void add_files(const SceneSession& session, const std::string& scene, PictureInputs* inputs);
 

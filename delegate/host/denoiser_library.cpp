@@ -9,4 +9,10 @@ std::string DenoiserFault() {
   return Denoiser::load(&fault) ? std::string() : fault;
 }
 
+std::string DenoiserVersion() {
+  std::string fault;
+  const auto denoiser = Denoiser::load(&fault);
+  return denoiser ? denoiser->name().substr(denoiser->name().rfind(' ') + 1) : std::string();
+}
+
 }  // namespace alabaster::hd::host

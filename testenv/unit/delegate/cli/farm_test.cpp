@@ -3,6 +3,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "testenv/support/oidn.h"
 #include "testenv/unit/delegate/cli/run_program.h"
 #include "testenv/unit/delegate/description/scene_fixture.h"
 
@@ -262,6 +263,29 @@ TEST_F(FarmInputs, AMachineThatDiffersRefusesBeforeItRenders) {
   EXPECT_EQ(shell("sh patch_farm/merge.sh") >> 8, 3);
   EXPECT_NE(read("shell.txt").find("grade.cc: this LUT"), std::string::npos) << read("shell.txt");
   EXPECT_FALSE(std::filesystem::exists(folder_ / "farm.png"));
+}
+
+// The merge denoises. Machines of tasks may have another denoiser, or none.
+// promise: farm.inputs
+TEST_F(FarmInputs, AMergeWithAnotherDenoiserIsRefused) {
+  const testing::FakeOidn oidn;
+  ASSERT_EQ(with("", std::string("farm patch.gltf -o farm.exr --denoise --tasks 2 ") + kFrame), 0) << read("shell.txt");
+  const std::string inputs = read("patch_farm/inputs.txt"), line = "version Open%20Image%20Denoise ";
+  const size_t found = inputs.find(line);
+  ASSERT_NE(found, std::string::npos) << inputs;
+  write("patch_farm/inputs.txt",
+        inputs.substr(0, found + line.size()) + "2.0.9" + inputs.substr(inputs.find('\n', found)));
+  for (const char* task : {"sh patch_farm/task.sh 0", "sh patch_farm/task.sh 1"})
+    EXPECT_EQ(shell(task), 0) << read("shell.txt");
+  EXPECT_EQ(shell("sh patch_farm/merge.sh") >> 8, 3);
+  EXPECT_NE(read("shell.txt").find("Open Image Denoise: this machine has version "), std::string::npos)
+      << read("shell.txt");
+  EXPECT_NE(read("shell.txt").find("written with 2.0.9: install that version here"), std::string::npos);
+  EXPECT_FALSE(std::filesystem::exists(folder_ / "farm.exr"));
+  write("patch_farm/inputs.txt", inputs);
+  EXPECT_EQ(shell("sh patch_farm/merge.sh"), 0) << read("shell.txt");
+  ASSERT_EQ(with("", std::string("farm patch.gltf -o plain.exr --folder plain --tasks 2 ") + kFrame), 0);
+  EXPECT_EQ(read("plain/inputs.txt").find(line), std::string::npos) << "a frame that is not denoised";
 }
 
 // A scene whose name holds what shells, Slurm and options give a meaning, and an output that looks like an option.
