@@ -7,11 +7,13 @@
 
 #include "core/color/chromaticities.h"
 #include "core/texture/texel_store.h"
+#include "testenv/support/bytes_read.h"
 #include "testenv/support/texture_file.h"
 
 namespace alabaster {
 namespace {
 
+using testing::bytes_read;
 using testing::TextureFile;
 using Bytes = std::vector<uint8_t>;
 
@@ -103,6 +105,32 @@ TEST_F(ImageValues, MemoryThatIsShortOfFloatsHoldsHalvesAndSaysSo) {
     ASSERT_EQ(count("texture.precision"), 0) << "bytes are never floats";
   }
   EXPECT_EQ(order, "0hf");
+}
+
+// Halves take as much as floats where all texels are bytes: a refusal on the way is no reason to read the file again.
+TEST_F(ImageValues, AnImageThatMemoryDoesNotHoldIsNotReadTwice) {
+  if (bytes_read() == 0) GTEST_SKIP() << "the kernel counts no bytes that are read";
+  constexpr int kSide = 256, kGreyRows = 200;  // colours come late, and need more memory
+  std::vector<float> pixels = testing::noise(size_t(kSide) * kSide * 3);
+  for (size_t i = 0; i < size_t(kSide) * kGreyRows * 3; ++i) pixels[i] = pixels[i / 3 * 3];
+  const TextureSource source{write("late.png", kSide, kSide, 3, OIIO::TypeUInt8, pixels), nullptr, "raw"};
+  const auto read_with = [&](size_t limit, bool* held) {
+    const TextureLoading loading = {
+        .store = std::make_shared<TexelStore>(reports_.sink, std::make_shared<MemoryBudget>(limit))};
+    const uint64_t before = bytes_read();
+    *held = load_texture(source, *colors_, reports_.sink, loading) != nullptr;
+    return bytes_read() - before;
+  };
+  bool held = false;
+  const uint64_t once = read_with(size_t(64) << 20, &held);
+  ASSERT_TRUE(held) << reports_.text();
+  size_t on_the_way = 0;
+  for (size_t limit = size_t(32) << 10; limit < size_t(2) << 20; limit += size_t(32) << 10) {
+    const uint64_t read = read_with(limit, &held);
+    EXPECT_LT(read, once + once / 5) << limit;
+    on_the_way += !held && read > once / 2;
+  }
+  EXPECT_GT(on_the_way, 0u) << "else this test would see nothing";
 }
 
 TEST_F(ImageValues, FilteredFloatsAreFloats) {

@@ -6,20 +6,15 @@
 #include <nlohmann/json.hpp>
 #include <random>
 
+#include "testenv/support/bytes_read.h"
 #include "testenv/unit/delegate/description/scene_fixture.h"
 
 namespace alabaster::hd::description {
 namespace {
 
-class LoadCosts : public SceneFiles {};
+using alabaster::testing::bytes_read;
 
-/// The bytes that this process has read so far.
-uint64_t bytes_read() {
-  std::ifstream in("/proc/self/io");
-  std::string name;
-  uint64_t bytes = 0;
-  return in >> name >> bytes && name == "rchar:" ? bytes : 0;
-}
+class LoadCosts : public SceneFiles {};
 
 // promise: security.decoded_once
 TEST_F(LoadCosts, AnImageThatIsNamedOftenIsOpenedOnce) {
