@@ -25,7 +25,8 @@ struct HashedFace {
 
 std::vector<HashedFace> hash_faces(const Cage& cage) {
   std::vector<HashedFace> faces;
-  faces.reserve(cage.face_vertex_counts.size());
+  const auto& counts = cage.face_vertex_counts;
+  faces.reserve(static_cast<size_t>(std::count_if(counts.begin(), counts.end(), [](int n) { return n > 3; })));
   size_t first = 0;
   for (size_t face = 0; face < cage.face_vertex_counts.size(); ++face) {
     const auto count = static_cast<size_t>(cage.face_vertex_counts[face]);

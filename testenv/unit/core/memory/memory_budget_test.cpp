@@ -72,6 +72,27 @@ TEST(MemoryBudget, ReservationsGiveBackWhatTheyHold) {
   uncounted.resize(~size_t(0), "nobody counts");
 }
 
+TEST(MemoryBudget, ABufferCountsOnceUntilItsLastHolderIsGone) {
+  const auto budget = std::make_shared<MemoryBudget>(1000);
+  BufferReservations buffers(budget, MemoryUse::scene);
+  const std::vector<char> a(1), b(1);
+  auto first = buffers.hold(a.data(), 300, "a"), second = buffers.hold(a.data(), 300, "a");
+  EXPECT_EQ(budget->in_use(), 300u);
+  const auto other = buffers.hold(b.data(), 300, "b"), part = buffers.hold(a.data(), 100, "the beginning of a");
+  EXPECT_EQ(budget->in_use(), 700u);
+  EXPECT_THROW(buffers.hold(&b, 301, "c"), MemoryRefused);
+  first = nullptr;
+  EXPECT_EQ(budget->in_use(), 700u);
+  second = nullptr;
+  EXPECT_EQ(budget->in_use(), 400u);
+  first = buffers.hold(a.data(), 300, "a");
+  EXPECT_EQ(budget->in_use(), 700u) << "held again";
+  const std::vector<char> numbers(1000);
+  for (size_t i = 0; i < numbers.size(); ++i) buffers.hold(&numbers[i], 10, "for a moment");
+  EXPECT_EQ(budget->in_use(), 700u);
+  EXPECT_EQ(buffers.hold(a.data(), 300, "a"), first) << "what is held stays known";
+}
+
 TEST(MemoryBudget, ThreadsTogetherStayWithinTheLimit) {
   const auto budget = std::make_shared<MemoryBudget>(1000);
   std::atomic<size_t> granted{0};
