@@ -167,7 +167,7 @@ struct SceneSnapshot {
   std::vector<std::vector<bool>> shadow_casters;               // by shadow link, less 1, and category set
   std::vector<std::string> left_out;  // names of instances and lights that are too far away, too large or not finite,
                                       // and of meshes for which memory ran out
-  bool lacks_memory = false;          // for meshes that are therefore left out
+  bool lacks_memory = false;          // Meshes were left out because memory ran out.
   std::vector<std::string> faults;    // of the scale, and of sets of images that lack one that is needed
   size_t memory_bytes = 0;            // of meshes, their interiors, trees, lights and textures, each counted once
   std::shared_ptr<MemoryReservation> memory;  // of instances and lights; other parts hold their own

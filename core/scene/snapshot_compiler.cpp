@@ -195,6 +195,13 @@ struct SnapshotCompiler::Compilation {
   std::deque<InstanceDescription> taken_apart = {};    // arrays that cannot be traced as such
   std::vector<ArrayPlan> plans = {};                   // of the arrays
   std::vector<const InstanceDescription*> looks = {};  // theirs
+  // Meshes that are left out for want of memory.
+  struct Lack {
+    std::string first, reason;  // of the first instance
+    size_t count = 0;
+  };
+  std::vector<Lack> lacks = {};  // in the order in which they are found
+  std::map<const MeshPrototype*, size_t> lack_of = {};
 
   // In world space, then beside the scene's size.
   void choose_drawn() {
@@ -240,7 +247,7 @@ struct SnapshotCompiler::Compilation {
   void plan(const InstanceArrayDescription& array, BoundsDouble* bounds) {
     const PlacedArray* const known = find_last(array.look);
     ArrayPlan made;
-    if (!has_memory_for(array.look, [&] {
+    if (!has_memory_for(array.look, array.places->size(), [&] {
           made = plan_array(array, known ? &known->plan : nullptr, memory_of(*compiler.device_), cancel);
         }))
       return;
@@ -249,25 +256,38 @@ struct SnapshotCompiler::Compilation {
     for (const auto& block : plans.back().blocks) bounds->extend(block->bounds);
   }
 
-  // Runs a step that concerns one mesh. False: memory ran out in it; the scene is drawn without the mesh, and compiled
-  // again at the next commit.
+  // Runs a step that concerns `count` instances of one mesh. False: memory ran out in it; the scene is drawn without
+  // them, and compiled again at the next commit.
   template <class Step>
-  bool has_memory_for(const InstanceDescription& d, const Step& step) {
+  bool has_memory_for(const InstanceDescription& d, size_t count, const Step& step) {
     try {
       step();
       return true;
     } catch (const MemoryRefused& e) {
-      lack_memory_for(d, e.what());
+      lack_memory_for(d, count, e.what());
     } catch (const std::bad_alloc&) {
-      lack_memory_for(d, "not enough memory");
+      lack_memory_for(d, count, "not enough memory");
     }
     return false;
   }
-  void lack_memory_for(const InstanceDescription& d, const std::string& reason) {
+  // Instances of one prim come one after the other.
+  void lack_memory_for(const InstanceDescription& d, size_t count, const std::string& reason) {
     snapshot->lacks_memory = true;
-    snapshot->left_out.push_back(d.name);
-    report(compiler.sink_, Severity::error, "instance.memory", d.name,
-           reason + ": the instance is left out; the next commit tries again");
+    std::vector<std::string>& names = snapshot->left_out;
+    if (names.empty() || names.back() != d.name) names.push_back(d.name);
+    const auto [at, is_new] = lack_of.try_emplace(d.prototype.get(), lacks.size());
+    if (is_new) lacks.push_back({d.name, reason});
+    lacks[at->second].count += count;
+  }
+  std::vector<Diagnostic> reports_of_lacks() const {
+    std::vector<Diagnostic> reports;
+    for (const Lack& lack : lacks) {
+      const std::string instances =
+          lack.count == 1 ? "the instance is" : std::to_string(lack.count) + " instances of this mesh are";
+      reports.push_back({Severity::error, "instance.memory", lack.first,
+                         lack.reason + ": " + instances + " left out; the next commit tries again"});
+    }
+    return reports;
   }
 
   // Meshes of equal geometry have one prototype.
@@ -373,7 +393,7 @@ struct SnapshotCompiler::Compilation {
     const InstanceDescription* before = nullptr;
     std::erase_if(drawn, [&](const InstanceDescription* d) {
       Instance instance;
-      const bool is_placed = has_memory_for(*d, [&] {
+      const bool is_placed = has_memory_for(*d, 1, [&] {
         instance = place(*d, snapshot->origin);
         if (!before || !is_made_as(*d, *before)) missing_tiles.find(*d, instance);
       });
@@ -396,7 +416,7 @@ struct SnapshotCompiler::Compilation {
       const InstanceDescription& d = *looks[i];
       std::shared_ptr<const PlacedArray> placed;
       Instance look;
-      if (!has_memory_for(d, [&] {
+      if (!has_memory_for(d, plans[i].places->size(), [&] {
             look = look_of(d);
             const RenderSpace space{snapshot->origin, farthest_ray()};
             placed = place_array(std::move(plans[i]), space, find_last(d), compiler.device_, cancel);
@@ -461,14 +481,15 @@ struct SnapshotCompiler::Compilation {
                       same_looks);
   }
 
-  // Each report where it is found first, and again only if it was gone in between.
-  void report_new_faults_of_bodies() {
-    std::vector<Diagnostic> found;
+  // Reports faults of bodies and meshes that are left out where they are found first, and again only if they were gone
+  // in between. The numbers in a refusal of memory differ from one try to the next.
+  void report_new_faults() {
+    std::vector<Diagnostic> found = reports_of_lacks();
     const DiagnosticSink keep = [&](const Diagnostic& d) { found.push_back(d); };
     if (snapshot->features.subsurface) report_bodies({description, {drawn, looks}, *snapshot, keep, cancel});
     const auto is_known = [&](const Diagnostic& d) {
       return std::any_of(compiler.reported_.begin(), compiler.reported_.end(), [&](const Diagnostic& t) {
-        return t.code == d.code && t.where == d.where && t.text == d.text;
+        return t.code == d.code && t.where == d.where && (t.text == d.text || d.code == "instance.memory");
       });
     };
     for (const Diagnostic& d : found)
@@ -488,7 +509,7 @@ struct SnapshotCompiler::Compilation {
     cancel.check();
     keep_alive({drawn, looks}, snapshot.get());
     const bool same_lights = light();
-    report_new_faults_of_bodies();
+    report_new_faults();
     const bool alike = same_lights && snapshot->top == last->top && are_linked_alike();
     plan_lit_surfaces(alike ? last : nullptr, snapshot.get());
     snapshot->memory_bytes += snapshot->lights.memory_bytes() + texture_bytes(*snapshot);

@@ -22,14 +22,16 @@ class SnapshotCompiler {
   /// Shares with the last snapshot: the top level, where all shapes and places are equal; the BVHs of bodies of several
   /// members; the densities of images of lights; emissive meshes that stand where they stood; and where light falls on
   /// bodies, if shapes, places, lights and links are all equal. Null when Embree refuses (reported), also for want of
-  /// memory. A mesh for which memory runs out while it is placed is left out (reported; SceneSnapshot::lacks_memory).
-  /// Throws MemoryRefused, by the budget of the device, std::bad_alloc and BuildCancelled; the next snapshot then
-  /// shares as this one would have.
+  /// memory. A mesh for which memory runs out while it is placed is left out (SceneSnapshot::lacks_memory; reported,
+  /// unless the last snapshot lacked it, too). Throws MemoryRefused, by the budget of the device, std::bad_alloc and
+  /// BuildCancelled; the next snapshot then shares as this one would have.
   std::shared_ptr<const SceneSnapshot> compile(const SceneDescription& description, uint64_t number,
                                                const CancelToken& cancel = {});
 
-  /// Frees what the next snapshot would have shared. Reports about bodies are not repeated all the same.
+  /// Frees what the next snapshot would have shared. Reports about bodies and memory are not repeated all the same.
   void forget() { last_ = nullptr; }
+  /// The next snapshot shares with this one, of the same description, instead of the last.
+  void continue_from(std::shared_ptr<const SceneSnapshot> snapshot) { last_ = std::move(snapshot); }
 
  private:
   struct Compilation;
@@ -39,7 +41,7 @@ class SnapshotCompiler {
   std::shared_ptr<const SceneSnapshot> last_;
   std::vector<LightDescription> last_lights_;
   std::vector<std::vector<uint32_t>> last_category_sets_;
-  std::vector<Diagnostic> reported_;  // of the last snapshot's bodies
+  std::vector<Diagnostic> reported_;  // of the last snapshot's bodies and lack of memory
 };
 
 }  // namespace alabaster

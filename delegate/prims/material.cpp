@@ -371,7 +371,8 @@ void MaterialPrim::post(const std::shared_ptr<const MaterialNetwork>& network, S
     record.material =
         MaterialReader(id, support::TranslatePreviewSurface(*network, warn), param, sink, cancel).read(&record.fault);
     const alabaster::DiagnosticSink tell = [&](const alabaster::Diagnostic& d) {
-      if (!d.code.starts_with("material."))
+      const bool is_of_file = d.where != id.str() && !d.code.starts_with("material.");  // of the prim or its nodes
+      if (is_of_file)
         param.file_faults().add(id, d);
       else if (param.sink())
         param.sink()(d);

@@ -181,7 +181,7 @@ void for_each_part(Mesh& mesh, const Visit& visit) {
       &mesh.samples_memory);
 }
 
-// Has `reservations` hold all that `for_each` visits, or nothing.
+// Reserves all buffers that `for_each` visits, or none.
 template <class ForEach>
 void hold_all(const ForEach& for_each, BufferReservations* buffers, const std::string& where,
               SharedReservations* reservations) {

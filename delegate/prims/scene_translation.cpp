@@ -174,8 +174,10 @@ struct SceneTranslator::Run {
       hold_placements_in(parts.memory)};
   Translation out;
   CategorySets category_sets;
-  std::map<Path, std::string> answers = {};        // of nearest()
-  std::vector<std::string> known_categories = {};  // sorted; empty: not asked for yet
+  static constexpr size_t kMostAnswers = 8;                       // of each map; each answer looks at all names
+  std::map<Path, std::string> answers = {};                       // of nearest()
+  std::map<Token, std::string> link_ends = {};                    // of check_link()
+  std::optional<std::vector<std::string>> known_categories = {};  // sorted; none: not asked for yet
   // Open meshes with a clear interior, that of one subsurfaceSet or a mesh alone: as bodies that scatter, each set has
   // one report.
   struct OpenClear {
@@ -183,7 +185,8 @@ struct SceneTranslator::Run {
     std::shared_ptr<const MeshPrototype> prototype;
     size_t others = 0;
   };
-  std::map<std::string, OpenClear> open_clear = {};
+  using OpenClears = std::map<std::string, OpenClear>;
+  OpenClears open_clear = {};
 
   // A mesh that memory does not hold is left out.
   void add_mesh(const Path& path, const MeshRecord& mesh) {
@@ -220,7 +223,7 @@ struct SceneTranslator::Run {
     instance.name = path.str();
     instance.options = mesh.options;
     for (const Path& id : mesh.materials) instance.materials.push_back(material(path, id, instance.prototype->mesh));
-    check_closed(instance, mesh);
+    const std::optional<OpenClears::value_type> open = check_closed(instance, mesh);
     check_direction(instance);
     instance.subsurface_set = set_of(instance, mesh);
     const std::vector<Matrix4d> own =
@@ -229,9 +232,10 @@ struct SceneTranslator::Run {
     if (mesh.instancer.empty()) {
       place(own, &instance);
       add(std::move(instance), mesh);
-      return;
+    } else {
+      add_instances(path, mesh, own, std::move(instance));
     }
-    add_instances(path, mesh, own, std::move(instance));
+    if (open) note_open(*open);  // last: a mesh that is left out has no such report
   }
 
   // Without its poses.
@@ -368,17 +372,22 @@ struct SceneTranslator::Run {
   }
 
   // Bodies that scatter are reported as the unions that they are (core/scene/scene_reports.h). A sheet that spreads
-  // light alone may be open: both of its sides are lit.
-  void check_closed(const InstanceDescription& instance, const MeshRecord& mesh) {
+  // light alone may be open: both of its sides are lit. Returns a clear mesh that is open, with the name of its set.
+  std::optional<OpenClears::value_type> check_closed(const InstanceDescription& instance, const MeshRecord& mesh) {
     const std::vector<size_t> clear = used_slots(instance, [](const DisneyMaterial& material) {
       const DisneyParameters& p = material.constants;
       return !p.thin && (p.spec_trans > 0 || (p.diff_trans > 0 && p.attenuation_distance > 0));
     });
-    if (clear.empty() || !scattering_slots(instance).empty()) return;
-    if (instance.prototype->mesh.closed) return check_winding(instance);
+    if (clear.empty() || !scattering_slots(instance).empty()) return std::nullopt;
+    if (instance.prototype->mesh.closed) {
+      check_winding(instance);
+      return std::nullopt;
+    }
     const std::string set = set_of(clear, mesh);
-    const auto [body, is_new] =
-        open_clear.try_emplace(set.empty() ? instance.name : set, OpenClear{instance.name, instance.prototype});
+    return OpenClears::value_type(set.empty() ? instance.name : set, OpenClear{instance.name, instance.prototype});
+  }
+  void note_open(const OpenClears::value_type& open) {
+    const auto [body, is_new] = open_clear.insert(open);
     if (!is_new) ++body->second.others;
   }
 
@@ -453,7 +462,6 @@ struct SceneTranslator::Run {
   /// The end of a sentence about a path that no record of this kind has.
   template <class T>
   std::string nearest(const Path& path) {
-    constexpr size_t kMostAnswers = 8;  // each looks at all prims
     if (const auto known = answers.find(path); known != answers.end()) return known->second;
     if (answers.size() == kMostAnswers) return {};
     std::vector<std::string> names;
@@ -465,18 +473,22 @@ struct SceneTranslator::Run {
     return answers[path] = support::DidYouMean(path.str(), names);
   }
 
-  // A category that nobody has is legal: a light may light nothing. One beside a similar name is a slip.
+  // A light may name a category that no mesh has. A warning is given only where a similar category exists.
   void check_link(const Path& path, const char* parameter, const Token& category) {
     if (category.empty()) return;
-    if (known_categories.empty()) find_categories();
+    if (!known_categories) known_categories = find_categories();
     const std::string& name = category.str();
-    if (std::binary_search(known_categories.begin(), known_categories.end(), name)) return;
-    const std::string end = support::DidYouMean(name, known_categories);
-    if (!end.empty())
+    if (std::binary_search(known_categories->begin(), known_categories->end(), name)) return;
+    auto end = link_ends.find(category);
+    if (end == link_ends.end()) {
+      if (link_ends.size() == kMostAnswers) return;
+      end = link_ends.emplace(category, support::DidYouMean(name, *known_categories)).first;
+    }
+    if (!end->second.empty())
       translator.warn("light.link", path,
-                      std::string(parameter) + " names category '" + name + "', which no mesh has" + end);
+                      std::string(parameter) + " names category '" + name + "', which no mesh has" + end->second);
   }
-  void find_categories() {
+  std::vector<std::string> find_categories() const {
     std::set<std::string> all;
     const auto add_all = [&](const std::vector<Token>& names) {
       for (const Token& name : names) all.insert(name.str());
@@ -487,7 +499,7 @@ struct SceneTranslator::Run {
       if (instancer && instancer->categories)
         for (const std::vector<Token>& of_instance : *instancer->categories) add_all(of_instance);
     }
-    known_categories.assign(all.begin(), all.end());
+    return {all.begin(), all.end()};
   }
 };
 

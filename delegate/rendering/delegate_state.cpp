@@ -68,12 +68,12 @@ void DelegateState::set_settings(const Dictionary& given) {
   if (dices) dicing_changed_ = true;
 }
 
-// Threads and memory take effect at once.
+// Threads and memory take effect at once, all or none: the limit alone may throw, before it is set.
 void DelegateState::apply_services() {
   const RenderSettings settings = render_settings();
+  param->set_memory_limit(settings.memory_limit);
   param->set_threads(settings.threads);
   param->set_texture_memory(settings.texture_memory);
-  param->set_memory_limit(settings.memory_limit);
 }
 
 void DelegateState::take_up_settings() {
@@ -320,8 +320,9 @@ std::vector<std::string> DelegateState::scene_faults(bool* input) const {
     texts.push_back(prim.str() + ": " + fault.text);
     *input = *input && fault.input;
   }
-  // The builder fails, too, where memory does not hold what a line has named.
-  if (const int failed = param->failed() + (builder_.has_failed() && *input); failed > 0) {
+  // The builder fails, too, where memory does not hold what a line names.
+  const bool is_named = !*input || (built && built->snapshot && built->snapshot->lacks_memory);
+  if (const int failed = param->failed() + (builder_.has_failed() && !is_named); failed > 0) {
     texts.push_back(std::to_string(failed) + " prims or commits failed, for want of memory or by the host's scene");
     *input = false;
   }

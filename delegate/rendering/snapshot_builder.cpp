@@ -290,15 +290,30 @@ void SnapshotBuilder::translate(Variant* variant, const prims::DeformedMeshes& d
 }
 
 // The snapshot of a scene that is the same to the bit, or null.
-std::shared_ptr<const SceneSnapshot> SnapshotBuilder::snapshot_of(const SceneDescription& scene) const {
+template <class IsSame>
+std::shared_ptr<const SceneSnapshot> SnapshotBuilder::find_held(const SceneDescription& scene,
+                                                                const IsSame& is_same) const {
   std::vector<std::shared_ptr<const BuiltScene>> known;
   {
     const std::lock_guard lock(mutex_);
     known = built_;
   }
   for (const auto& held : known)
-    if (held->snapshot && !held->snapshot->lacks_memory && held->translation.scene == scene) return held->snapshot;
+    if (held->snapshot && is_same(*held->snapshot) && held->translation.scene == scene) return held->snapshot;
   return nullptr;
+}
+
+std::shared_ptr<const SceneSnapshot> SnapshotBuilder::snapshot_of(const SceneDescription& scene) const {
+  return find_held(scene, [](const SceneSnapshot& held) { return !held.lacks_memory; });
+}
+
+// Null, or the held snapshot that lacks the same meshes. A new one would start its renders again at the first sample.
+std::shared_ptr<const SceneSnapshot> SnapshotBuilder::as_incomplete(const BuiltScene& scene) const {
+  const SceneSnapshot* const now = scene.snapshot.get();
+  if (!now || !now->lacks_memory) return nullptr;
+  return find_held(scene.translation.scene, [now](const SceneSnapshot& held) {
+    return held.lacks_memory && held.left_out == now->left_out && held.instance_count() == now->instance_count();
+  });
 }
 
 void SnapshotBuilder::compile(Variant* variant, BuiltScene scene, const CancelToken& cancel) {
@@ -316,8 +331,13 @@ void SnapshotBuilder::compile(Variant* variant, BuiltScene scene, const CancelTo
   };
   prims::guarded(param_->sink(), "CommitResources", compile_it, kNotDrawn);
   if (cancelled) throw BuildCancelled();
-  ++scene_number_;
   if (!scene.snapshot) variant->compiler.forget();
+  if (auto held = as_incomplete(scene)) {
+    variant->compiler.continue_from(held);
+    scene.snapshot = std::move(held);
+  } else {
+    ++scene_number_;
+  }
   publish(std::make_shared<const BuiltScene>(std::move(scene)));
 }
 
@@ -351,7 +371,7 @@ void SnapshotBuilder::retire_unselected() {
   }
 }
 
-// Or has some that lack meshes.
+// True if a variant has no snapshot, or one without all of its meshes.
 bool SnapshotBuilder::lacks_snapshots() const {
   return !std::all_of(variants_.begin(), variants_.end(), [&](const Variant& variant) {
     return std::any_of(built_.begin(), built_.end(), [&](const auto& scene) {

@@ -85,7 +85,10 @@ class SnapshotBuilder {
   void choose_variants(const std::vector<support::Selection>& selections);
   void translate(Variant* variant, const prims::DeformedMeshes& deformed, const CancelToken& cancel);
   void compile(Variant* variant, BuiltScene scene, const CancelToken& cancel);
+  template <class IsSame>
+  std::shared_ptr<const SceneSnapshot> find_held(const SceneDescription& scene, const IsSame& is_same) const;
   std::shared_ptr<const SceneSnapshot> snapshot_of(const SceneDescription& scene) const;
+  std::shared_ptr<const SceneSnapshot> as_incomplete(const BuiltScene& scene) const;
   void publish(std::shared_ptr<const BuiltScene> scene);
   void retire_unselected();
   bool lacks_snapshots() const;  // under mutex_

@@ -336,6 +336,9 @@ TEST_F(InstanceArrayTest, AnArrayThatMemoryDoesNotHoldIsLeftOutByName) {
   ASSERT_EQ(sink_.all().size(), 1u);
   EXPECT_EQ(sink_.all()[0].code, "instance.memory");
   EXPECT_NE(sink_.all()[0].text.find("an array of 5000 instances"), std::string::npos) << sink_.all()[0].text;
+  EXPECT_NE(sink_.all()[0].text.find(": 5000 instances of this mesh are left out"), std::string::npos);
+  compile();
+  EXPECT_EQ(sink_.all().size(), 1u) << "the same report is not repeated";
   memory_->set_limit(MemoryBudget::kUnlimited);
   const auto whole = compile();
   ASSERT_TRUE(whole);

@@ -79,6 +79,18 @@ TEST(LightLinking, ACategoryThatNoMeshHasIsReportedBesideASimilarOne) {
             "light.link /sun: lightLink names category 'lefft', which no mesh has; did you mean 'left'?");
 }
 
+TEST(LightLinking, NoMoreThanEightCategoriesAreComparedWithThoseThatMeshesHave) {
+  LinkedStage stage;
+  for (int i = 0; i < 24; ++i) {
+    const std::string name = std::to_string(i / 2);
+    host::LightDescription sun{.type = "distantLight", .transform = {}, .parameters = {}};
+    sun.parameters["lightLink"] = "left" + std::string(name.size() == 1 ? "0" : "") + name;
+    stage.scene.SetLight("/sun" + std::to_string(i), sun);
+  }
+  stage.index->SyncAll();
+  EXPECT_EQ(stage.count("light.link"), 16u) << "two lights name each";
+}
+
 TEST(LightLinking, AnInvisibleLightLightsNothingAndLinksNothing) {
   LinkedStage stage;
   stage.add_sun("left", "");

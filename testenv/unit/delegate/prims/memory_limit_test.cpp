@@ -400,6 +400,48 @@ TEST(MemoryLimit, TangentsOfNormalMapsCount) {
   EXPECT_GE(in_use(true), in_use(false) + 131072.0 * 3 * sizeof(uint32_t));
 }
 
+// promise: pipeline.memory.refusal
+TEST(MemoryLimit, ARenderGoesOnWhileEachCommitLacksTheSameMesh) {
+  Drawing drawing(256);
+  Stage& stage = drawing.stage;
+  const AssetPath map =
+      image_file("flat.hdr", "#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 1 +X 1\n" + std::string("\x80\x80\xff\x80"));
+  add_images(stage, map, {"clamp"});
+  host::MeshDescription mesh = refined_quad(8);
+  mesh.material = "/clamp";
+  mesh.primvars["st"] = {Interpolation::vertex, "textureCoordinate", Array<Vec2f>{{0, 0}, {1, 0}, {1, 1}, {0, 1}}, {}};
+  mesh.instancer = "/three";
+  host::InstancerDescription instancer;
+  instancer.primvars = {{"hydra:instanceTranslations", Array<Vec3f>{{0, 0, 0}, {1, 0, 0}, {2, 0, 0}}}};
+  instancer.indices["/mesh_clamp"] = {0, 1, 2};
+  stage.scene.SetInstancer("/three", instancer);
+  stage.scene.SetMesh("/mesh_clamp", mesh);
+  ASSERT_TRUE(drawing.draw());
+  ASSERT_EQ(drawing.errors(), "");
+  // Too little for the tangents that a normal map needs.
+  stage.delegate->SetRenderSetting("memoryLimit", static_cast<int64_t>(stage.stat("memoryInUse") / kMiB + 1.25));
+  MaterialNetwork mapped = stage.scene.GetMaterials().at("/clamp");
+  mapped.nodes["/m/surface"].inputConnections = {{"normal", {{"/m/map", "rgb"}}}};
+  stage.scene.SetMaterial("/clamp", mapped);
+  ASSERT_TRUE(drawing.draw());
+  EXPECT_EQ(stage.stat("scene.faultCount"), 1) << stage.text_stat("scene.faults");
+  EXPECT_EQ(stage.stat("scene.outOfMemory"), 1);
+  EXPECT_EQ(stage.count("instance.memory"), 1u) << "one report for all instances";
+  const std::string errors = drawing.errors();
+  EXPECT_NE(errors.find(": 3 instances of this mesh are left out"), std::string::npos) << errors;
+  const double number = stage.stat("sceneNumber");
+  for (int i = 0; i < 3; ++i) {
+    ASSERT_TRUE(drawing.draw());
+    EXPECT_EQ(stage.stat("sceneNumber"), number) << "the pass keeps its snapshot";
+    EXPECT_EQ(drawing.errors(), "");
+  }
+  stage.delegate->SetRenderSetting("memoryLimit", 256);
+  ASSERT_TRUE(drawing.draw());
+  EXPECT_GT(stage.stat("sceneNumber"), number);
+  EXPECT_EQ(stage.stat("scene.faultCount"), -1) << stage.text_stat("scene.faults");
+  EXPECT_EQ(drawing.errors(), "");
+}
+
 /// Instancers in each other, each of which places the next one twice. Returns the name of the innermost.
 std::string add_nested_instancers(Stage& stage, int depth) {
   std::string parent;
@@ -425,6 +467,11 @@ TEST(MemoryLimit, NestedInstancersThatItDoesNotHoldAreAFault) {
     const double before = drawing.stage.stat("memoryInUse");
     host::MeshDescription mesh = Stage::quad();
     mesh.instancer = add_nested_instancers(drawing.stage, depth);
+    MaterialNetwork glass;
+    glass.nodes["/glass/surface"] = {"AlabasterDisney", {{"specTrans", 1.0f}}, {}};
+    glass.terminals["surface"] = {"/glass/surface", "surface"};
+    drawing.stage.scene.SetMaterial("/glass", glass);
+    mesh.material = "/glass";
     drawing.stage.scene.SetMesh("/many", mesh);
     EXPECT_TRUE(drawing.draw()) << "the rest of the scene";
     if (depth > 100) {
@@ -432,6 +479,7 @@ TEST(MemoryLimit, NestedInstancersThatItDoesNotHoldAreAFault) {
     } else {
       EXPECT_EQ(drawing.stage.stat("scene.faultCount"), 1) << depth;
       EXPECT_EQ(drawing.stage.stat("scene.outOfMemory"), 1) << depth;
+      EXPECT_EQ(drawing.stage.count("mesh.open"), 0u) << "a mesh that is left out";
       const std::string errors = drawing.errors();
       EXPECT_NE(errors.find("instances of /instancer"), std::string::npos) << errors;
     }

@@ -254,6 +254,7 @@ TEST(Parameters, WrongOnesAreReportedWithARemedy) {
   EXPECT_EQ(stage.count("parameter.type"), 1u);
   for (const Diagnostic& d : stage.take_diagnostics()) {
     EXPECT_EQ(d.where, "/m");
+    EXPECT_EQ(d.text.find("named by"), d.text.npos) << d.text;
     if (d.code == "material.parameter") {
       EXPECT_NE(d.text.find("'roughness'"), std::string::npos) << d.text;
     }
