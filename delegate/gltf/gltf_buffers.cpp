@@ -185,13 +185,30 @@ class AccessorLoader : DocumentCheck {
       if (!decoded[p].accessors.empty()) all.emplace_back(&primitives[p], &decoded[p]);
     }
     if (report_.failed()) return;
-    if (all.size() > 1) join_draco_seams(root_, all);
+    if (all.size() > 1) join_seams_of(all, element);
     for (DracoPrimitive& primitive : decoded)
       for (auto& [index, bytes] : primitive.accessors) {
         if (list("accessors")[index].contains("bufferView") || draco_.contains(index)) continue;
         draco_[index] = std::make_shared<const std::vector<uint8_t>>(std::move(bytes));
         document_.decoded.push_back(draco_[index]);
       }
+  }
+
+  void join_seams_of(const std::vector<std::pair<const Json*, DracoPrimitive*>>& primitives,
+                     const std::string& element) {
+    uint64_t bytes = 0;
+    for (const auto& [primitive, decoded] : primitives) {
+      const auto count = [&](const Json& index) {
+        return list("accessors")[index.get<size_t>()]["count"].get<uint64_t>();
+      };
+      if (decoded->step > 0)
+        bytes += count((*primitive)["indices"]) * kSeamBytesOfIndex +
+                 count((*primitive)["attributes"]["POSITION"]) * kSeamBytesOfPoint;
+    }
+    const size_t before = document_.memory.bytes();
+    hold_more(&document_.memory, bytes, "joining the seams of " + element);
+    join_draco_seams(root_, primitives);
+    document_.memory.shrink(before);
   }
 
   void load_draco(const Json& primitive, const std::string& element, DracoPrimitive* decoded) {

@@ -65,9 +65,12 @@ class MeshCheck : DocumentCheck {
       : DocumentCheck(root, document, report), index_max_(document->accessors.size()) {
     for (const Json& name : list("extensionsRequired")) quantized_ |= name == "KHR_mesh_quantization";
     copies_.assign(list("meshes").size(), 0);
-    for (const Json& node : list("nodes"))
-      if (node.contains("mesh") && (node.contains("skin") || node.contains("weights")))
+    const std::set<size_t> morphed = nodes_morphed(document->animation);
+    for (size_t n = 0; n < list("nodes").size(); ++n) {
+      const Json& node = list("nodes")[n];
+      if (node.contains("mesh") && (node.contains("skin") || node.contains("weights") || morphed.contains(n)))
         ++copies_[node["mesh"].get<size_t>()];
+    }
   }
 
   /// Bytes of all meshes when decoded.
@@ -80,7 +83,7 @@ class MeshCheck : DocumentCheck {
       for (size_t p = 0; p < mesh["primitives"].size() && !report_.failed(); ++p)
         check_primitive(mesh["primitives"][p], element_name(element + ".primitives", p));
       check_target_counts(mesh, element);
-      // Nodes with a skin or with weights have copies of their own, those without share one.
+      // Nodes with a skin, with weights or with animated ones have copies of their own. The others share one.
       total_bytes += double(decoded_bytes_) * double(copies_[m] + (document_.alike[m] == m ? 1 : 0));
       decoded_bytes_ = 0;
     }
@@ -88,8 +91,18 @@ class MeshCheck : DocumentCheck {
   }
 
  private:
-  // Meshes whose primitives have equal accessors are decoded once. Their materials must agree in doubleSided, which is
-  // a part of the mesh, and in being there.
+  // The nodes whose morph weights an animation moves; -1: none does.
+  std::set<size_t> nodes_morphed(int animation) const {
+    std::set<size_t> nodes;
+    if (animation < 0) return nodes;
+    for (const Json& channel : list("animations")[size_t(animation)]["channels"])
+      if (const Json& target = channel["target"]; target["path"] == "weights" && target.contains("node"))
+        nodes.insert(target["node"].get<size_t>());
+    return nodes;
+  }
+
+  // Meshes whose primitives have equal accessors, in one shape by their morph weights, are decoded once. Their
+  // materials must agree in doubleSided, which is a part of the mesh, and in being there.
   void find_alike() {
     std::vector<size_t> first_accessor;
     std::map<AccessorView, size_t> accessors;
@@ -102,7 +115,7 @@ class MeshCheck : DocumentCheck {
     };
     std::map<std::string, size_t> meshes;
     for (const Json& mesh : list("meshes")) {
-      Json key = Json::array();
+      Json key = Json::array({at(mesh, "weights")});
       for (const Json& primitive : mesh["primitives"]) {
         Json targets = Json::array();
         for (const Json& target : at(primitive, "targets")) targets.push_back(accessors_of(target));

@@ -136,7 +136,7 @@ class PrimitiveDecoder {
     return grid.range() / float((uint64_t(1) << grid.quantization_bits()) - 1);
   }
 
-  // Positions, whose grid Draco would not tell if it made floats of them itself.
+  // Positions are dequantized here, because Draco drops the grid once it has made floats of them.
   bool copy_rounded(const draco::PointAttribute& stored, const draco::AttributeQuantizationTransform& grid,
                     uint8_t* out) {
     draco::PointAttribute floats;

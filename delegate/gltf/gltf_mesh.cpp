@@ -307,8 +307,8 @@ bool is_double_sided(const Document& document, const tinygltf::Primitive& primit
   return primitive.material >= 0 && document.materials[size_t(primitive.material)].value("doubleSided", false);
 }
 
-std::string primitive_name(size_t mesh, size_t primitive) {
-  return element_name(element_name("meshes", mesh) + ".primitives", primitive);
+std::string primitive_name(size_t primitive) {
+  return element_name(".primitives", primitive);
 }
 
 // Only primitives of equal keys can be one mesh.
@@ -335,7 +335,7 @@ void set_subsets(const std::vector<size_t>& ends, MeshTopology* topology) {
   }
 }
 
-// The points of a cage at which normals differ by more than 30 degrees: edges that a modeller sees and refinement
+// Counts the points of a cage where normals differ by more than 30 degrees, that is, hard edges, which refinement
 // rounds.
 size_t count_hard_points(const std::vector<Vec3f>& normals, const Cage& cage) {
   constexpr float kLeastCosine = 0.866f;
@@ -349,8 +349,9 @@ size_t count_hard_points(const std::vector<Vec3f>& normals, const Cage& cage) {
   return size_t(std::count(hard.begin(), hard.end(), 1));
 }
 
-// Without paths. No faces: all are degenerate (reported).
-host::MeshDescription describe(Surface surface, int refine_level, const std::string& element, Report& report) {
+// Without paths. No faces: all are degenerate (a fault).
+host::MeshDescription describe(Surface surface, int refine_level, const std::string& element,
+                               std::vector<MeshFault>* faults) {
   host::MeshDescription mesh;
   if (surface.vertices.mirrored) mesh.topology.orientation = "leftHanded";
   if (surface.rest.empty()) {
@@ -361,29 +362,29 @@ host::MeshDescription describe(Surface surface, int refine_level, const std::str
   }
   Cage cage = build_cage(surface.triangles, surface.rest, surface.ends);
   if (cage.dropped_faces > 0)
-    report.warning("mesh.degenerate", element,
-                   std::to_string(cage.dropped_faces) + " faces have no area and are left out");
+    faults->push_back(
+        {"mesh.degenerate", element, std::to_string(cage.dropped_faces) + " faces have no area and are left out"});
   if (const size_t hard = count_hard_points(surface.vertices.normals, cage); hard > 0 && refine_level > 0)
-    report.warning(
-        "mesh.ngon", element,
-        "FB_ngon_encoding makes it a control mesh, and refinement rounds the hard edges that its normals have "
-        "at " +
-            std::to_string(hard) + " of " + std::to_string(cage.point_vertices.size()) +
-            " points (assimp marks every mesh); \"scheme\": \"none\" in a render description draws it as it is");
+    faults->push_back(
+        {"mesh.ngon", element,
+         "FB_ngon_encoding makes it a control mesh, and refinement rounds the hard edges that its normals have at " +
+             std::to_string(hard) + " of " + std::to_string(cage.point_vertices.size()) +
+             " points (assimp marks every mesh); \"scheme\": \"none\" in a render description draws it as it is"});
   mesh.displayStyle.refineLevel = refine_level;
   set_subsets(cage.part_ends, &mesh.topology);
   set_cage(surface, std::move(cage), &mesh);
   return mesh;
 }
 
-// Those with triangles; the others are reported by check_meshes or here.
-std::vector<Piece> read_pieces(const Document& document, size_t index, const PrimitiveShape& shape, Report& report) {
+// Those with triangles. The others are faults here, or are reported by check_meshes().
+std::vector<Piece> read_pieces(const Document& document, size_t index, const PrimitiveShape& shape,
+                               std::vector<MeshFault>* faults) {
   const std::vector<tinygltf::Primitive>& primitives = document.model.meshes[index].primitives;
   std::vector<Piece> pieces;
   for (size_t p = 0; p < primitives.size(); ++p) {
     const tinygltf::Primitive& primitive = primitives[p];
     if (primitive.mode >= 0 && primitive.mode < TINYGLTF_MODE_TRIANGLES)
-      report.warning("mesh.mode", primitive_name(index, p) + ".mode", "points and lines are not drawn; use triangles");
+      faults->push_back({"mesh.mode", primitive_name(p) + ".mode", "points and lines are not drawn; use triangles"});
     std::vector<uint32_t> triangles = triangles_of(document, primitive);
     if (triangles.empty()) continue;
     const size_t count = document.accessors[size_t(primitive.attributes.at("POSITION"))].count;
@@ -410,12 +411,12 @@ std::vector<size_t> meshes_of(const std::vector<Piece>& pieces) {
 
 }  // namespace
 
-std::vector<MeshPart> translate_mesh(const Document& document, size_t index, const PrimitiveShape& shape,
-                                     Report& report) {
+TranslatedMesh translate_mesh(const Document& document, size_t index, const PrimitiveShape& shape) {
   constexpr size_t kMostPoints = std::numeric_limits<int32_t>::max();
-  std::vector<Piece> pieces = read_pieces(document, index, shape, report);
+  TranslatedMesh translated;
+  std::vector<MeshPart>& parts = translated.parts;
+  std::vector<Piece> pieces = read_pieces(document, index, shape, &translated.faults);
   const std::vector<size_t> first = meshes_of(pieces);
-  std::vector<MeshPart> parts;
   std::vector<Surface> surfaces;
   std::map<size_t, size_t> places;   // of a mesh in `parts`, by its first piece
   std::map<size_t, Surface> shapes;  // what its pieces have
@@ -435,13 +436,14 @@ std::vector<MeshPart> translate_mesh(const Document& document, size_t index, con
   }
   for (size_t i = 0; i < parts.size(); ++i) {
     const std::vector<size_t>& primitives = parts[i].primitives;
-    parts[i].mesh = describe(std::move(surfaces[i]), shape.refine_level, primitive_name(index, primitives[0]), report);
+    parts[i].mesh =
+        describe(std::move(surfaces[i]), shape.refine_level, primitive_name(primitives[0]), &translated.faults);
     parts[i].mesh.doubleSided = std::all_of(primitives.begin(), primitives.end(), [&](size_t primitive) {
       return is_double_sided(document, document.model.meshes[index].primitives[primitive]);
     });
   }
   std::erase_if(parts, [](const MeshPart& part) { return part.mesh.topology.faceVertexCounts.empty(); });
-  return parts;
+  return translated;
 }
 
 }  // namespace alabaster::hd::gltf

@@ -30,7 +30,7 @@ struct RoundedPiece {
 };
 
 /// Moves the ends of open edges onto those of an earlier piece that rounding can have parted, so that surfaces_of()
-/// finds one surface. Time and memory as of that.
+/// finds one surface. Its time and memory grow as those of surfaces_of().
 void join_seams(const std::vector<RoundedPiece>& pieces);
 
 }  // namespace alabaster::hd::gltf

@@ -67,8 +67,7 @@ host::CameraDescription translate_camera(const tinygltf::Camera& camera, const M
 
 // KHR_lights_punctual. Photometric values are kept as radiometric ones: the intensity of point and spot lights
 // (candela) becomes radiant intensity, and that of directional lights (lux) irradiance; choose the exposure
-// accordingly. `range`, a cut-off for game engines, is not used;
-// the reader says so.
+// accordingly. `range`, a cut-off for game engines, is ignored with a report.
 host::LightDescription translate_light(const tinygltf::Light& light, const Matrix4d& transform) {
   host::LightDescription description;
   description.transform = transform;
@@ -234,14 +233,15 @@ const std::vector<Matrix4d>& SceneTranslator::instances_of(size_t node) {
 
 // A mesh with several placements becomes one prototype below the first of its nodes, placed by an instancer. A mesh
 // that follows a skin is placed by its joints, however many nodes use it.
-void SceneTranslator::add_mesh(const MeshUsers& users, const MeshUse& use, const Shape& shape, GltfPrims* prims) const {
+void SceneTranslator::add_mesh(const MeshUsers& users, const MeshUse& use, const TranslatedMesh& shape,
+                               GltfPrims* prims) const {
   const Path parent = child("nodes", use.nodes[0]);
   const std::vector<tinygltf::Primitive>& primitives = model_.meshes[users.mesh].primitives;
   const auto material_of = [&](size_t p) {
     return primitives[p].material < 0 ? Path() : material_paths_[size_t(primitives[p].material)];
   };
   host::InstancerDescription instancer;
-  for (const MeshPart& part : shape) {
+  for (const MeshPart& part : shape.parts) {
     host::MeshDescription description = part.mesh;
     const size_t first = part.primitives[0];
     const Path id = parent.append((part.primitives.size() > 1 ? "mesh_" : "") + std::to_string(first));
@@ -277,9 +277,7 @@ std::vector<Matrix4d> SceneTranslator::joints_of(const MeshUsers& users) const {
   return joint_matrices(document_, model_.skins[size_t(users.skin)], worlds);
 }
 
-std::shared_ptr<const SceneTranslator::Shape> SceneTranslator::shape_of(MeshUsers& users,
-                                                                        const std::vector<double>& weights,
-                                                                        Report& report) {
+SceneTranslator::Shape SceneTranslator::shape_of(MeshUsers& users, const std::vector<double>& weights, Report& report) {
   PrimitiveShape shape{options_.refine_level, weights, joints_of(users)};
   std::string key = std::to_string(shape.weights.size());
   append_bytes(shape.weights.data(), shape.weights.size() * sizeof(double), &key);
@@ -290,15 +288,15 @@ std::shared_ptr<const SceneTranslator::Shape> SceneTranslator::shape_of(MeshUser
   return found->second.shape;
 }
 
-// Faults are reported for each mesh, so that only those without are shared.
-std::shared_ptr<const SceneTranslator::Shape> SceneTranslator::translate(size_t mesh, const PrimitiveShape& shape,
-                                                                         std::pair<size_t, std::string> key,
-                                                                         Report& report) {
-  if (const auto known = shared_.find(key); known != shared_.end()) return known->second;
-  const size_t faults = report.count();
-  auto made = std::make_shared<const Shape>(translate_mesh(document_, mesh, shape, report));
-  if (report.count() == faults) shared_.emplace(std::move(key), made);
-  return made;
+// Meshes that are alike share what is decoded, because the limit of memory counts it once. Their faults are reported
+// for each.
+SceneTranslator::Shape SceneTranslator::translate(size_t mesh, const PrimitiveShape& shape,
+                                                  const std::pair<size_t, std::string>& key, Report& report) {
+  Shape& shared = shared_[key];
+  if (!shared) shared = std::make_shared<const TranslatedMesh>(translate_mesh(document_, mesh, shape));
+  for (const MeshFault& fault : shared->faults)
+    report.warning(fault.code, element_name("meshes", mesh) + fault.element, fault.text);
+  return shared;
 }
 
 }  // namespace alabaster::hd::gltf

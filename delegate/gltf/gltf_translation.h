@@ -29,10 +29,10 @@ class SceneTranslator {
   bool deforms() const;
 
  private:
-  using Shape = std::vector<MeshPart>;  // a mesh, not placed
+  using Shape = std::shared_ptr<const TranslatedMesh>;  // not placed
 
   struct KeptShape {
-    std::shared_ptr<const Shape> shape;
+    Shape shape;
     size_t call = 0;  // the last of moving_prims() that used it
     bool kept = false;
   };
@@ -55,11 +55,10 @@ class SceneTranslator {
   void find_users();
   void find_what_moves();
   void add_users(MeshUsers& users, GltfPrims* prims, Report& report);
-  void add_mesh(const MeshUsers& users, const MeshUse& use, const Shape& shape, GltfPrims* prims) const;
+  void add_mesh(const MeshUsers& users, const MeshUse& use, const TranslatedMesh& shape, GltfPrims* prims) const;
   void add_views(bool moving, GltfPrims* prims) const;
-  std::shared_ptr<const Shape> shape_of(MeshUsers& users, const std::vector<double>& weights, Report& report);
-  std::shared_ptr<const Shape> translate(size_t mesh, const PrimitiveShape& shape, std::pair<size_t, std::string> key,
-                                         Report& report);
+  Shape shape_of(MeshUsers& users, const std::vector<double>& weights, Report& report);
+  Shape translate(size_t mesh, const PrimitiveShape& shape, const std::pair<size_t, std::string>& key, Report& report);
   std::vector<Matrix4d> joints_of(const MeshUsers& users) const;
   const std::vector<Matrix4d>& instances_of(size_t node);
   Path child(const char* folder, size_t node) const;
@@ -76,7 +75,7 @@ class SceneTranslator {
   std::map<size_t, std::vector<Matrix4d>> instances_;  // by node, relative to it
   size_t calls_ = 0;                                   // of moving_prims() so far
   // During still_prims() or moving_prims(): the shapes of meshes, which those that are alike share.
-  std::map<std::pair<size_t, std::string>, std::shared_ptr<const Shape>> shared_;
+  std::map<std::pair<size_t, std::string>, Shape> shared_;
 };
 
 /// EXT_lights_image_based: a dome light with the largest of the light's cube maps as its image, resampled to latitude

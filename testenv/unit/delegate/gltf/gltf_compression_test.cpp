@@ -226,16 +226,21 @@ void add_rounded_rows(GltfBuilder* b, size_t first, size_t end, int bits) {
                                                 {"extensions", {{"KHR_draco_mesh_compression", compressed}}}});
 }
 
-// glTF-Transform 257, gltf-pipeline 379, draco 713: rounding parts the primitives of one surface.
-TEST(GltfDraco, PrimitivesThatRoundingPartsAreOneSurface) {
+constexpr size_t kSeam = 7;  // the row at which the rounded sheet is parted
+
+GltfBuilder rounded_sheet() {
   GltfBuilder b;
   b.json["extensionsUsed"] = b.json["extensionsRequired"] = {"KHR_draco_mesh_compression"};
   b.json["accessors"] = Json::array();
   b.json["meshes"][0]["primitives"] = Json::array();
-  constexpr size_t kSeam = 7;
   add_rounded_rows(&b, 0, kSeam, 9);
   add_rounded_rows(&b, kSeam, kSide - 1, 10);
-  const Loaded loaded = b.load();
+  return b;
+}
+
+// glTF-Transform 257, gltf-pipeline 379, draco 713: rounding parts the primitives of one surface.
+TEST(GltfDraco, PrimitivesThatRoundingPartsAreOneSurface) {
+  const Loaded loaded = rounded_sheet().load();
   ASSERT_TRUE(loaded.summary.ok) << loaded.said();
   const auto& points = primvar<Array<Vec3f>>(only_mesh(loaded), "points");
   std::map<std::pair<float, float>, size_t> seam;
@@ -247,6 +252,18 @@ TEST(GltfDraco, PrimitivesThatRoundingPartsAreOneSurface) {
   }
   EXPECT_EQ(seam.size(), kSide);
   for (const auto& [place, count] : seam) EXPECT_EQ(count, 2u) << place.first;
+}
+
+// Joining takes about 200 kB for a time.
+TEST(GltfDraco, JoiningSeamsStaysBelowTheMemoryLimit) {
+  GltfOptions options;
+  options.memory_limit = size_t(180) << 10;
+  const Loaded refused = rounded_sheet().load(options);
+  EXPECT_FALSE(refused.summary.ok);
+  EXPECT_TRUE(refused.says(Severity::error, "the seams of meshes[0].primitives needs ")) << refused.said();
+  options.memory_limit = size_t(1) << 20;
+  const Loaded loaded = rounded_sheet().load(options);
+  EXPECT_TRUE(loaded.summary.ok) << loaded.said();
 }
 
 TEST(GltfDraco, DamageIsRefused) {

@@ -1,4 +1,6 @@
 // Accessors of all kinds and the primvars made from them; instances; which scene and materials are used.
+#include <set>
+
 #include "testenv/support/stage.h"
 #include "testenv/unit/delegate/gltf/gltf_builder.h"
 
@@ -324,6 +326,66 @@ TEST(GltfGeometry, MeshesOfEqualAccessorsShareTheirArrays) {
   GltfBuilder alone;
   alone.triangle();
   EXPECT_EQ(loaded.summary.memory_bytes, alone.load().summary.memory_bytes * 3);
+}
+
+/// Adds meshes that equal the first, and a node for each.
+void repeat_mesh(GltfBuilder* b, size_t times) {
+  for (size_t i = 0; i < times; ++i) {
+    b->json["scenes"][0]["nodes"].push_back(b->json["nodes"].size());
+    b->json["nodes"].push_back({{"mesh", b->json["meshes"].size()}});
+    b->json["meshes"].push_back(Json(b->json["meshes"][0]));
+  }
+}
+
+// A fault is reported for each mesh that has it, and costs no memory.
+TEST(GltfGeometry, MeshesOfEqualAccessorsAndFaultsShareTheirArrays) {
+  GltfBuilder b;
+  b.attribute<float>("POSITION", {0, 0, 0, 1, 0, 0, 0, 1, 0, 5, 5, 5, 5, 5, 5, 5, 5, 5}, "VEC3");
+  b.primitive()["extensions"]["FB_ngon_encoding"] = Json::object();
+  b.json["extensionsUsed"] = {"FB_ngon_encoding"};
+  b.json["meshes"][0]["primitives"].push_back(Json(b.primitive()));
+  b.json["meshes"][0]["primitives"][1]["mode"] = 1;
+  repeat_mesh(&b, 2);
+  const Loaded loaded = b.load();
+  ASSERT_EQ(loaded.scene->GetMeshes().size(), 3u) << loaded.said();
+  const auto& meshes = loaded.scene->GetMeshes();
+  for (const auto& [path, mesh] : meshes)
+    EXPECT_EQ(primvar<Array<Vec3f>>(mesh, "points").data(),
+              primvar<Array<Vec3f>>(meshes.begin()->second, "points").data())
+        << path.str();
+  for (const std::string mesh : {"meshes[0]", "meshes[1]", "meshes[2]"}) {
+    EXPECT_TRUE(loaded.says(Severity::warning, mesh + ".primitives[0] 1 faces have no area")) << loaded.said();
+    EXPECT_TRUE(loaded.says(Severity::warning, mesh + ".primitives[1].mode points and lines")) << loaded.said();
+  }
+}
+
+// The limit of memory counts each shape of a mesh that is decoded.
+TEST(GltfGeometry, ShapesOfOtherMorphWeightsCountByThemselves) {
+  GltfBuilder b;
+  b.triangle();
+  b.primitive()["targets"] = {{{"POSITION", b.add<float>({1, 0, 0, 1, 0, 0, 1, 0, 0}, "VEC3")}}};
+  b.json["meshes"][0]["weights"] = {0.25};
+  repeat_mesh(&b, 2);
+  const size_t one = b.load().summary.memory_bytes;
+  for (size_t m = 0; m < 3; ++m) b.json["meshes"][m]["weights"][0] = 0.5 * double(m);
+  const Loaded of_meshes = b.load();
+  EXPECT_EQ(of_meshes.summary.memory_bytes, 3 * one) << of_meshes.said();
+  std::set<float> places;
+  for (const auto& [path, mesh] : of_meshes.scene->GetMeshes())
+    places.insert(primvar<Array<Vec3f>>(mesh, "points")[0].x);
+  EXPECT_EQ(places, (std::set<float>{0, 0.5f, 1}));
+  GltfBuilder animated;
+  animated.triangle();
+  animated.primitive()["targets"] = {{{"POSITION", animated.add<float>({1, 0, 0, 1, 0, 0, 1, 0, 0}, "VEC3")}}};
+  for (size_t n = 0; n < 3; ++n) {
+    if (n > 0) animated.json["nodes"].push_back({{"mesh", 0}});
+    animated.json["scenes"][0]["nodes"][n] = n;
+    animated.animate(n, "weights", {0}, {float(n + 1)}, "SCALAR");
+  }
+  EXPECT_EQ(animated.load().summary.memory_bytes, one) << "it stands still";
+  const Loaded posed = animated.load_at(0);
+  EXPECT_EQ(posed.scene->GetMeshes().size(), 3u) << posed.said();
+  EXPECT_GE(posed.summary.memory_bytes, 3 * one) << posed.said();
 }
 
 // A cube of assimp: normals that differ along its edges, below a marker that makes it a control mesh.
