@@ -37,8 +37,8 @@ struct DracoPrimitive {
 bool decode_draco(const Json& root, const Json& primitive, ByteRange compressed, DracoPrimitive* decoded,
                   std::string* reason);
 
-/// Upper bounds of the memory of join_draco_seams(). An index takes its copy and an edge, and a point takes its copy and
-/// nodes of two maps and a set.
+/// Upper bounds of the memory of join_draco_seams(). An index takes its copy and an edge, and a point takes its copy
+/// and nodes of two maps and a set.
 inline constexpr uint64_t kSeamBytesOfIndex = 40, kSeamBytesOfPoint = 280;
 
 /// Joins the seams between the primitives of one mesh. Draco rounds each to a grid of its own, which parts what was one
