@@ -15,8 +15,8 @@ struct CoincidentFace {
   size_t first_corner;  // of the earlier face, in face_vertex_indices
 };
 
-/// The faces of four corners and more whose corners lie, in any order, where those of an earlier face do, to the bit.
-/// In the order of the faces. Each refers to the first of its kind.
+/// Candidates: the faces of four corners and more whose positions, in any order, have the hash of those of an earlier
+/// face. cut_alike() compares the positions. In the order of the faces. Each refers to the first of its kind.
 std::vector<CoincidentFace> find_coincident_faces(const Cage& cage);
 
 /// The triangulation of a face, of corner indices, that covers the earlier one with the same triangles: those of

@@ -111,47 +111,57 @@ size_t bytes_of(const MeshAttribute<Vec4f>& tangents) {
 
 }  // namespace
 
-TangentCache::Counted TangentCache::compute(const Mesh& mesh, const MeshAttribute<Vec2f>& uvs) const {
+TangentCache::Counted TangentCache::compute(const Mesh& mesh, const MeshAttribute<Vec2f>& uvs, const Axes* axes) const {
   constexpr size_t kBuildBytes = 276;  // of a triangle: its corners while they are sorted, and tangents while they grow
   const size_t triangles = mesh.triangles.size();
+  const size_t turned_bytes = axes ? uvs.values.size() * sizeof(Vec2f) + uvs.triangles.size() * sizeof(Corners) : 0;
   Counted counted{{},
-                  {budget_, MemoryUse::meshes, kBuildBytes * triangles,
+                  {budget_, MemoryUse::meshes, kBuildBytes * triangles + turned_bytes,
                    "the tangents of a mesh of " + std::to_string(triangles) + " triangles"}};
+  MeshAttribute<Vec2f> turned;
+  if (axes) {
+    const auto& [u, v] = *axes;
+    turned = uvs;
+    for (Vec2f& st : turned.values) st = {u.x * st.x + u.y * st.y, v.x * st.x + v.y * st.y};
+  }
   // A thread that waits for the sort must not take up a task that asks for the lock of the cache.
-  tbb::this_task_arena::isolate([&] { counted.tangents = compute_tangents(mesh, uvs); });
+  tbb::this_task_arena::isolate([&] { counted.tangents = compute_tangents(mesh, axes ? turned : uvs); });
   counted.memory.shrink(bytes_of(counted.tangents));
   return counted;
 }
 
-// Positive scales leave the directions as they are, and an image of one colour along a line has none.
-bool TangentCache::turn(const Axes& axes) {
+// Positive scales do not change directions. A map of area 0 has no directions, so the plain ones are used.
+bool TangentCache::turns(const Axes& axes) {
   const auto& [u, v] = axes;
   const float area = u.x * v.y - u.y * v.x;
   return std::isfinite(area) && area != 0 && !(u.x > 0 && v.y > 0 && u.y == 0 && v.x == 0);
 }
 
-const MeshAttribute<Vec4f>* TangentCache::of(const Mesh& mesh, const UvSetName& uv_set, const Axes& axes) const {
-  if (!mesh.tangents.empty()) return &mesh.tangents;
+TangentCache::Tangents TangentCache::of(const Mesh& mesh, const UvSetName& uv_set, const Axes& axes) const {
+  if (!mesh.tangents.empty()) return {std::shared_ptr<const void>(), &mesh.tangents};
   const UvSet* const uvs = mesh.uv_set(uv_set);
   if (!uvs) return nullptr;
   std::string key = uv_set.text();
-  const bool turned = turn(axes);
+  const bool turned = turns(axes);
   if (turned)
     for (const Vec2f& axis : axes)
       for (const float part : {axis.x, axis.y}) key += '\n' + std::to_string(std::bit_cast<uint32_t>(part));
   const std::scoped_lock lock(mutex_);
-  auto found = computed_.find(key);
-  if (found != computed_.end()) return &found->second.tangents;
-  if (!turned) return &computed_.emplace(key, compute(mesh, *uvs)).first->second.tangents;
-  MeshAttribute<Vec2f> image = *uvs;
-  for (Vec2f& st : image.values) st = {axes[0].x * st.x + axes[0].y * st.y, axes[1].x * st.x + axes[1].y * st.y};
-  return &computed_.emplace(key, compute(mesh, image)).first->second.tangents;
+  const auto found = computed_.find(key);
+  std::shared_ptr<const Counted> counted = found == computed_.end() ? nullptr : found->second.lock();
+  if (!counted) {
+    std::erase_if(computed_, [](const auto& entry) { return entry.second.expired(); });
+    counted = std::make_shared<const Counted>(compute(mesh, *uvs, turned ? &axes : nullptr));
+    computed_[key] = counted;
+  }
+  return {counted, &counted->tangents};
 }
 
 size_t TangentCache::memory_bytes() const {
   const std::scoped_lock lock(mutex_);
   size_t bytes = 0;
-  for (const auto& [name, counted] : computed_) bytes += bytes_of(counted.tangents);
+  for (const auto& [name, held] : computed_)
+    if (const std::shared_ptr<const Counted> counted = held.lock()) bytes += bytes_of(counted->tangents);
   return bytes;
 }
 

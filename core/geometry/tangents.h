@@ -17,18 +17,18 @@ namespace alabaster {
 /// the mean over their triangles, weighted by angle. Zero where no triangle around has an area in uv.
 MeshAttribute<Vec4f> compute_tangents(const Mesh& mesh, const MeshAttribute<Vec2f>& uvs);
 
-/// The tangents of a mesh by uv set, each computed when it is first asked for. Any thread. The mesh must be the same at
-/// each call.
+/// The tangents of a mesh by uv set, computed when first asked for, and kept while held. Any
+/// thread. The mesh must be the same at each call, and outlive what is returned.
 class TangentCache {
  public:
+  using Tangents = std::shared_ptr<const MeshAttribute<Vec4f>>;
   /// Counts the tangents, also while they are computed (MemoryRefused). Called before any other.
   void count_in(std::shared_ptr<MemoryBudget> budget) { budget_ = std::move(budget); }
   /// The change of u and of v of an image per unit of u and v of a set.
   using Axes = std::array<Vec2f, 2>;
-  /// The authored ones if the mesh has some; null without that uv set. Others are as of coordinates that are turned by
-  /// `axes`: u and v are those of the image.
-  const MeshAttribute<Vec4f>* of(const Mesh& mesh, const UvSetName& uv_set,
-                                 const Axes& axes = {Vec2f(1, 0), Vec2f(0, 1)}) const;
+  /// The authored ones if the mesh has some; null without that uv set. Otherwise they are computed from the coordinates
+  /// of the image, which `axes` turns.
+  Tangents of(const Mesh& mesh, const UvSetName& uv_set, const Axes& axes = {Vec2f(1, 0), Vec2f(0, 1)}) const;
   size_t memory_bytes() const;
 
  private:
@@ -36,12 +36,13 @@ class TangentCache {
     MeshAttribute<Vec4f> tangents;
     MemoryReservation memory;
   };
-  Counted compute(const Mesh& mesh, const MeshAttribute<Vec2f>& uvs) const;
-  static bool turn(const Axes& axes);
+  /// `axes` null: of the set itself.
+  Counted compute(const Mesh& mesh, const MeshAttribute<Vec2f>& uvs, const Axes* axes) const;
+  static bool turns(const Axes& axes);
 
   std::shared_ptr<MemoryBudget> budget_;
   mutable std::mutex mutex_;
-  mutable std::map<std::string, Counted> computed_;
+  mutable std::map<std::string, std::weak_ptr<const Counted>> computed_;
 };
 
 }  // namespace alabaster

@@ -113,7 +113,7 @@ BsdfValue DisneyTransmissiveBsdf::evaluate(const Vec3f& wi, Rgb* specular) const
     sum = near_.evaluate(wi, specular);
     sum.pdf *= p_near_;
   }
-  // Light that passed does not come back above the surface: a coat alone reflects to there.
+  // Below the base's horizon and above the surface only a coat reflects; transmitted light does not leave there.
   const float passes = wi.z < 0 && near_.reaches(wi) ? 0 : 1;
   const float back = chance_of_back();
   if (wi.z < 0 && p_beyond_ > 0) {

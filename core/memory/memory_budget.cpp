@@ -42,7 +42,7 @@ struct SizeText {
   }
 };
 
-// In which a size below the limit reads so.
+// The fewest digits with which a size below the limit also reads as smaller.
 SizeText size_text(size_t in_use, size_t limit) {
   SizeText text;
   while (in_use < limit && text.digits < SizeText::kBytes && text.units(in_use, true) >= text.units(limit, false))

@@ -108,11 +108,11 @@ struct Instance : Placement {
   bool see_through = false;              // rays may pass some hits: partly opaque, single-sided, or culled
   bool single_sided = false;             // of some material slot
   MeshOptions options;
-  std::vector<uint8_t> single_sided_slots;         // those whose back rays pass are not 0; empty: not single_sided
-  uint32_t category_set = 0;                       // of SceneSnapshot
-  const MeshAttribute<Vec4f>* tangents = nullptr;  // for normal maps
-  /// For those whose coordinates are others.
-  std::vector<std::pair<const NormalMap*, const MeshAttribute<Vec4f>*>> own_tangents;
+  std::vector<uint8_t> single_sided_slots;  // those whose back rays pass are not 0; empty: not single_sided
+  uint32_t category_set = 0;                // of SceneSnapshot
+  TangentCache::Tangents tangents;          // for normal maps
+  /// Of normal maps whose coordinates differ from those of `tangents`.
+  std::vector<std::pair<const NormalMap*, TangentCache::Tangents>> own_tangents;
   const InstanceArray* array = nullptr;  // this is the look of all its instances; null: of one alone
 
   /// Where the instance that was hit stands at the hit's time. `moved` holds the answer if it moves or is of an array.
@@ -133,8 +133,8 @@ struct Instance : Placement {
   /// For a map of one of the materials; null: the mesh has none.
   const MeshAttribute<Vec4f>* tangents_for(const NormalMap& map) const {
     for (const auto& [other, of] : own_tangents)
-      if (other == &map) return of;
-    return tangents;
+      if (other == &map) return of.get();
+    return tangents.get();
   }
   /// Rays pass the back of the slot's triangles.
   bool is_single_sided(size_t slot) const { return single_sided && single_sided_slots[slot] != 0; }

@@ -88,7 +88,7 @@ Instance look_of(const InstanceDescription& d) {
     }
     for (const auto* map : {&material.normal_map, &material.coat_normal_map}) {
       if (!*map || (*map)->is_bump) continue;
-      const auto* const of = d.prototype->tangents.of(d.prototype->mesh, (*map)->uv_set, (*map)->transform.axes());
+      const auto of = d.prototype->tangents.of(d.prototype->mesh, (*map)->uv_set, (*map)->transform.axes());
       if (!std::exchange(has_maps, true)) instance.tangents = of;
       if (of != instance.tangents) instance.own_tangents.emplace_back(&**map, of);
     }

@@ -94,16 +94,18 @@ void Console::show(const hd::Diagnostic& d) {
 
 // True of a warning that is like others which were shown.
 bool Console::is_counted(const hd::Diagnostic& d) {
-  constexpr size_t kFirstWords = 40;
+  constexpr size_t kFirstWords = 40, kMostKinds = 1000;
   if (like_ == Like::all || d.severity != hd::Severity::warning) return false;
-  return ++like_counts_[d.code + ": " + d.text.substr(0, kFirstWords)] > kMostLike;
+  const std::string words = d.code + ": " + d.text.substr(0, kFirstWords);
+  if (like_counts_.size() >= kMostKinds && !like_counts_.contains(words)) return false;
+  return ++like_counts_[words] > kMostLike;
 }
 
 void Console::tell_counted() {
   for (auto& [words, count] : like_counts_) {
     if (count <= kMostLike) continue;
     print_line("and " + std::to_string(count - kMostLike) + " more warnings '" + words +
-               "...'; 'alabaster check' lists each");
+               "...'; 'alabaster check' shows up to " + std::to_string(kMostMessages));
     count = kMostLike;
   }
 }

@@ -157,7 +157,7 @@ void add_lights_and_cameras(const SceneSession& session, Json* out) {
   (*out)["notes"] = session.file.notes;
 }
 
-/// All that the scene has, for people and programs.
+/// Lists the scene; the text and --json print it.
 Json listing_of(SceneSession& session, const std::string& file) {
   Json out{{"scene", file}};
   add_geometry(session.scene, &out);

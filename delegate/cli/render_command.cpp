@@ -37,7 +37,7 @@ class RenderCommand {
     const int code = render();
     write_stats(code);
     if (code == kDone || code == kDegraded) messages_.summarize(stats_, code == kDegraded);
-    // The merge tells it of a part, so that a farm does not repeat the part.
+    // A degraded part ends with 0, so that a farm does not repeat it. The merge ends with 6.
     return code == kDegraded && a_.samples ? kDone : code;
   }
 

@@ -129,16 +129,16 @@ AssetPath LoadState::image(const std::string& pointer, const std::string& file, 
 std::vector<Path> find_prims(LoadState& load, PrimKind kind, const std::string& pattern, const std::string& pointer) {
   const bool is_mesh = kind == PrimKind::mesh;
   std::vector<Path> found;
-  std::map<std::string, std::vector<Path>> named;
-  for (const Path& path : paths_of_kind(*load.scene, kind)) {
+  const auto all = paths_of_kind(*load.scene, kind);
+  for (const Path& path : all)
     if (matches(pattern, path, is_mesh) ||
         (is_mesh && !matching_subsets(pattern, load.scene->GetMeshes().at(path).topology).empty()))
       found.push_back(path);
-    named[AuthoredName(path, is_mesh)].push_back(path);
-  }
-  if (found.empty() && !load.posing)
-    load.fail(pointer, std::string("No ") + kind_name(kind) + " matches '" + pattern + "'." +
-                           (named.empty() ? " The scene has none." : nearest_prims(pattern, named)));
+  if (!found.empty() || load.posing) return found;
+  std::map<std::string, std::vector<Path>> named;
+  for (const Path& path : all) named[AuthoredName(path, is_mesh)].push_back(path);
+  load.fail(pointer, std::string("No ") + kind_name(kind) + " matches '" + pattern + "'." +
+                         (named.empty() ? " The scene has none." : nearest_prims(pattern, named)));
   return found;
 }
 

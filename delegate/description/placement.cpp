@@ -73,14 +73,16 @@ std::vector<Vec3f> drawn_points(const host::MeshDescription& mesh) {
   return drawn;
 }
 
-// Instances that cannot be drawn count for nothing.
-void add_mesh(const host::MeshDescription& mesh, std::vector<Matrix4d> instances, std::vector<Vec3d>* all) {
+/// Calls visit(point) for the points of a mesh in the world, or of many instances for the corners of their boxes.
+/// Instances that cannot be drawn count for nothing.
+template <class Visit>
+void for_each_point(const host::MeshDescription& mesh, std::vector<Matrix4d> instances, const Visit& visit) {
   std::erase_if(instances, [&](const Matrix4d& instance) { return !is_valid_affine(mesh.transform * instance); });
   if (instances.empty()) return;
   const std::vector<Vec3f> points = drawn_points(mesh);
   if (instances.size() == 1) {
     for (const Vec3f& p : points)
-      if (const Vec3d world = Vec3d(p) * mesh.transform * instances[0]; finite(world)) all->push_back(world);
+      if (const Vec3d world = Vec3d(p) * mesh.transform * instances[0]; finite(world)) visit(world);
     return;
   }
   Bounds box;
@@ -88,7 +90,7 @@ void add_mesh(const host::MeshDescription& mesh, std::vector<Matrix4d> instances
   if (box.empty()) return;
   for (const Matrix4d& instance : instances)
     for (const Vec3f& corner : box.corners())
-      if (const Vec3d world = Vec3d(corner) * mesh.transform * instance; finite(world)) all->push_back(world);
+      if (const Vec3d world = Vec3d(corner) * mesh.transform * instance; finite(world)) visit(world);
 }
 
 // Camera axes of the three-quarter view: seen from 35 degrees to the right and 18 degrees above the front (+z).
@@ -158,8 +160,12 @@ void for_each_placed_mesh(host::RetainedSceneDelegate& scene, const Takes& takes
       instances.emplace_back();
     } else {
       const Array<int32_t> indices = scene.GetInstanceIndices(mesh.instancer, path);
-      for (const support::Placement& placement : placements.place(path, mesh.instancer, indices))
-        if (placement.used) instances.push_back(placement.matrix);
+      try {
+        for (const support::Placement& placement : placements.place(path, mesh.instancer, indices))
+          if (placement.used) instances.push_back(placement.matrix);
+      } catch (const support::TooManyInstances&) {
+        // Sync reports it, and leaves the mesh out.
+      }
     }
     visit(path, mesh, std::move(instances));
   }
@@ -171,7 +177,7 @@ std::vector<Vec3d> enclosing_points(host::RetainedSceneDelegate& scene) {
   std::vector<Vec3d> all;
   const auto is_visible = [](const host::MeshDescription& mesh) { return mesh.visible; };
   for_each_placed_mesh(scene, is_visible, [&](const Path&, const auto& mesh, std::vector<Matrix4d>&& instances) {
-    add_mesh(mesh, std::move(instances), &all);
+    for_each_point(mesh, std::move(instances), [&](const Vec3d& p) { all.push_back(p); });
   });
   return all;
 }
@@ -180,10 +186,8 @@ std::map<Path, WorldBox> MeshBoxes(host::RetainedSceneDelegate& scene) {
   std::map<Path, WorldBox> boxes;
   const auto any = [](const host::MeshDescription&) { return true; };
   for_each_placed_mesh(scene, any, [&](const Path& path, const auto& mesh, std::vector<Matrix4d>&& instances) {
-    std::vector<Vec3d> points;
-    add_mesh(mesh, std::move(instances), &points);
     BoundsDouble box;
-    for (const Vec3d& p : points) box.extend(p);
+    for_each_point(mesh, std::move(instances), [&](const Vec3d& p) { box.extend(p); });
     boxes[path] = {box.lower, box.upper};
   });
   return boxes;

@@ -199,7 +199,7 @@ const json* only_of_type(const json& value, const json& choices) {
 /// "materials/set" from the description on. Empty: there is none within that many levels.
 std::string home_of(const std::string& key, const json& schema, int levels) {
   std::map<std::string, const json*> members;
-  std::string found;  // the last one: "set" comes before "replace" to people
+  std::string found;  // the last match by name, so that "set" is preferred to "replace"
   for (const std::string& name : known_keys(schema)) {
     const json* member = member_schema(schema, name, false);
     if (const json* entry = member_schema(*member, {}, true)) member = entry;

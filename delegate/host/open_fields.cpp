@@ -119,7 +119,8 @@ Put check(const Rows& rows, const std::string& name, const Value& value, Range r
     if (name != row.name) continue;
     if (value.empty()) return "";
     auto scratch = []<class T, class... W>(const Parameter<T, W...>&) { return T(); }(row);
-    std::array<double, 4> unused;  // hosts of Hydra may give a colour an alpha, which the renderer leaves out
+    // A colour of four numbers is refused here. The renderer accepts it from Hydra hosts and drops the alpha.
+    std::array<double, 4> unused;
     const bool has_alpha = row.is_color() && value.components(&unused) == 4;
     const support::ParameterFault fault =
         has_alpha ? support::ParameterFault::type : support::set_parameter(row, value, &scratch);

@@ -356,12 +356,14 @@ void add_renders(py::module_& module) {
            "Brings a contiguous array (height, width, components) of float32, float16 or uint8 up to date: converts "
            "what the array does not show yet, if it is the array of the last call. With a Display, for that display. "
            "False: the pixels have another size, and nothing was written.")
-      .def("pick", &Render::pick, py::arg("window"),
-           "What window=(min_x, min_y, max_x, max_y) shows, in pixels with y down, max excluded: a list of each face "
-           "once, those nearest to its middle first. A hit is a dict of path (of the mesh), face (-1 without AOV "
-           "elementId), instance_id (as AOV instanceId counts; 0 without it), instances (pairs of an instancer's path "
-           "and the index in it, from the innermost outwards), x and y (a pixel that shows it). aovs must have named "
-           "'primId'. The scene must be as it was at the last start or update.");
+      .def(
+          "pick", &Render::pick, py::arg("window"),
+          "Returns the faces that window=(min_x, min_y, max_x, max_y) shows, in pixels with y down, max excluded. Each "
+          "is listed once, the nearest to its middle first. A hit is a dict of path (of the mesh), face (-1 without "
+          "AOV "
+          "elementId), instance_id (as AOV instanceId counts; 0 without it), instances (pairs of an instancer's path "
+          "and the index in it, from the innermost outwards), x and y (a pixel that shows it). aovs must have named "
+          "'primId'. The scene must be as it was at the last start or update.");
 
   py::class_<Display>(
       module, "Display",

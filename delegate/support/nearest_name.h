@@ -6,8 +6,8 @@
 
 namespace alabaster::hd::support {
 
-/// Returns the name in `known` that differs from `name` by parts at ':', '.' or '/' before it or behind it, else the
-/// one with the smallest edit distance; wrong case counts half a wrong letter. Empty if none is near. Near is two
+/// Returns the known name that is the end of `name` behind ':', '.' or '/'; else the one with the smallest edit distance;
+/// else one that `name` extends, or that extends it, by such a part. Wrong case counts half a wrong letter. Empty if none is near. Near is two
 /// letters, or a third of the letters for names longer than six. In very long lists only the first names are compared,
 /// for about a tenth of a second.
 std::string NearestName(const std::string& name, const std::vector<std::string>& known);

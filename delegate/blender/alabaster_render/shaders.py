@@ -195,7 +195,7 @@ def _between(a, b, f):
 
 
 def _gloss_over(reader, source, parts):
-    """A body and a Glossy shader: a reflection of that colour, which grows towards grazing views where Cycles' does not."""
+    """A body and a Glossy shader: one surface with a specular of that colour. It grows towards grazing views; that of Cycles does not."""
     gloss = next((p for p in parts if isinstance(p, Source) and p.node.type in {"BSDF_GLOSSY", "BSDF_ANISOTROPIC"}), None)
     body = next((p for p in parts if p is not gloss), None)
     if gloss is None or not isinstance(body, Source):
@@ -213,9 +213,9 @@ def add(reader, source):
     parts = [reader.source(socket, source.groups) for socket in source.node.inputs[:2]]
     glow = next((p for p in parts if isinstance(p, Source) and p.node.type == "EMISSION"), None)
     rest = next((p for p in parts if p is not glow), None)
-    surface = translate(reader, rest)
     if glow is None:
         return _gloss_over(reader, source, parts)
+    surface = translate(reader, rest)
     held, light = surface.get("emission", (0.0, 0.0, 0.0)), emission(reader, glow)["emission"]
     both_constant = not isinstance(held, list) and not isinstance(light, list)
     if any(held) and not both_constant:

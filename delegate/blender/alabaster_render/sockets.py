@@ -400,7 +400,7 @@ def _kelvin(kelvin):
 
 
 def light_path(reader, source):
-    """As for rays of the camera, of which all surfaces are what they are seen as."""
+    """Evaluates Light Path as for camera rays, because all rays see one surface."""
     reader.note(f"node '{source.node.name}': all rays see what those of the camera see")
     return Value(ONE if source.output.name == "Is Camera Ray" else (0.0, 0.0, 0.0))
 

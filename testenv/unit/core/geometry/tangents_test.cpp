@@ -69,26 +69,29 @@ TEST(TangentCache, GivesAuthoredOnesFirstAndNoneWithoutTheUvSet) {
   Mesh mesh = square([](const Vec3f& p) { return Vec2f(p.x, p.y); });
   const TangentCache cache;
   EXPECT_EQ(cache.of(mesh, "st1"), nullptr);
-  const auto* computed = cache.of(mesh, "st");
+  auto computed = cache.of(mesh, "st");
   ASSERT_NE(computed, nullptr);
   EXPECT_EQ(cache.of(mesh, "st"), computed) << "once";
   EXPECT_GT(cache.memory_bytes(), 0u);
   mesh.tangents.values.assign(4, Vec4f(0, 1, 0, 1));
-  EXPECT_EQ(cache.of(mesh, "st"), &mesh.tangents);
+  EXPECT_EQ(cache.of(mesh, "st").get(), &mesh.tangents);
 }
 
 // glTF-Sample-Viewer 592: an image that is turned on the surface takes the directions of its normals with it.
 TEST(TangentCache, FollowsTheCoordinatesOfTheImage) {
   const Mesh mesh = square([](const Vec3f& p) { return Vec2f(p.x, p.y); });
   const TangentCache cache;
-  const auto* plain = cache.of(mesh, "st");
+  const auto plain = cache.of(mesh, "st");
   EXPECT_EQ(cache.of(mesh, "st", {Vec2f(3, 0), Vec2f(0, 0.5f)}), plain) << "scales leave the directions";
   EXPECT_EQ(cache.of(mesh, "st", {Vec2f(0, 0), Vec2f(0, 0)}), plain) << "an image of one colour has none";
   const TangentCache::Axes turned = {Vec2f(0, 3), Vec2f(-2, 0)};
-  const auto* across = cache.of(mesh, "st", turned);
+  auto across = cache.of(mesh, "st", turned);
   expect_all(*across, {0, 1, 0, 1});
   EXPECT_EQ(cache.of(mesh, "st", turned), across) << "once";
   expect_all(*cache.of(mesh, "st", {Vec2f(-1, 0), Vec2f(0, 1)}), {-1, 0, 0, -1});
+  const size_t both = cache.memory_bytes();
+  across = nullptr;
+  EXPECT_LT(cache.memory_bytes(), both) << "kept while held: a transform that an edit changes leaves nothing behind";
   expect_all(*cache.of(mesh, "st"), {1, 0, 0, 1});
 }
 
@@ -102,7 +105,9 @@ TEST(TangentCache, CountsWhatItHoldsAndIsAskedAgainWhereMemoryRefusedIt) {
     EXPECT_EQ(budget->in_use(), 0u);
     EXPECT_THROW(cache.of(mesh, "st"), MemoryRefused) << "and no empty ones";
     budget->set_limit(10000);
-    ASSERT_NE(cache.of(mesh, "st"), nullptr);
+    const auto held = cache.of(mesh, "st");
+    ASSERT_NE(held, nullptr);
+    EXPECT_GT(cache.memory_bytes(), 0u);
     EXPECT_EQ(budget->in_use(), cache.memory_bytes());
   }
   EXPECT_EQ(budget->in_use(), 0u);

@@ -167,7 +167,7 @@ DisneyParameters white_sheet(float diff_trans) {
   return p;
 }
 
-// Today's failure: 1.53 of the light that grazes a sheet under fibres.
+// Before, a sheet under fibres sent on 1.53 of the light that grazes it.
 TEST(DisneyLayers, ASheetSendsOnNoMoreLightThanItGets) {
   Rng rng(testing::run_seed(81), 2);
   for (const float diff_trans : {1.0f, 2.0f})
@@ -200,8 +200,8 @@ TEST(DisneyLayers, ClearSheetsAndInterfacesUnderLayersSendOnNoMoreThanTheyGet) {
   }
 }
 
-// Today's failure: the coat's light counted by the cosine to the base's normal, 13 % less at a tilt of 30 degrees, and
-// what went below the base's horizon was lost.
+// Before, light on the coat counted by the cosine to the base's normal: 13 % less at a tilt of 30 degrees, and none below
+// the base's horizon.
 TEST(DisneyLayers, ACoatOverATiltedBaseReflectsWhatItDoesOverAFlatOne) {
   Rng rng(testing::run_seed(81), 7);
   for (const bool clear : {false, true})
