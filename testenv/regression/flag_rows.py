@@ -181,7 +181,7 @@ MERGE_ROWS = {
     "--look": [Row(("--look", "warm"), only_display, MERGED, PARTS)],
     "--exposure": [Row(("--exposure", "-1"), only_display, MERGED, PARTS)],
     "--aov": [Row(("--aov", "depth"), channels("depth.Z"), MERGED, PARTS)],
-    "--quiet": [Row(("--quiet",), lambda a, b: len(a.err + a.out) > 0 == len(b.err + b.out), MERGED, PARTS)],
+    "--quiet": [Row(("--quiet",), lambda a, b: len(a.err + a.out) > 0 == len(b.err + b.out), (*MERGE, "-o", "a.exr"), PARTS)],
 }
 CHECK_ROWS = {
     "--set": [Row(("--set", "memoryLimit=1"), codes(0, 4), ("check", "heavy.json"))],
