@@ -200,8 +200,8 @@ TEST(DisneyLayers, ClearSheetsAndInterfacesUnderLayersSendOnNoMoreThanTheyGet) {
   }
 }
 
-// Before, light on the coat counted by the cosine to the base's normal: 13 % less at a tilt of 30 degrees, and none below
-// the base's horizon.
+// Before, light on the coat counted by the cosine to the base's normal: 13 % less at a tilt of 30 degrees, and none
+// below the base's horizon.
 TEST(DisneyLayers, ACoatOverATiltedBaseReflectsWhatItDoesOverAFlatOne) {
   Rng rng(testing::run_seed(81), 7);
   for (const bool clear : {false, true})
