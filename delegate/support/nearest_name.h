@@ -6,10 +6,10 @@
 
 namespace alabaster::hd::support {
 
-/// Returns the known name that is the end of `name` behind ':', '.' or '/'; else the one with the smallest edit distance;
-/// else one that `name` extends, or that extends it, by such a part. Wrong case counts half a wrong letter. Empty if none is near. Near is two
-/// letters, or a third of the letters for names longer than six. In very long lists only the first names are compared,
-/// for about a tenth of a second.
+/// Returns the known name that is the end of `name` behind ':', '.' or '/'; else the one with the smallest edit
+/// distance; else one that `name` extends, or that extends it, by such a part. Wrong case counts half a wrong letter.
+/// Empty if none is near. Near is two letters, or a third of the letters for names longer than six. In very long lists
+/// only the first names are compared, for about a tenth of a second.
 std::string NearestName(const std::string& name, const std::vector<std::string>& known);
 
 /// "; did you mean 'NEAREST'?", or `otherwise` if none is near: the end of a sentence about a wrong name.
