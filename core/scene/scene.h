@@ -111,7 +111,7 @@ struct Instance : Placement {
   std::vector<uint8_t> single_sided_slots;  // those whose back rays pass are not 0; empty: not single_sided
   uint32_t category_set = 0;                // of SceneSnapshot
   TangentCache::Tangents tangents;          // for normal maps
-  /// Of normal maps whose coordinates differ from those of `tangents`.
+  /// Normal maps whose coordinates differ from those of `tangents` have their own.
   std::vector<std::pair<const NormalMap*, TangentCache::Tangents>> own_tangents;
   const InstanceArray* array = nullptr;  // this is the look of all its instances; null: of one alone
 
