@@ -46,8 +46,9 @@ static void add_quad(AlabasterScene* scene) {
   static const int32_t counts[] = {4}, indices[] = {0, 1, 2, 3};
   static const float corners[] = {-1, -1, 0, 1, -1, 0, 1, 1, 0, -1, 1, 0};
   static const uint8_t off = 0;
-  AlabasterParameter fields[3] = {{"faceVertexCounts"}, {"faceVertexIndices"}, {"primvars:points"}};
-  AlabasterParameter hidden = {"visible"}, misspelt = {"visble"};
+  AlabasterParameter fields[3] = {
+      {.name = "faceVertexCounts"}, {.name = "faceVertexIndices"}, {.name = "primvars:points"}};
+  AlabasterParameter hidden = {.name = "visible"}, misspelt = {.name = "visble"};
   float* points = malloc(sizeof corners);
   memcpy(points, corners, sizeof corners);
   fields[0].value = array(ALABASTER_INT, counts, 1);
@@ -67,7 +68,7 @@ static void add_quad(AlabasterScene* scene) {
 }
 
 static void render(AlabasterPass* pass, AlabasterBuffer* color, float* pixels) {
-  AlabasterBinding binding = {"color", NULL};
+  AlabasterBinding binding = {.aov = "color"};
   AlabasterFrame frame = {.size = sizeof frame};
   int32_t over = 0;
   binding.buffer = color;

@@ -74,7 +74,7 @@ static int render(const AlabasterApi* api, const char* file) {
   AlabasterDelegate* delegate = NULL;
   AlabasterPass* pass = NULL;
   AlabasterBuffer* color = NULL;
-  AlabasterBinding binding = {"color", NULL};
+  AlabasterBinding binding = {.aov = "color"};
   AlabasterFrame frame = {.size = sizeof frame};
   int failed = api->scene_create(NULL, NULL, &scene) || api->scene_load(scene, file, NULL, NULL) ||
                api->delegate_create(NULL, scene, &delegate) ||
