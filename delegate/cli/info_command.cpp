@@ -276,7 +276,8 @@ void print_geometry(const Json& scene) {
 }
 
 std::string quoted(const Json& name) {
-  return name == "" ? "" : " '" + shown(name) + "'";
+  const std::string text = shown(name);
+  return text.empty() ? "" : " '" + text + "'";
 }
 
 // The choices of --scene, --animation and --variant, with the number of each.
