@@ -288,7 +288,7 @@ def refusals(window):
     (window.folder / "bad.json").write_text('{"gltf": [{"file": "target.gltf"}], "lihgts": []}')
     for arguments, code, text in (
             ([scene], 4, "could not be opened"), (["missing.json"], 3, "missing.json"), (["bad.json"], 3, "lights"),
-            ([], 2, "file is required"), (["--help"], 0, "--camera"),
+            ([], 2, "SCENE is required"), (["--help"], 0, "--camera"),
             ([scene, "--ocio", "missing.ocio"], 3, "missing.ocio"), ([scene, "--fly"], 2, "--fly"),
             ([scene, "--time", "soon"], 2, "'soon' is not a time"), ([scene, "--camera", "lost"], 2, "camera lost"),
             ([scene, "--set", "materials/red.rouhgness=1"], 2, "roughness"), ([scene, "--variant", "lost"], 2, "lost")):
