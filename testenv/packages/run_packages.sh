@@ -45,11 +45,6 @@ PYTHON
 # OpenColorIO of the wheel is another version: colours may differ by one step of a half.
 oiiotool "$scratch/built.exr" --ch R,G,B "$scratch/wheel.exr" --ch R,G,B --fail 0.002 --warn 0.002 --diff
 ls "$scratch"/venv/lib/python3*/site-packages/hdalabaster-*.dist-info/licenses/alabaster.txt >/dev/null
-# The extra brings Open Image Denoise; the program finds it beside the module.
-"$scratch/venv/bin/pip" install --quiet --disable-pip-version-check "$wheel[denoise]"
-env -u ALABASTER_OIDN HOME="$scratch" "$scratch/venv/bin/alabaster" render "$scene" -o "$scratch/denoised.exr" --size 96x64 --spp 4 \
-  --denoise --quiet
-oiiotool --info -v "$scratch/denoised.exr" | grep -q denoised.R || { echo "error: --denoise of the wheel gave no layer"; exit 1; }
 
 # The .deb in a bare system.
 if [ "$(id -u)" -ne 0 ] || ! command -v debootstrap >/dev/null; then
