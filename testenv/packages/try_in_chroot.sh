@@ -50,22 +50,22 @@ enter() {
   for file in /etc/resolv.conf /etc/hosts /etc/pip.conf /etc/ssl/certs/ca-certificates.crt /etc/apt/apt.conf.d/*proxy*; do
     if [ -e "$file" ]; then mkdir -p "$root$(dirname "$file")" && cp "$file" "$root$file"; fi
   done
-  mkdir "$root/work"
+  mkdir "$root/tried"
 }
 inside() {
   chroot "$root" env -i HOME=/root PATH=/usr/local/bin:/usr/sbin:/usr/bin:/sbin:/bin LC_ALL=C.UTF-8 DEBIAN_FRONTEND=noninteractive sh -ec "$1"
 }
-# measure NAME COMMAND: the command renders /work/picture.png.
+# measure NAME COMMAND: the command renders /tried/picture.png.
 measure() {
-  cp -r "$top/testenv/scenes/sample" "$root/work/"
+  cp -r "$top/testenv/scenes/sample" "$root/tried/"
   begin=$(date +%s.%N)
   inside "apt-get update -qq
     $2" >"$folder/$suite.$1.log" 2>&1 || { tail -n 20 "$folder/$suite.$1.log" >&2; exit 1; }
   end=$(date +%s.%N)
-  [ -s "$root/work/picture.png" ] || { echo "error: $1 wrote no picture" >&2; exit 1; }
+  [ -s "$root/tried/picture.png" ] || { echo "error: $1 wrote no picture" >&2; exit 1; }
   echo "$suite: $1 to the first picture: $(echo "$end $begin" | awk '{printf "%.1f", $1 - $2}') s, $(du -sxm "$root" | cut -f 1) MB of system"
 }
-render="alabaster render /work/sample/sample.json -o /work/picture.png --size 240x160 --spp 4 --quiet"
+render="alabaster render /tried/sample/sample.json -o /tried/picture.png --size 240x160 --spp 4 --quiet"
 
 if [ -z "$deb$wheel" ]; then
   enter
@@ -79,25 +79,25 @@ if [ -z "$deb$wheel" ]; then
 fi
 if [ -n "$deb" ]; then
   enter
-  cp "$deb" "$root/work/hdalabaster.deb"
-  measure deb "apt-get install -y -qq --no-install-recommends /work/hdalabaster.deb
+  cp "$deb" "$root/tried/hdalabaster.deb"
+  measure deb "apt-get install -y -qq --no-install-recommends /tried/hdalabaster.deb
     $render
     python3 -c 'import hdalabaster; print(hdalabaster.__version__)'
     test -s /usr/share/doc/hdalabaster/copyright && test -s /usr/share/bash-completion/completions/alabaster"
   # The window, on a screen without a monitor: it is still open after 10 s.
   inside "apt-get install -y -qq --no-install-recommends xvfb xauth libgl1-mesa-dri
     opened=0
-    timeout 10 xvfb-run -a alabaster view /work/sample/sample.json || opened=\$?
+    timeout 10 xvfb-run -a alabaster view /tried/sample/sample.json || opened=\$?
     [ \$opened -eq 124 ]" >"$folder/$suite.window.log" 2>&1 || { tail -n 20 "$folder/$suite.window.log" >&2; exit 1; }
   echo "$suite: the window of the .deb opens"
 fi
 if [ -n "$wheel" ]; then
   enter
-  cp "$wheel" "$root/work/"
+  cp "$wheel" "$root/tried/"
   measure wheel "apt-get install -y -qq --no-install-recommends python3-venv
-    python3 -m venv /work/venv
-    /work/venv/bin/pip install -q --disable-pip-version-check /work/*.whl
-    PATH=/work/venv/bin:\$PATH
+    python3 -m venv /tried/venv
+    /tried/venv/bin/pip install -q --disable-pip-version-check /tried/*.whl
+    PATH=/tried/venv/bin:\$PATH
     $render
     python3 -c 'import hdalabaster; print(hdalabaster.__version__)'"
 fi
