@@ -114,7 +114,7 @@ class BufferReservations {
   const MemoryUse use_;
   std::mutex mutex_;
   std::map<Buffer, std::weak_ptr<const MemoryReservation>> known_;
-  size_t next_cleaning_ = 64;  // once so many are known
+  size_t next_cleaning_ = 64;  // size of known_ at which expired entries are removed
 };
 
 }  // namespace alabaster

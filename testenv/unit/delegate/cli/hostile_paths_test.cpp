@@ -176,8 +176,8 @@ TEST_F(HostilePaths, AFileCannotRaiseTheLimitOfLoading) {
   for (const char* settings : {"{}", R"({"memoryLimit": 1000000})"}) {
     write("in/many.json", std::string(R"({"gltf": [{"file": "many.gltf"}], "settings": )") + settings + "}");
     const Outcome refused = run({"check", "many.json"}, "in", [] {
-      const rlimit space{rlim_t(3001) << 20, rlim_t(3001)
-                                                 << 20};  // three quarters are the limit, which is told rounded down
+      // The program's limit is three quarters of the address space. Its message rounds the limit down.
+      const rlimit space{rlim_t(3001) << 20, rlim_t(3001) << 20};
       ::setrlimit(RLIMIT_AS, &space);
     });
     EXPECT_EQ(refused.code, 4) << refused.err;
