@@ -1,6 +1,7 @@
 // A row of a table of fields, and the values that a member takes. Internal to this room.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <limits>
 #include <optional>
@@ -23,6 +24,12 @@ template <class... Words>
 constexpr Limits words(Words... all) {
   Limits limits;
   limits.words = {all...};
+  return limits;
+}
+template <size_t kCount>
+constexpr Limits words(const std::array<const char*, kCount>& all) {
+  Limits limits;
+  std::copy(all.begin(), all.end(), limits.words.begin());
   return limits;
 }
 

@@ -4,6 +4,7 @@
 #include <tuple>
 
 #include "delegate/host/open_fields.h"
+#include "delegate/support/mesh_words.h"
 #include "delegate/support/nearest_name.h"
 
 namespace alabaster::hd::host {
@@ -14,10 +15,9 @@ using Mesh = MeshDescription;
 constexpr Field kMesh[] = {
     field<&Mesh::topology, &MeshTopology::scheme>("scheme", dirty::kTopology,
                                                   "Subdivision scheme of the surface; none draws the control mesh.",
-                                                  words("none", "catmullClark", "loop", "bilinear")),
-    field<&Mesh::topology, &MeshTopology::orientation>("orientation", dirty::kTopology,
-                                                       "Winding of faces as seen from their front.",
-                                                       words("rightHanded", "leftHanded")),
+                                                  words(support::kSubdivisionSchemes)),
+    field<&Mesh::topology, &MeshTopology::orientation>(
+        "orientation", dirty::kTopology, "Winding of faces as seen from their front.", words(support::kOrientations)),
     field<&Mesh::topology, &MeshTopology::faceVertexCounts>("faceVertexCounts", dirty::kTopology,
                                                             "The number of vertices of each face."),
     field<&Mesh::topology, &MeshTopology::faceVertexIndices>(
@@ -30,18 +30,18 @@ constexpr Field kMesh[] = {
     field<&Mesh::subdivTags, &SubdivTags::interpolateBoundary>(
         "interpolateBoundary", dirty::kSubdivTags,
         "Rule of the subdivision surface at its boundary. The default is edgeAndCorner.",
-        words("none", "edgeOnly", "edgeAndCorner")),
+        words(support::kBoundaryRules)),
     field<&Mesh::subdivTags, &SubdivTags::faceVaryingLinearInterpolation>(
         "faceVaryingLinearInterpolation", dirty::kSubdivTags,
         "Where faceVarying primvars are interpolated linearly. The default is cornersPlus1.",
-        words("all", "none", "boundaries", "cornersOnly", "cornersPlus1", "cornersPlus2")),
+        words(support::kFaceVaryingRules)),
     field<&Mesh::subdivTags, &SubdivTags::creaseMethod>(
         "creaseMethod", dirty::kSubdivTags, "How the sharpness of creases varies along them. The default is uniform.",
-        words("uniform", "chaikin")),
+        words(support::kCreaseMethods)),
     field<&Mesh::subdivTags, &SubdivTags::triangleSubdivision>(
         "triangleSubdivision", dirty::kSubdivTags,
         "Weights of Catmull-Clark subdivision at triangles. The default is catmullClark.",
-        words("catmullClark", "smooth")),
+        words(support::kTriangleSubdivisions)),
     field<&Mesh::subdivTags, &SubdivTags::creaseIndices>("creaseIndices", dirty::kSubdivTags,
                                                          "The vertices of all creases, one after the other."),
     field<&Mesh::subdivTags, &SubdivTags::creaseLengths>("creaseLengths", dirty::kSubdivTags,

@@ -1,9 +1,11 @@
 #include "delegate/prims/mesh_cage.h"
 
 #include <algorithm>
+#include <span>
 #include <utility>
 
 #include "core/geometry/subdivision.h"
+#include "delegate/support/mesh_words.h"
 
 namespace alabaster::hd::prims {
 namespace {
@@ -18,7 +20,7 @@ struct Reporter {
 
 /// The value of an enumeration whose words are given in its order.
 template <class Enum>
-void set_word(const Token& token, std::initializer_list<const char*> words, const char* what, const Reporter& reporter,
+void set_word(const Token& token, std::span<const char* const> words, const char* what, const Reporter& reporter,
               Enum* value) {
   if (token.empty()) return;
   const auto found = std::find(words.begin(), words.end(), token.str());
@@ -38,16 +40,13 @@ bool draws(const GeomSubset& subset) {
 
 void set_tags(const PulledMesh& mesh, const Reporter& reporter, Cage* cage) {
   const SubdivTags& t = mesh.tags;
-  set_word(mesh.topology.scheme, {"none", "catmullClark", "loop", "bilinear"}, "subdivision scheme", reporter,
-           &cage->scheme);
-  set_word(mesh.topology.orientation, {"rightHanded", "leftHanded"}, "orientation", reporter, &cage->left_handed);
-  set_word(t.interpolateBoundary, {"none", "edgeOnly", "edgeAndCorner"}, "interpolateBoundary", reporter,
-           &cage->boundary_rule);
-  set_word(t.faceVaryingLinearInterpolation,
-           {"all", "none", "boundaries", "cornersOnly", "cornersPlus1", "cornersPlus2"},
-           "faceVaryingLinearInterpolation", reporter, &cage->face_varying_rule);
-  set_word(t.creaseMethod, {"uniform", "chaikin"}, "creaseMethod", reporter, &cage->crease_method);
-  set_word(t.triangleSubdivision, {"catmullClark", "smooth"}, "triangleSubdivision", reporter,
+  set_word(mesh.topology.scheme, support::kSubdivisionSchemes, "subdivision scheme", reporter, &cage->scheme);
+  set_word(mesh.topology.orientation, support::kOrientations, "orientation", reporter, &cage->left_handed);
+  set_word(t.interpolateBoundary, support::kBoundaryRules, "interpolateBoundary", reporter, &cage->boundary_rule);
+  set_word(t.faceVaryingLinearInterpolation, support::kFaceVaryingRules, "faceVaryingLinearInterpolation", reporter,
+           &cage->face_varying_rule);
+  set_word(t.creaseMethod, support::kCreaseMethods, "creaseMethod", reporter, &cage->crease_method);
+  set_word(t.triangleSubdivision, support::kTriangleSubdivisions, "triangleSubdivision", reporter,
            &cage->triangle_subdivision);
   cage->crease_indices = copy(t.creaseIndices);
   cage->crease_lengths = copy(t.creaseLengths);
