@@ -187,7 +187,7 @@ class RenderCommand {
       if (i > 0) timed_load([&] { session_.pose(seconds, console_.sink()); });
       for (const hd::Path& path : settings_paths()) {
         hd::RenderSettingsDescription settings = described.at(path);
-        settings.settings["frame"] = int64_t(frame);
+        settings.frame = frame;
         for (hd::RenderProduct& product : settings.products) product.file = frame_file(product.file, frame);
         session_.scene.SetRenderSettings(path, std::move(settings));
       }

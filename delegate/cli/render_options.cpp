@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstdio>
 #include <filesystem>
+#include <limits>
 
 #include "delegate/cli/exit_codes.h"
 #include "delegate/cli/outputs.h"
@@ -43,6 +44,10 @@ std::string checkpoint_file(const RenderArguments& a, uint32_t frame) {
 
 double seconds_at(const RenderArguments& a, uint32_t frame) {
   return frame / a.fps.value_or(24);
+}
+
+uint32_t frame_number(const hd::RenderSettingsDescription& settings) {
+  return static_cast<uint32_t>(std::clamp(settings.frame, 0.0, double(std::numeric_limits<uint32_t>::max())));
 }
 
 hd::description::LoadOptions load_options(const RenderArguments& a) {
@@ -127,7 +132,7 @@ std::vector<std::string> checkpoint_files(const RenderArguments& a) {
 
 void set_checkpoint(const RenderArguments& a, const hd::RenderSettingsDescription& settings, Console& console,
                     hd::host::RecordOptions* options) {
-  options->checkpoint = checkpoint_file(a, static_cast<uint32_t>(hd::support::number_in(settings.settings, "frame")));
+  options->checkpoint = checkpoint_file(a, frame_number(settings));
   if (a.checkpoint_interval) options->checkpoint_seconds = *a.checkpoint_interval;
   options->resume = a.resume && std::filesystem::exists(options->checkpoint);
   if (a.resume && !options->resume)

@@ -1,4 +1,4 @@
-// The options of render: how its scene is loaded, its checkpoints, and what it tells at its end.
+// The options of render as the command uses them: loading, frames, checkpoints. main.cpp adds them to the parser.
 #pragma once
 
 #include <string>
@@ -11,6 +11,9 @@ namespace alabaster::cli {
 
 /// When frame `frame` is shown, by --fps.
 double seconds_at(const RenderArguments& a, uint32_t frame);
+
+/// The number of the frame, in statistics and in names of checkpoints.
+uint32_t frame_number(const hd::RenderSettingsDescription& settings);
 
 /// The first frame's, where there are --frames.
 hd::description::LoadOptions load_options(const RenderArguments& a);

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <sstream>
 
+#include "delegate/cli/render_options.h"
 #include "delegate/support/json_values.h"
 #include "delegate/support/lookup.h"
 #include "delegate/support/process_usage.h"
@@ -53,7 +54,7 @@ void RunStats::add_load(double wall, double cpu) {
 void RunStats::add_render(const hd::RenderSettingsDescription& settings, const hd::host::RecordResult& result) {
   stats_.push_back(result.stats);
   resolutions_.push_back({settings.width, settings.height});
-  frames_.push_back(uint64_t(number_in(settings.settings, "frame")));
+  frames_.push_back(frame_number(settings));
   written_.insert(written_.end(), result.written.begin(), result.written.end());
 }
 

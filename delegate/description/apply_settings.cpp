@@ -98,7 +98,6 @@ void apply_settings(LoadState& load) {
     if (name == "resolution" || name == "crop" || name == "quality" || name == "studio") continue;
     if (name == "memoryLimit" && is_refused_limit(load, value)) continue;
     set_fields(load, pointer, {{name, support::value_of(value)}}, &settings);
-    if (name == "frame") settings.settings[name] = support::value_of(value);  // a setting, too
   }
 }
 

@@ -110,7 +110,9 @@ constexpr Field kSettings[] = {
         "crop", dirty::kParams,
         "The part of the picture to render: minX, minY, maxX, maxY, y-down, half open. Without it, all of it.")
         .in("pixels"),
-    field<&Settings::frame>("frame", dirty::kParams, "Number of the frame, in the metadata of files.").in("frames"),
+    field<&Settings::frame>("frame", dirty::kParams,
+                            "Number of the frame: selects its noise, and stands in the metadata of files.")
+        .in("frames"),
     field<&Settings::includedPurposes>("includedPurposes", dirty::kParams,
                                        "Purposes of USD whose meshes are drawn: default, render, proxy, guide."),
 };

@@ -103,6 +103,13 @@ TEST_F(FramesTest, EveryFileHasTheNumberOfItsFrame) {
   EXPECT_EQ(frame_of("none.exr"), 0);
 }
 
+TEST_F(FramesTest, StatisticsHaveTheFrameOfAnArchive) {
+  Program convert(folder_, {"convert", "moving.gltf", "--set", "frame=7", "-o", "moving.alab"});
+  ASSERT_EQ(convert.wait(), 0) << convert.err();
+  ASSERT_EQ(render("moving.alab", {"-o", "f.exr", "--stats", "s.json"}), 0);
+  EXPECT_EQ(json::parse(std::ifstream(folder_ / "s.json"))["frames"], json{7});
+}
+
 TEST_F(FramesTest, WithoutATimeThePoseIsThatOfTheFile) {
   ASSERT_EQ(render("moving.gltf", {"-o", "rest.exr"}), 0);
   ASSERT_EQ(render("moving.gltf", {"-o", "late.exr", "--time", "1e3"}), 0);
