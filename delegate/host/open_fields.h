@@ -1,4 +1,4 @@
-// Fields whose names a scene chooses: primvars, subsets, nodes, parameters, products. Internal to this room.
+// Fields without a row in scene_fields.cpp: parameters of core's tables, and what a scene names. Internal to this room.
 #pragma once
 
 #include <optional>

@@ -80,7 +80,8 @@ SceneFaults BuiltMeshes::faults(const Records& records, const support::Selection
   return faults;
 }
 
-// Puts the meshes aside that are gone or hidden, and what edits of others left behind; answers with those to build.
+// Makes `held_` the meshes of the records, moves those that are gone or hidden to `dropped_`, and returns those to
+// build. A mesh that has not been edited for kMostOthers builds gives up what would make an edit of its points quick.
 std::vector<BuiltMeshes::Entry*> BuiltMeshes::collect(const Scene& scene, const std::shared_ptr<MemoryBudget>& budget) {
   const auto& [records, selections, view] = scene;
   support::Placements placements(

@@ -11,10 +11,11 @@ DirtyBits RenderSettingsPrim::post_record(SceneDelegate& scene, SceneParam& para
   for (const auto& [key, value] : description.settings)
     if (const std::string fault = support::RetiredSetting(key, value.text_or("")); !fault.empty())
       alabaster::report(param.sink(), alabaster::Severity::error, "settings.retired", GetId().str(), fault);
-  RenderSettings settings;
+  // Values are reported here, once for each edit. DelegateState::render_settings() reads them when a render starts.
+  RenderSettings unused;
   for (const SettingParameter& row : setting_parameters())
     if (const auto given = description.settings.find(row.name); given != description.settings.end())
-      report_fault(param.sink(), GetId().str(), row.name, set_parameter(row, given->second, &settings), given->second);
+      report_fault(param.sink(), GetId().str(), row.name, set_parameter(row, given->second, &unused), given->second);
   param.post(GetId(), SettingsRecord{description});
   changed_();
   return dirty::kClean;
