@@ -95,8 +95,8 @@ struct DisplayStyle {
   bool operator==(const DisplayStyle&) const = default;
 };
 
-// ---- material
-// --------------------------------------------------------------------------------------------------------
+// Materials ----------------------------------------------------------------------------------------
+/// From an output of another node, upstream.
 struct MaterialConnection {
   Path upstreamNode;
   Token upstreamOutput;

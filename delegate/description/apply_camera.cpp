@@ -1,5 +1,5 @@
 #include "delegate/description/apply_motion.h"
-#include "delegate/description/description_reader.h"
+#include "delegate/description/load_state.h"
 #include "delegate/description/placement.h"
 #include "delegate/description/schema_check.h"
 #include "delegate/support/json_values.h"

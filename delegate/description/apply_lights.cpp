@@ -1,6 +1,6 @@
 #include <algorithm>
 
-#include "delegate/description/description_reader.h"
+#include "delegate/description/load_state.h"
 #include "delegate/description/name_match.h"
 #include "delegate/description/placement.h"
 #include "delegate/description/schema_check.h"

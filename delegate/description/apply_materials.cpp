@@ -1,4 +1,4 @@
-#include "delegate/description/description_reader.h"
+#include "delegate/description/load_state.h"
 #include "delegate/support/json_values.h"
 
 namespace alabaster::hd::description {

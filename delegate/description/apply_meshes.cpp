@@ -1,7 +1,7 @@
 #include <algorithm>
 
 #include "delegate/description/apply_motion.h"
-#include "delegate/description/description_reader.h"
+#include "delegate/description/load_state.h"
 #include "delegate/description/name_match.h"
 #include "delegate/gltf/gltf_scene.h"
 #include "delegate/support/json_values.h"

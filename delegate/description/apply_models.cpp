@@ -1,7 +1,7 @@
 #include <filesystem>
 
 #include "delegate/description/apply_motion.h"
-#include "delegate/description/description_reader.h"
+#include "delegate/description/load_state.h"
 #include "delegate/description/placement.h"
 #include "delegate/support/extension.h"
 

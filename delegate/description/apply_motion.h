@@ -1,7 +1,7 @@
 // The motion of a description's models, meshes and camera.
 #pragma once
 
-#include "delegate/description/description_reader.h"
+#include "delegate/description/load_state.h"
 
 namespace alabaster::hd::description {
 

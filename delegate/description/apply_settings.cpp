@@ -1,7 +1,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "delegate/description/description_reader.h"
+#include "delegate/description/load_state.h"
 #include "delegate/host/product_writer.h"
 #include "delegate/support/json_values.h"
 #include "delegate/support/process_usage.h"

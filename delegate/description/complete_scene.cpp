@@ -1,8 +1,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "delegate/description/description_reader.h"
 #include "delegate/description/layers.h"
+#include "delegate/description/load_state.h"
 #include "delegate/description/placement.h"
 #include "delegate/description/studio.h"
 #include "delegate/support/lookup.h"

@@ -3,7 +3,7 @@
 
 #include "delegate/archive/archive.h"
 #include "delegate/description/apply_motion.h"
-#include "delegate/description/description_reader.h"
+#include "delegate/description/load_state.h"
 #include "delegate/description/prims.h"
 
 namespace alabaster::hd::description {

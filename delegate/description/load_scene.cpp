@@ -3,8 +3,8 @@
 
 #include "core/files/input_file.h"
 #include "core/files/real_path.h"
-#include "delegate/description/description_reader.h"
 #include "delegate/description/layers.h"
+#include "delegate/description/load_state.h"
 #include "delegate/description/schema_check.h"
 #include "delegate/support/extension.h"
 #include "delegate/support/process_usage.h"

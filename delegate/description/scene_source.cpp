@@ -4,7 +4,7 @@
 
 #include "core/math/float_environment.h"
 #include "delegate/description/apply_motion.h"
-#include "delegate/description/description_reader.h"
+#include "delegate/description/load_state.h"
 #include "delegate/description/prims.h"
 
 namespace alabaster::hd::description {

@@ -46,7 +46,7 @@ std::vector<Matrix4d> placements_of(const Path& path, const MeshRecord& mesh, su
 }
 
 // For want of memory or threads.
-bool is_refused(const MeshBuild& built) {
+bool is_refused(const BuiltMesh& built) {
   return built.fault && !built.fault->input;
 }
 
@@ -63,7 +63,7 @@ MeshRequest request_of(const Path& path, const MeshRecord& mesh, const Records& 
 
 }  // namespace
 
-const MeshBuild* BuiltMeshes::find(const Path& mesh) const {
+const BuiltMesh* BuiltMeshes::find(const Path& mesh) const {
   const auto held = held_.find(mesh);
   return held == held_.end() || !held->second.done ? nullptr : &held->second.built;
 }
@@ -81,7 +81,7 @@ SceneFaults BuiltMeshes::faults(const Records& records, const support::Selection
 }
 
 // Makes `held_` the meshes of the records, moves those that are gone or hidden to `dropped_`, and returns those to
-// build. A mesh that has not been edited for kMostOthers builds gives up what would make an edit of its points quick.
+// build. A mesh that has not been edited for kMostUnedited builds gives up what would make an edit of its points quick.
 std::vector<BuiltMeshes::Entry*> BuiltMeshes::collect(const Scene& scene, const std::shared_ptr<MemoryBudget>& budget) {
   const auto& [records, selections, view] = scene;
   support::Placements placements(
@@ -97,8 +97,8 @@ std::vector<BuiltMeshes::Entry*> BuiltMeshes::collect(const Scene& scene, const 
     const bool same_shape =
         held != held_.end() && held->second.job->source == job.source && held->second.job->request == job.request;
     if (same_shape && held->second.job->slots == job.slots && held->second.done) {
-      constexpr int kMostOthers = 16;
-      if (held->second.edits && ++held->second.edits_of_others == kMostOthers) held->second.edits->rest();
+      constexpr int kMostUnedited = 16;
+      if (held->second.edits && ++held->second.unedited_builds == kMostUnedited) held->second.edits->rest();
       needed.insert(held_.extract(held));
       continue;
     }

@@ -35,7 +35,7 @@ class BuiltMeshes {
   /// No edits are expected for now: frees what would make those of points quick.
   void rest();
   /// Null: it has not been built.
-  const MeshBuild* find(const Path& mesh) const;
+  const BuiltMesh* find(const Path& mesh) const;
   template <class Visit>
   void for_each(const Visit& visit) const {
     for (const auto& [path, held] : held_)
@@ -49,11 +49,11 @@ class BuiltMeshes {
  private:
   struct Held {
     std::shared_ptr<const MeshJob> job;
-    MeshBuild built;
+    BuiltMesh built;
     bool done = false;
-    bool has_shape = false;                       // only the slots are missing
+    bool has_shape = false;                       // `built` may serve other slots, and meshes of equal geometry
     std::shared_ptr<PointEdits> edits = nullptr;  // null: none so far
-    int edits_of_others = 0;                      // since the last one
+    int unedited_builds = 0;                      // since the last edit
     KnownFaults faults = {};
   };
   using Entry = std::pair<const Path, Held>;

@@ -93,7 +93,7 @@ DeformedMeshes Deformations::in(const Shutter& shutter, const BuiltMeshes& meshe
   DeformedMeshes drawn;
   std::set<Path> deforming;
   std::map<const Deformation*, std::shared_ptr<const MeshPrototype>> shared;  // by meshes of equal geometry
-  meshes.for_each([&](const Path& path, const MeshBuild& mesh) {
+  meshes.for_each([&](const Path& path, const BuiltMesh& mesh) {
     if (!mesh.deformation || !mesh.prototype) return;
     deforming.insert(path);
     Built& built = built_[path];

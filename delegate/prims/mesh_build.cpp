@@ -115,7 +115,7 @@ class MeshBuilder {
         cancel_(cancel) {}
 
   MeshResult run() {
-    MeshBuild out;
+    BuiltMesh out;
     try {
       out = job_.shape ? assign_slots(*job_.shape) : build();
     } catch (const MemoryRefused& e) {
@@ -130,8 +130,8 @@ class MeshBuilder {
 
  private:
   // The same shape with other slots. Nothing was reported when it was built: its faces are those of the topology.
-  MeshBuild assign_slots(const MeshBuild& shape) {
-    MeshBuild out = shape;
+  BuiltMesh assign_slots(const BuiltMesh& shape) {
+    BuiltMesh out = shape;
     const std::vector<int32_t>& face = shape.prototype->mesh.triangle_face;
     struct Held {
       MemoryReservation memory;
@@ -149,9 +149,9 @@ class MeshBuilder {
     return out;
   }
 
-  MeshBuild build() {
+  BuiltMesh build() {
     const MeshRequest& request = job_.request;
-    MeshBuild out;
+    BuiltMesh out;
     const size_t faces = mesh_.topology.faceVertexCounts.size();
     const MemoryReservation cage_memory(param_.memory(), MemoryUse::meshes,
                                         memory_bytes(mesh_, request.primvars) + faces * sizeof(int32_t),
@@ -203,7 +203,7 @@ class MeshBuilder {
     return deformation;
   }
 
-  void add_bvh(std::shared_ptr<MeshPrototype> prototype, MeshBuild* out) {
+  void add_bvh(std::shared_ptr<MeshPrototype> prototype, BuiltMesh* out) {
     const SyncClock::Running running(&param_.clock, SyncPhase::bvh);
     const CancelToken cancel = cancel_;
     prototype->object =

@@ -15,7 +15,7 @@ struct Deformation {
   MemoryReservation memory = {};
 };
 
-struct MeshBuild {
+struct BuiltMesh {
   std::shared_ptr<const MeshPrototype> prototype;  // null: nothing to draw
   std::shared_ptr<const Deformation> deformation;  // null: the prototype's shape is that of all times
   std::shared_ptr<const TriangleSlots> slots;      // in the place of the prototype's; null: those
@@ -61,11 +61,11 @@ struct MeshJob {
   std::shared_ptr<const FaceSlots> slots;
   MeshRequest request;
   std::shared_ptr<PointEdits> edits;  // null: none so far
-  std::optional<MeshBuild> shape;     // the same mesh with other slots: only those are built
+  std::optional<BuiltMesh> shape;     // the same mesh with other slots: only those are built
 };
 
 struct MeshResult {
-  MeshBuild built;
+  BuiltMesh built;
   std::vector<alabaster::Diagnostic> reports;         // faults of the mesh
   std::optional<alabaster::Diagnostic> failure = {};  // an exception; nothing was built
 };

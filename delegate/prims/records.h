@@ -29,9 +29,9 @@ using SceneFaults = std::map<Path, SceneFault>;
 support::HoldPlacements hold_placements_in(std::shared_ptr<MemoryBudget> budget);
 
 struct MeshRecord {
-  std::shared_ptr<const PulledMesh> source;             // the shape; another one after each edit of it
-  std::shared_ptr<const FaceSlots> slots;               // the same
-  std::shared_ptr<const OtherPrimvars> other_primvars;  // the same; null: none
+  std::shared_ptr<const PulledMesh> source;             // the shape; another object after each edit of it
+  std::shared_ptr<const FaceSlots> slots;               // another object after each edit of them
+  std::shared_ptr<const OtherPrimvars> other_primvars;  // another object after each edit of them; null: none
   Matrix4d transform;
   alabaster::TimeSamples<Matrix4d> motion;  // of the transform; empty: stands still
   bool visible = true;
@@ -90,7 +90,7 @@ const T* find_record(const Records& records, const Path& path) {
 }
 
 /// True for cameras and settings, which no snapshot has: a render compares them when it starts.
-inline bool is_view(const Record& record) {
+inline bool is_camera_or_settings(const Record& record) {
   return std::holds_alternative<CameraRecord>(record) || std::holds_alternative<SettingsRecord>(record);
 }
 

@@ -129,11 +129,11 @@ std::optional<Shutter> shutter_of(const Records& records) {
   return all;
 }
 
-CameraParameters posed_camera(const CameraRecord& record, const Shutter& scene) {
+CameraParameters posed_camera(const CameraRecord& record, const Shutter& of_scene) {
   CameraParameters camera = record.camera;
-  if (scene.length() > 0) {
+  if (of_scene.length() > 0) {
     const auto share = [&](double time) {
-      return static_cast<float>(std::clamp((time - scene.open) / scene.length(), 0.0, 1.0));
+      return static_cast<float>(std::clamp((time - of_scene.open) / of_scene.length(), 0.0, 1.0));
     };
     camera.opens = share(record.shutter().open), camera.closes = share(record.shutter().close);
   }
@@ -213,7 +213,7 @@ struct SceneTranslator::Run {
   }
 
   void add_placed(const Path& path, const MeshRecord& mesh) {
-    const MeshBuild* const built = parts.meshes.find(path);
+    const BuiltMesh* const built = parts.meshes.find(path);
     if (!parts.selection.includes(path, mesh.visible, mesh.render_tag) || !built || !built->prototype) return;
     InstanceDescription instance;
     const auto moved = parts.deformed.find(path);

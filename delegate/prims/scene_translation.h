@@ -19,8 +19,8 @@ using DeformedMeshes = std::map<Path, std::shared_ptr<const MeshPrototype>>;
 /// The shutter of the scene, from the first camera's that opens to the last one's that closes; whichever camera a pass
 /// takes later. The times of a snapshot count from 0 to 1 through it. Empty: there is no camera.
 std::optional<Shutter> shutter_of(const Records& records);
-/// The camera with its poses in its own shutter, which lies in `scene`.
-CameraParameters posed_camera(const CameraRecord& record, const Shutter& scene);
+/// The camera with its poses in its own shutter, which lies in that of the scene.
+CameraParameters posed_camera(const CameraRecord& record, const Shutter& of_scene);
 
 struct Translation {
   SceneDescription scene;

@@ -101,9 +101,9 @@ uint32_t DelegateState::settings_version() const {
 const prims::SettingsRecord* DelegateState::settings_prim() const {
   if (const auto held = settings_.find("renderSettingsPrimPath"); held != settings_.end())
     if (const Path named(held->second.text_or("")); !named.empty()) {
-      return prims::find_record<prims::SettingsRecord>(views_, named);
+      return prims::find_record<prims::SettingsRecord>(cameras_and_settings_, named);
     }
-  for (const auto& [path, record] : views_)
+  for (const auto& [path, record] : cameras_and_settings_)
     if (const auto* settings = std::get_if<prims::SettingsRecord>(&record)) return settings;
   return nullptr;
 }
@@ -130,17 +130,17 @@ Path DelegateState::settings_camera() const {
   return prim ? prim->settings.camera : Path();
 }
 
-std::optional<CameraParameters> DelegateState::camera(const Path& path, const Shutter& scene) const {
+std::optional<CameraParameters> DelegateState::camera(const Path& path, const Shutter& of_scene) const {
   const std::lock_guard lock(mutex_);
-  const auto* record = prims::find_record<prims::CameraRecord>(views_, path);
+  const auto* record = prims::find_record<prims::CameraRecord>(cameras_and_settings_, path);
   if (!record) return std::nullopt;
-  return prims::posed_camera(*record, scene);
+  return prims::posed_camera(*record, of_scene);
 }
 
 std::string DelegateState::nearest_camera(const Path& path) const {
   std::vector<std::string> known;
   const std::lock_guard lock(mutex_);
-  for (const auto& [name, record] : views_)
+  for (const auto& [name, record] : cameras_and_settings_)
     if (std::holds_alternative<prims::CameraRecord>(record)) known.push_back(name.str());
   return support::DidYouMean(path.str(), known);
 }
@@ -193,21 +193,21 @@ std::shared_ptr<const Denoiser> DelegateState::denoiser(std::string* problem) {
   return denoiser_;
 }
 
-// Memory may run out at any step: an edit leaves the list once it is applied whole. A prim that is gone may have been
-// of either kind.
+// Takes up edits of cameras and settings prims, and leaves all others to the builder (drawn_). Memory may run out at
+// any step: an edit leaves the list once it is applied whole. The record of a prim that is gone does not tell its kind.
 void DelegateState::split_edits() {
   edits_.splice(edits_.end(), param->take_edits());
   while (!edits_.empty()) {
     prims::Edit& edit = edits_.front();
-    bool is_view = prims::is_view(edit.record);
+    bool is_own = prims::is_camera_or_settings(edit.record);
     {
       const std::lock_guard lock(mutex_);
-      if (is_view)
-        views_[edit.id] = std::move(edit.record);
+      if (is_own)
+        cameras_and_settings_[edit.id] = std::move(edit.record);
       else if (std::holds_alternative<std::monostate>(edit.record))
-        is_view = views_.erase(edit.id) != 0;
+        is_own = cameras_and_settings_.erase(edit.id) != 0;
     }
-    if (is_view)
+    if (is_own)
       edits_.pop_front();
     else
       drawn_.splice(drawn_.end(), edits_, edits_.begin());
@@ -234,7 +234,7 @@ SnapshotBuilder::View DelegateState::wanted_view() {
   std::optional<Shutter> shutter;
   {
     const std::lock_guard lock(mutex_);
-    shutter = prims::shutter_of(views_);
+    shutter = prims::shutter_of(cameras_and_settings_);
   }
   std::vector<support::Selection> selections;
   for (const auto& pass : passes()) {
@@ -291,7 +291,7 @@ std::string DelegateState::dump() {
   const auto built = scene();
   const prims::Translation nothing;
   const std::lock_guard lock(mutex_);
-  return prims::dump_scene(built ? built->translation : nothing, views_);
+  return prims::dump_scene(built ? built->translation : nothing, cameras_and_settings_);
 }
 
 std::string DelegateState::requirements() {

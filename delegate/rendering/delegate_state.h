@@ -64,8 +64,8 @@ class DelegateState {
   void release_retired() { builder_.release_retired(); }
   /// For the threads of passes that render.
   const std::shared_ptr<WakeRelay>& wakes() const { return builder_.wakes(); }
-  /// In the shutter of `scene`. Empty: there is no such camera.
-  std::optional<CameraParameters> camera(const Path& path, const Shutter& scene) const;
+  /// With its poses in the scene's shutter. Empty: there is no such camera.
+  std::optional<CameraParameters> camera(const Path& path, const Shutter& of_scene) const;
   /// The end of a sentence about a camera that does not exist: the nearest path that one has.
   std::string nearest_camera(const Path& path) const;
   /// Why a pass has no snapshot; empty if it has one, or may get one.
@@ -112,7 +112,7 @@ class DelegateState {
   mutable std::mutex mutex_;  // guards what follows, for look-ups only
   std::map<Token, Value> settings_;
   uint32_t settings_version_ = 0;
-  prims::Records views_;  // cameras and settings prims
+  prims::Records cameras_and_settings_;  // which no snapshot has
   std::shared_ptr<const RenderRequest> last_request_;
   std::weak_ptr<PassControl> last_pass_;
   std::vector<std::weak_ptr<PassControl>> passes_;
@@ -123,7 +123,7 @@ class DelegateState {
 
   // Host thread only.
   std::list<prims::Edit> edits_;               // taken, but not applied yet
-  std::list<prims::Edit> drawn_;               // not handed over yet
+  std::list<prims::Edit> drawn_;               // for the builder, not handed over yet
   std::optional<SnapshotBuilder::View> view_;  // handed over last
   bool committed_ = false;                     // once
 

@@ -1,4 +1,4 @@
-#include "delegate/description/description_reader.h"
+#include "delegate/description/load_state.h"
 
 #include <filesystem>
 

@@ -1,5 +1,5 @@
-// Applies the parts of a render description to the scene, each in a file of its own. The schema has already accepted
-// all values; these check the rest (names, indices, contradictions).
+// The state of a load, and the steps that change it, each in a file of its own. The schema has already accepted all
+// values; the steps check the rest (names, indices, contradictions).
 #pragma once
 
 #include <map>
@@ -13,7 +13,7 @@
 
 namespace alabaster::hd::description {
 
-/// The camera under construction: first from the description, then from the overrides.
+/// The camera that the description and the options over it ask for.
 struct CameraPlan {
   std::string use;  // path of an existing camera
   std::optional<Matrix4d> transform;
