@@ -38,7 +38,8 @@ class Loader {
 
   void run(const std::string& file) {
     const DiagnosticSink& sink = *state_.sink;
-    JsonDocument given;  // the options alone
+    // Check the options alone: their faults are those of usage, and their memory limit counts while the file is read.
+    JsonDocument given;
     given.value = nlohmann::json::object();
     require(add_options(state_.options, sink, &given) && check_description(given, sink), LoadCause::option);
     limit_memory(given);

@@ -13,7 +13,7 @@
 
 namespace alabaster::hd::description {
 
-/// The camera that the description and the options over it ask for.
+/// The camera as the description and the options over it have it.
 struct CameraPlan {
   std::string use;  // path of an existing camera
   std::optional<Matrix4d> transform;

@@ -16,9 +16,9 @@ struct ALABASTER_API Override {
   Override(std::string option, std::string where, Value given)
       : origin(std::move(option)), place(std::move(where)), value(std::move(given)) {}
 
-  std::string origin;  // of an assignment the assignment
-  std::string place;
-  Value value;  // a text may be JSON. Empty: the assignment is none
+  std::string origin;  // as messages name it: the option, or the whole assignment
+  std::string place;   // left of "=" in an assignment
+  Value value;         // a text may be JSON. Empty: `origin` is no assignment
 };
 
 /// Changes to a scene while it is loaded: layers over its file. They pass the same checks as a file.

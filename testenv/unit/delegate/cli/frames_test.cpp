@@ -107,7 +107,7 @@ TEST_F(FramesTest, StatisticsHaveTheFrameOfAnArchive) {
   Program convert(folder_, {"convert", "moving.gltf", "--set", "frame=7", "-o", "moving.alab"});
   ASSERT_EQ(convert.wait(), 0) << convert.err();
   ASSERT_EQ(render("moving.alab", {"-o", "f.exr", "--stats", "s.json"}), 0);
-  EXPECT_EQ(json::parse(std::ifstream(folder_ / "s.json"))["frames"], json{7});
+  EXPECT_EQ(json::parse(std::ifstream(folder_ / "s.json"))["frames"], json::array({7}));
 }
 
 TEST_F(FramesTest, WithoutATimeThePoseIsThatOfTheFile) {
