@@ -39,6 +39,7 @@ std::vector<uint8_t> essential_png(std::span<const uint8_t> file, std::string& e
     return {};
   }
   result.assign(file.begin(), file.begin() + kSignature);
+  bool has_exif = false;  // a file has one eXIf chunk; the first counts, as in libpng
   for (size_t at = kSignature;;) {
     if (file.size() - at < kFrame) {
       error = "the file is cut off (no IEND chunk)";
@@ -57,7 +58,8 @@ std::vector<uint8_t> essential_png(std::span<const uint8_t> file, std::string& e
     }
     const bool critical = (chunk[4] & 0x20) == 0;  // PNG specification 5.4: upper-case first letter
     if (critical || type == "tRNS") result.insert(result.end(), chunk.begin(), chunk.end());
-    if (type == "eXIf" && orientation) *orientation = exif_orientation(chunk.subspan(kData, length));
+    if (type == "eXIf" && orientation && !has_exif) *orientation = exif_orientation(chunk.subspan(kData, length));
+    has_exif |= type == "eXIf";
     if (type == "IEND") return result;
     at += chunk.size();
   }

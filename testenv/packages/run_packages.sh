@@ -44,6 +44,15 @@ PYTHON
 "$build/bin/alabaster" render "$scene" -o "$scratch/built.exr" --size 96x64 --spp 4 --quiet
 # OpenColorIO of the wheel is another version: colours may differ by one step of a half.
 oiiotool "$scratch/built.exr" --ch R,G,B "$scratch/wheel.exr" --ch R,G,B --fail 0.002 --warn 0.002 --diff
+# The extra [denoise] brings the denoiser; without it --denoise is refused by a sentence that names what to install.
+denoised="render $scene -o $scratch/denoised.exr --denoise --size 96x64 --spp 4 --quiet"
+# shellcheck disable=SC2086  # the arguments are meant to be split
+if "$scratch/venv/bin/alabaster" $denoised 2>"$scratch/refused.txt"; then echo "error: denoised without a denoiser"; exit 1; fi
+grep -q pyoidn "$scratch/refused.txt" || { cat "$scratch/refused.txt"; exit 1; }
+"$scratch/venv/bin/pip" install --quiet --disable-pip-version-check "$wheel[denoise]"
+# shellcheck disable=SC2086
+"$scratch/venv/bin/alabaster" $denoised
+oiiotool --info -v "$scratch/denoised.exr" | grep -q 'denoised\.R' || { echo "error: no layer denoised"; exit 1; }
 ls "$scratch"/venv/lib/python3*/site-packages/hdalabaster-*.dist-info/licenses/alabaster.txt >/dev/null
 
 # The .deb in a bare system.

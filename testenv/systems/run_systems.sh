@@ -1,8 +1,9 @@
 #!/bin/sh
-# README's two commands and the packages on Debian from bare, in a chroot each. Needs root; installs debootstrap. Keeps a row
-# of results.md for each system: date, revision, versions and seconds.
-#   run_systems.sh [bookworm] [trixie]     both without an argument
-# Environment: DEBIAN_MIRROR (else the first one of /etc/apt), SYSTEMS_FOLDER (else build/systems; 6 GB for each system),
+# README's two commands and the packages on Debian and Ubuntu from bare, in a chroot each. Needs root; installs debootstrap.
+# Keeps a row of results.md for each system: date, revision, versions and seconds.
+#   run_systems.sh [bookworm] [trixie] [noble]     the two of Debian without an argument
+# Environment: DEBIAN_MIRROR (else the first one of /etc/apt), UBUNTU_MIRROR (else archive.ubuntu.com), DEBOOTSTRAP_OPTIONS (for
+# example --no-check-gpg where Ubuntu's keyring is missing), SYSTEMS_FOLDER (else build/systems; 6 GB for each system),
 # ALABASTER_TEST_ASSETS (read-only in the chroot), SYSTEMS_STEPS (else "picture tests packages").
 # The committed revision is tested, not the work tree. Exits with 1 if a step of a system failed.
 set -eu
@@ -79,7 +80,13 @@ for release in "$@"; do
   root="$folder/$release"
   leave || { echo "error: $root is in use" >&2; exit 1; }
   rm -rf --one-file-system "$root"
-  debootstrap --variant=minbase "$release" "$root" "$mirror" > "$folder/$release.debootstrap.log"
+  # shellcheck disable=SC2086  # options are meant to be split
+  case $release in
+    # Debian 12's debootstrap has no script of this name; that of jammy is the same.
+    noble) debootstrap --variant=minbase --components=main,universe ${DEBOOTSTRAP_OPTIONS:-} "$release" "$root" \
+      "${UBUNTU_MIRROR:-http://archive.ubuntu.com/ubuntu}" /usr/share/debootstrap/scripts/jammy ;;
+    *) debootstrap --variant=minbase ${DEBOOTSTRAP_OPTIONS:-} "$release" "$root" "$mirror" ;;
+  esac > "$folder/$release.debootstrap.log"
   mkdir "$root/alabaster"
   git -C "$top" archive HEAD | tar -x -C "$root/alabaster"
   trap leave EXIT
@@ -88,10 +95,12 @@ for release in "$@"; do
   step tests "sh testenv/run_tests.sh"
   packages="no script"
   if [ -e "$top/testenv/packages/run_packages.sh" ]; then step packages "sh testenv/packages/run_packages.sh"; fi
-  debian=$(cat "$root/etc/debian_version")
+  system=$(. "$root/etc/os-release" && echo "$NAME" | sed 's| GNU/Linux||')
+  number=$(. "$root/etc/os-release" && echo "$VERSION_ID")
+  [ "$system" != Debian ] || number=$(cat "$root/etc/debian_version")
   revision=$(git -C "$top" rev-parse --short HEAD)
   versions="g++ $(chroot "$root" g++ -dumpfullversion), Embree $(version libembree-dev), OpenImageIO $(version libopenimageio-dev), OpenColorIO $(version libopencolorio-dev), Python $(version python3)"
-  echo "| $(date -u +%F) | $revision | Debian $debian | $versions | $(nproc) | $picture | $tests | $packages |" >> "$here/results.md"
+  echo "| $(date -u +%F) | $revision | $system $number | $versions | $(nproc) | $picture | $tests | $packages |" >> "$here/results.md"
   leave
   trap - EXIT
 done
