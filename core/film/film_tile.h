@@ -38,7 +38,9 @@ struct HitVectors {
   static constexpr size_t index(Aov aov) { return static_cast<size_t>(aov) - static_cast<size_t>(Aov::eye_point); }
   const std::array<float, 3>& of(Aov aov) const { return values[index(aov)]; }
   void set(Aov aov, const Vec3f& v) { values[index(aov)] = {v.x, v.y, v.z}; }
-  std::array<std::array<float, 3>, 3 + kMostPrimvarAovs> values{};
+  static constexpr size_t kCount =
+      static_cast<size_t>(primvar_aov(kMostPrimvarAovs)) - static_cast<size_t>(Aov::eye_point);
+  std::array<std::array<float, 3>, kCount> values{};
 };
 
 /// The result of one camera sample. Values of the first hit keep their defaults where no bound AOV shows them.
