@@ -85,8 +85,8 @@ typedef void (*AlabasterReport)(void* user, const AlabasterDiagnostic* diagnosti
    of type ALABASTER_NONE sets a field's default, and takes away what a scene has named (a primvar, an input, a node by
    its type). Words and paths may be tokens, strings or paths. An unknown kind or field, a value of another type and one
    out of range are INVALID_ARGUMENT, and nothing is changed; last_error names the nearest field, or what the value must
-   be. Parameters of lights, cameras and materials may be out of range: the renderer warns and uses the nearest value.
-   Setting transform or a primvar without its samples takes these away.
+   be. Parameters of lights, cameras and materials and options of meshes may be out of range: the renderer warns and
+   uses the nearest value. Setting transform or a primvar without its samples takes these away.
 
    Kinds are mesh, instancer, material, camera, renderSettings, rectLight, diskLight, cylinderLight, sphereLight,
    distantLight and domeLight. Each has a page of fields in delegate/manual/parameters, which is installed as

@@ -37,6 +37,11 @@ std::string pull_subsurface_set(SceneDelegate& scene, const Path& id, const std:
   return pulled.interpolation == Interpolation::constant ? name : std::string();
 }
 
+template <class T>
+void take_only_element(Value* value) {
+  if (const auto* elements = value->get<Array<T>>(); elements && elements->size() == 1) *value = Value((*elements)[0]);
+}
+
 // Each option is a constant primvar. A number stands for true unless it is 0.
 void pull_options(SceneDelegate& scene, const Path& id, const std::vector<PrimvarDescriptor>& descriptors,
                   const alabaster::DiagnosticSink& sink, MeshOptions* options) {
@@ -45,12 +50,17 @@ void pull_options(SceneDelegate& scene, const Path& id, const std::vector<Primva
     const Value otherwise = get_parameter(row, *options);
     const PulledPrimvar pulled = pull_primvar(scene, id, row.name, descriptors);
     if (!pulled.present) continue;
-    const auto* numbers = pulled.value.get<Array<float>>();
-    const Value value = numbers && numbers->size() == 1 ? Value((*numbers)[0]) : pulled.value;
-    if (pulled.interpolation != Interpolation::constant || set_parameter(row, value, options) == ParameterFault::type)
+    Value value = pulled.value;
+    take_only_element<float>(&value);
+    take_only_element<Vec3f>(&value);
+    const bool is_constant = pulled.interpolation == Interpolation::constant;
+    const ParameterFault fault = is_constant ? set_parameter(row, value, options) : ParameterFault::type;
+    if (fault == ParameterFault::type)
       alabaster::report(sink, alabaster::Severity::warning, "mesh." + std::string(row.name), id.str(),
                         "primvar " + std::string(row.name) + " must be a constant of the type in schemas/mesh.json; " +
                             otherwise.to_string() + " is used");
+    else
+      report_fault(sink, id.str(), row.name, fault, value);
   }
 }
 

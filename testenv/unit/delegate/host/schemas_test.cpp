@@ -8,6 +8,7 @@
 #include "core/camera/camera.h"
 #include "core/light/light_description.h"
 #include "core/material/disney_material.h"
+#include "core/scene/mesh_options.h"
 #include "core/session/render_settings.h"
 #include "testenv/support/build_paths.h"
 
@@ -58,7 +59,8 @@ TEST(Schemas, EveryParameterHasItsWords) {
       EXPECT_STRNE(row.text, "") << row.name;
     }
   };
-  check(material_parameters()), check(light_parameters()), check(camera_parameters()), check(setting_parameters());
+  check(material_parameters()), check(mesh_parameters()), check(light_parameters()), check(camera_parameters());
+  check(setting_parameters());
 }
 
 }  // namespace

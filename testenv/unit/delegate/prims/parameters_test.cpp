@@ -3,6 +3,7 @@
 
 #include <cmath>
 #include <fstream>
+#include <limits>
 #include <set>
 
 #include <nlohmann/json.hpp>
@@ -87,6 +88,34 @@ TEST(Parameters, MaterialDefaultsAreTheSchemas) {
                                          : Value(d.get<float>());
     EXPECT_NE(text.find("\n  " + name + " " + value.to_string() + "\n"), std::string::npos) << name;
   }
+}
+
+TEST(Parameters, EveryMeshOptionOfTheSchemaArrives) {
+  Stage stage;
+  host::MeshDescription mesh = Stage::quad();
+  std::map<std::string, std::string> expected;
+  const json schema = schema_properties("mesh");
+  for (const auto& [name, property] : schema.items()) {
+    if (name == "subsurfaceSet") continue;  // a name, for objects that scatter
+    const Probe p = probe(property);
+    mesh.primvars[name] = {Interpolation::constant, {}, p.value, {}};
+    expected[name] = p.text;
+  }
+  stage.scene.SetMesh("/mesh", mesh);
+  const std::string text = stage.dump();
+  for (const auto& [name, value] : expected)
+    EXPECT_NE(text.find("\n  " + name + " " + value + "\n"), std::string::npos) << name << "\n" << text;
+  EXPECT_TRUE(stage.take_diagnostics().empty());
+}
+
+// A host's curve may overshoot.
+TEST(Parameters, AMeshOptionOutOfRangeIsReported) {
+  Stage stage;
+  host::MeshDescription mesh = Stage::quad();
+  mesh.primvars["holdout"] = {Interpolation::constant, {}, std::numeric_limits<float>::infinity(), {}};
+  stage.scene.SetMesh("/mesh", mesh);
+  EXPECT_NE(stage.dump().find("\n  holdout true\n"), std::string::npos);
+  EXPECT_EQ(stage.count("parameter.range"), 1u);
 }
 
 TEST(Parameters, EveryLightParameterOfTheSchemaArrivesAndDefaultsAgree) {
