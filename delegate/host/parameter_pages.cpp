@@ -149,7 +149,7 @@ std::string literal(const std::string& words) {
 std::string python_type(const Row& row) {
   if (row.type == "word") return literal(row.values);
   if (row.type == "array of token") return "Sequence[str]";
-  if (row.type.starts_with("array") || row.type == "matrix") return "_Array";
+  if (row.type.starts_with("array") || row.type == "matrix" || row.type == "color") return "_Array";
   if (row.type == "bool" || row.type == "int") return row.type;
   return row.type == "float" || row.type == "double" ? "float" : "str";
 }
