@@ -139,10 +139,13 @@ std::string expectation(const json& schema) {
   return text;
 }
 
-/// " Did you mean 'walk'?" of a value that is none of the schema's words; empty if none is near.
+/// " Did you mean 'walk'?" of a value that is none of the words of the schema and its alternatives; empty if none is
+/// near.
 std::string near_choice(const json& value, const json& schema) {
-  if (!value.is_string() || !schema.contains("enum")) return {};
-  return suggestion(value.get<std::string>(), schema["enum"].get<std::vector<std::string>>());
+  std::vector<std::string> words;
+  for (const json* part : alternatives(schema))
+    for (const json& word : part->value("enum", json::array())) words.push_back(word);
+  return value.is_string() ? suggestion(value.get<std::string>(), words) : std::string();
 }
 
 std::string shortened(const std::string& text) {

@@ -46,6 +46,7 @@ constexpr Row kRows[] = {
     {R"({"camera":{"transform":{"rotate":{"axis":[0,1,0],"angle":20}}}})", "expected a list of 3 numbers"},
     {R"({"products":[{"file":"a.exr","aovs":["color","primvars:a"]}]})", ""},
     {R"({"products":[{"file":"a.exr","aovs":["primvars:"]}]})", "or a text that begins with 'primvars:'"},
+    {R"({"products":[{"file":"a.exr","aovs":["cameraDepht"]}]})", "Did you mean 'cameraDepth'?"},
     {R"({"products":[{}]})", "'file' is missing"},
     {R"([])", "expected an object"},
     {R"({"gltf":{}})", "expected a list of entries"},
@@ -74,7 +75,8 @@ void add_keywords(const json& schema, std::set<std::string>* all) {
 
 TEST(SchemaCheck, SchemasHaveNoOtherKeywords) {
   std::set<std::string> keywords;
-  for (const char* name : {"render_description", "disney_material", "textures", "lights", "camera", "render_settings"})
+  for (const char* name :
+       {"render_description", "disney_material", "textures", "mesh", "lights", "camera", "render_settings"})
     add_keywords(json::parse(SchemaText(name)), &keywords);
   const std::set<std::string> checked = {"additionalProperties",
                                          "allOf",
