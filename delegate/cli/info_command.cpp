@@ -357,7 +357,7 @@ const std::vector<std::string> kSchemas{"disney_material", "textures",          
 
 void write_table_files(const std::string& sources, Console* console) {
   std::map<std::string, std::string> texts = hd::host::TableFiles();
-  texts["schemas/render_description.json"] = hd::host::WithTables(hd::description::SchemaText("render_description"));
+  texts["schemas/render_description.json"] = hd::description::SchemaText("render_description");
   for (const auto& [name, text] : texts) console->write_file(sources + "/" + name, text, "The file");
 }
 

@@ -114,8 +114,8 @@ ALABASTER_API std::string WithOptions(const std::string& text, const LoadOptions
                                       const std::function<std::string(const std::string&)>& place);
 
 /// The text of a schema by name: disney_material, mesh, lights, camera, render_settings, render_description, or
-/// quality_presets, which holds settings and measurements rather than a schema. Null if unknown. The texts of schemas/
-/// are embedded at build time.
+/// quality_presets, which holds settings and measurements rather than a schema. Null if unknown. The texts are those of
+/// schemas/, but for rows of tables that have not been written there yet.
 ALABASTER_API const char* SchemaText(const std::string& name);
 
 }  // namespace alabaster::hd::description

@@ -6,6 +6,7 @@
 
 #include "delegate/description/name_match.h"
 #include "delegate/description/render_description.h"
+#include "delegate/host/schemas.h"
 #include "delegate/support/retired_settings.h"
 #include "delegate/support/schema_text.h"
 
@@ -355,8 +356,16 @@ bool check_description(const JsonDocument& document, const DiagnosticSink& sink)
   return Checker(document, sink).run();
 }
 
+// A row of a table is in the schemas of the library that has the row: they are made from the tables, once. They are
+// never destroyed, because threads may load while the process ends.
 const char* SchemaText(const std::string& name) {
-  return support::schema_text(name);
+  static const auto* made = new std::map<std::string, std::string>([] {
+    std::map<std::string, std::string> texts = host::TableSchemas();
+    texts["render_description"] = host::WithTables(support::schema_text("render_description"));
+    return texts;
+  }());
+  const auto found = made->find(name);
+  return found == made->end() ? support::schema_text(name) : found->second.c_str();
 }
 
 }  // namespace alabaster::hd::description

@@ -149,9 +149,15 @@ ordered_json TableProperties(const std::string& name) {
   return properties;
 }
 
+std::map<std::string, std::string> TableSchemas() {
+  std::map<std::string, std::string> texts;
+  for (const Schema& schema : kSchemas) texts[schema.name] = schema_text(schema);
+  return texts;
+}
+
 std::map<std::string, std::string> TableFiles() {
   std::map<std::string, std::string> files;
-  for (const Schema& schema : kSchemas) files[std::string("schemas/") + schema.name + ".json"] = schema_text(schema);
+  for (const auto& [name, text] : TableSchemas()) files["schemas/" + name + ".json"] = text;
   AddParameterPages(&files);
   return files;
 }

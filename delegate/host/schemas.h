@@ -8,6 +8,10 @@
 
 namespace alabaster::hd::host {
 
+/// The texts of the schemas that are written from tables, by their names: disney_material, mesh, lights, camera and
+/// render_settings.
+ALABASTER_API std::map<std::string, std::string> TableSchemas();
+
 /// The texts of these files, by their paths in the sources: the schemas disney_material, mesh, lights, camera and
 /// render_settings, delegate/manual/parameters and delegate/python/hdalabaster/_fields.pyi.
 ALABASTER_API std::map<std::string, std::string> TableFiles();

@@ -488,8 +488,9 @@ TEST_F(LoadSceneTest, FramingFollowsNestedInstances) {
   EXPECT_NEAR(widest, 0.86, 0.02) << "all of it, and not from farther than needed";
 }
 
-TEST_F(LoadSceneTest, SchemasAreEmbedded) {
-  for (const char* name : {"disney_material", "lights", "camera", "render_settings", "render_description"}) {
+TEST_F(LoadSceneTest, SchemasAreThoseOfTheFiles) {
+  for (const char* name : {"disney_material", "textures", "mesh", "lights", "camera", "render_settings",
+                           "render_description", "quality_presets"}) {
     ASSERT_NE(SchemaText(name), nullptr) << name;
     std::ifstream file(testing::source_file("schemas/") + name + ".json");
     const std::string text((std::istreambuf_iterator<char>(file)), std::istreambuf_iterator<char>());
