@@ -6,7 +6,7 @@
 Makes a worktree of HEAD in FOLDER with the four additions, each a commit, and prints the files and lines that each changes by hand. The
 additions have names, ranges and sentences and travel as far as core's descriptions; no integrator reads them. Then it prints the files
 and lines of an existing row of each kind that `alabaster schema --write .` writes, and those of each COMMIT that name four properties
-of meshes. `git worktree remove --force FOLDER` throws the additions away; built, they can be tried.
+of meshes. try_additions.py tries the additions once they are built, and `git worktree remove --force FOLDER` throws them away.
 """
 import argparse
 import pathlib
@@ -22,9 +22,9 @@ ADDITIONS = {
          '      {"trialSetting", &S::trial_setting, 0, 1, {},\n       "none", "A setting that a trial adds."},'),
     ],
     "trialOption": [
-        ("core/scene/mesh_options.h", "  bool holdout = false;", "  bool trial_option = false;"),
+        ("core/scene/mesh_options.h", "  bool holdout = false;", "  Rgb trial_option{0.0f};"),
         ("core/scene/mesh_options.cpp", "  static constexpr Parameter<O> kTable[] = {",
-         '      {"trialOption", &O::trial_option, -kUnbounded, kUnbounded, {},\n       "none", "An option that a trial adds."},'),
+         '      {"trialOption", &O::trial_option, 0, 1, {},\n       "none", "An option that a trial adds."},'),
     ],
     "trialParameter": [
         ("core/light/light_description.h", "  bool treat_as_point = false;", "  float trial_parameter = 0;"),
@@ -34,8 +34,8 @@ ADDITIONS = {
     "trialAov": [
         ("core/film/aov.h", "  motion,        // of the first hit over the picture, in pixels, while the shutter is open", "  trial,"),
         ("core/film/aov.h", '    {Aov::motion, "motion", AovSource::closest, AovValue::exact, 0, "motion", "XY"},',
-         '    {Aov::trial, "trialAov", AovSource::samples, AovValue::number, 0, "trialAov", "X"},'),
-        ("delegate/manual/pipeline.md", "| `sampleCount` | sampleCount.X | number of samples |", "| `trialAov` | trialAov.X | an AOV that a trial adds |"),
+         '    {Aov::trial, "trialAov", AovSource::samples, AovValue::number, 0.25f, "trialAov", "X"},'),
+        ("delegate/manual/pipeline.md", "| `sampleCount` | sampleCount.X | number of samples", "| `trialAov` | trialAov.X | an AOV that a trial adds |"),
     ],
 }
 
