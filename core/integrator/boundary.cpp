@@ -262,7 +262,7 @@ std::optional<Lobe> scatter_at_boundary(const PathContext& context, const PathVe
   const Interiors interiors_beyond = interiors_past(v, path->interiors);
   const Rgb passing = passing_factor(v, path->interiors, interiors_beyond);
   // Sample the lights, on each side for the directions that leave there.
-  path->search = v.material.scatters() ? ConstantDomes::sampled : ConstantDomes::left_to_lobes;
+  path->search = v.material.scatters() ? ConstantDomes::sampled : ConstantDomes::bsdf_sampling_only;
   path->lights = &context.scene.lights_of(*v.instance);
   const auto sample_lights = [&](const Departure& from, Side side) {
     const auto lobes = [&](const Vec3f& wi_world) -> ScatterValue {

@@ -9,7 +9,7 @@
 
 namespace alabaster {
 
-/// A scattering function's answer for a direction.
+/// The value of a scattering function for a direction.
 struct ScatterValue {
   Rgb f_cos{0.0f};
   float pdf = 0;                     // of sampling the direction, times the number of directions that are sampled
@@ -37,15 +37,15 @@ inline float visibility(const PathContext& context, const Vec3f& p, const LightS
   return context.scene.top->occluded(ray, &transmittance) ? 0.0f : transmittance.value();
 }
 
-/// LightWeight's. A light that fits into no float is left out, as its numbers alone decide.
+/// LightWeight::exit_light. Zero where the product is not finite, which depends on this sample alone.
 inline Rgb exit_light(const ScatterValue& value, const LightSample& light, float arrives) {
-  const float weight = light.delta || light.left_to_lobes ? 1.0f : power_heuristic(light.pdf, value.exit_pdf);
+  const float weight = light.delta || light.of_constant_dome ? 1.0f : power_heuristic(light.pdf, value.exit_pdf);
   const Rgb sent = light.radiance * (value.exit_cos * arrives * weight / light.pdf);
   return is_finite(sent) ? sent : Rgb(0.0f);
 }
 
 /// Inputs of next-event estimation at a point: lights, random numbers, search.
-struct LightNumbers {
+struct DirectLightInputs {
   const LightSet& lights;
   std::array<float, 4> u;
   LightSearch search;
@@ -56,12 +56,12 @@ struct LightNumbers {
 /// either plane of `horizon` may scatter. `scatter(wi)` gives the ScatterValue for a unit direction in render space; a
 /// zero value costs no ray. Calls `add(value, light, weight)` for each light that arrives.
 template <class Scatter, class Add>
-void for_direct_light(const PathContext& context, const Vec3f& p, const Horizon& horizon, const LightNumbers& numbers,
-                      const Scatter& scatter, const Add& add) {
-  numbers.lights.sample_lights(p, horizon, numbers.u, numbers.search, [&](const LightSample& light) {
+void for_direct_light(const PathContext& context, const Vec3f& p, const Horizon& horizon,
+                      const DirectLightInputs& inputs, const Scatter& scatter, const Add& add) {
+  inputs.lights.sample_lights(p, horizon, inputs.u, inputs.search, [&](const LightSample& light) {
     const ScatterValue value = scatter(light.wi);
     if (is_black(value.f_cos) && !(value.exit_cos > 0)) return;
-    const float arrives = visibility(context, p, light, numbers.within);
+    const float arrives = visibility(context, p, light, inputs.within);
     if (!(arrives > 0)) return;
     const float weight = light.delta ? 1.0f : power_heuristic(light.pdf, value.pdf);
     LightWeight how{light.pdf, weight, light.distance};
@@ -85,12 +85,12 @@ inline Vec3f origin_of(const PathContext& context, const Departure& from, const 
 /// Light scattered at a departure: each direction is lit from its own origin. Lights are sampled from the curved
 /// surface with a probability that falls with the wedge, which is small where the mesh is fine.
 template <class Scatter, class Add>
-void for_direct_light(const PathContext& context, const Departure& from, const LightNumbers& numbers,
+void for_direct_light(const PathContext& context, const Departure& from, const DirectLightInputs& inputs,
                       const Scatter& scatter, const Add& add) {
   const auto above = [&](const Vec3f& wi) { return from.is_above(wi) ? scatter(wi) : ScatterValue(); };
-  for_direct_light(context, from.flat, {from.ng, from.n}, numbers, above, add);
+  for_direct_light(context, from.flat, {from.ng, from.n}, inputs, above, add);
   const float chance = std::min(1.0f, 8 * from.wedge);
-  if (!(numbers.u[3] < chance)) return;
+  if (!(inputs.u[3] < chance)) return;
   std::optional<bool> reached;
   const auto below = [&](const Vec3f& wi) {
     const ScatterValue value = from.is_above(wi) ? ScatterValue() : scatter(wi);
@@ -98,7 +98,7 @@ void for_direct_light(const PathContext& context, const Departure& from, const L
     if (!reached) reached = reaches_curved_surface(context, from);
     return *reached ? value : ScatterValue();
   };
-  for_direct_light(context, from.curved, {from.n, from.n}, numbers, below,
+  for_direct_light(context, from.curved, {from.n, from.n}, inputs, below,
                    [&](const ScatterValue& value, const Rgb& light, LightWeight weight) {
                      weight.exit_light *= 1 / chance;
                      add(value, light * (1 / chance), weight);

@@ -140,7 +140,7 @@ std::optional<LightLanding> show_landing(const PathContext& context, const Pixel
   ++context.counters.bounce_rays;
   if (!ends_at(context, sampler, landed, dot(at.p - path.ray.org, path.ray.dir), &path, &hit)) return std::nullopt;
   const PathVertex x = find_vertex<kMode>(context, hit, &path);
-  if (x.material.transmits() || goes_on_within_medium<kMode>(context, x, path)) return std::nullopt;
+  if (x.material.transmits() || continues_within_medium<kMode>(context, x, path)) return std::nullopt;
 
   // Go on from there to where the light path began.
   const DisneyBsdf bsdf_x(x.material, x.frame.to_local(-path.ray.dir), context.settings.energy);
@@ -160,8 +160,8 @@ std::optional<LightLanding> show_landing(const PathContext& context, const Pixel
   ++context.counters.bounce_rays;
   if (!ends_at(context, sampler, way.begin.triangle, length(to_y), &second, &hit)) return std::nullopt;
   const PathVertex y = find_vertex<kMode>(context, hit, &second);
-  if (y.material.transmits() || goes_on_within_medium<kMode>(context, y, second)) return std::nullopt;
-  if (way.light.left_to_lobes && (kMode == SubsurfaceMode::lambert || !y.material.scatters())) return std::nullopt;
+  if (y.material.transmits() || continues_within_medium<kMode>(context, y, second)) return std::nullopt;
+  if (way.light.of_constant_dome && (kMode == SubsurfaceMode::lambert || !y.material.scatters())) return std::nullopt;
 
   // Reflect the light there.
   const DisneyBsdf bsdf_y(y.material, y.frame.to_local(-dir), context.settings.energy);
@@ -192,8 +192,8 @@ void trace_light_path(const PathContext& context, const PixelSampler& sampler, s
   const PathVertex& v = begin->v;
   const DisneySpecular lobe = DisneySpecular::from(v.material);
   const Vec3f& ng = v.departure.ng;
-  const LightSearch search{kMode == SubsurfaceMode::lambert ? ConstantDomes::left_to_lobes : ConstantDomes::sampled,
-                           ng};
+  const LightSearch search{
+      kMode == SubsurfaceMode::lambert ? ConstantDomes::bsdf_sampling_only : ConstantDomes::sampled, ng};
   const auto u = sampler.draw(Dimension::bsdf, 0);
   context.scene.lights_of(*v.instance)
       .sample_lights(v.departure.flat, {ng, ng}, sampler.draw(Dimension::light, 0), search,

@@ -114,10 +114,10 @@ void split_path(const PathContext& context, const PixelSampler& sampler, PathSta
     PathState branch = *path;
     branch.radiance = Rgb(0.0f);
     if (i > 0) branch.guides = nullptr;  // one path finds them
-    const bool goes_on = send(branch_sampler, &branch);
+    const bool continues = send(branch_sampler, &branch);
     const float share = 1 / static_cast<float>(kPathsPerSample);
     const WalkLayers walk{branch.walk_events, branch.twin_light * share};
-    if (goes_on) follow_path<kMode, kMeshLights, kLayers>(context, branch_sampler, &branch, nullptr, nullptr);
+    if (continues) follow_path<kMode, kMeshLights, kLayers>(context, branch_sampler, &branch, nullptr, nullptr);
     const Rgb light = branch.radiance * share;
     path->radiance += light;
     if (kLayers) sort(light, walk);
@@ -129,10 +129,10 @@ template <SubsurfaceMode kMode, bool kLayers>
 bool continue_below(const PathContext& context, const PixelSampler& sampler, const VertexBelow& below,
                     PathState* path) {
   path->guides = nullptr;
-  const bool goes_on = scatter_below_surface<kMode>(context, sampler, below, path);
+  const bool continues = scatter_below_surface<kMode>(context, sampler, below, path);
   const auto draw = [&, depth = path->depth] { return sampler.draw(Dimension::bsdf, depth)[3]; };
   ++path->depth;
-  return goes_on && survives<kLayers>(context, draw, path);
+  return continues && survives<kLayers>(context, draw, path);
 }
 
 // Continues below the surface, once the path's throughput has the weight of the entry. `within`: the path came to the
@@ -243,7 +243,7 @@ bool scatter(const PathContext& context, const PixelSampler& sampler, const Path
 template <SubsurfaceMode kMode, bool kMeshLights, bool kLayers>
 bool continue_path(const PathContext& context, const PixelSampler& sampler, const PathVertex& v,
                    const VertexNumbers& numbers, PathState* path, LayerSplit* split) {
-  if (goes_on_within_medium<kMode>(context, v, *path)) {
+  if (continues_within_medium<kMode>(context, v, *path)) {
     // The surface has no lobes on that side.
     if (kLayers && path->depth == 0) split->emission = path->radiance, split->scattered = true;
     return enter_below<kMode, kMeshLights, kLayers>(context, sampler, v, true, path, split);

@@ -29,7 +29,7 @@ inline bool keeps_footprints(const PathContext& context) {
 /// True if the path came to the vertex through the medium and goes on in it. A diffusion profile has no way through the
 /// medium, only ways into it.
 template <SubsurfaceMode kMode>
-bool goes_on_within_medium(const PathContext& context, const PathVertex& v, const PathState& path) {
+bool continues_within_medium(const PathContext& context, const PathVertex& v, const PathState& path) {
   if constexpr (kMode == SubsurfaceMode::walk) return is_within_medium(context, v, path);
   return false;
 }

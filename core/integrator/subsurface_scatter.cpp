@@ -220,7 +220,7 @@ bool leave_surface(const PathContext& context, const PixelSampler& sampler, cons
     return value;
   };
   Rgb direct(0.0f);
-  path->search = {ConstantDomes::left_to_lobes, n};
+  path->search = {ConstantDomes::bsdf_sampling_only, n};
   path->lights = &context.scene.lights_of(instance);
   for_direct_light(context, departure, {*path->lights, u_light, path->search, &path->interiors}, recorded_lobe,
                    [&](const ScatterValue&, const Rgb& arriving, LightWeight weight) {

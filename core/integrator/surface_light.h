@@ -71,7 +71,7 @@ void add_direct_light(const PathContext& context, const std::array<float, 4>& u,
     return scattered;
   };
   Rgb direct(0.0f);
-  path->search = {walks ? ConstantDomes::sampled : ConstantDomes::left_to_lobes, v.frame.n};
+  path->search = {walks ? ConstantDomes::sampled : ConstantDomes::bsdf_sampling_only, v.frame.n};
   path->lights = &context.scene.lights_of(*v.instance);
   if (at->flat) at->flat->onward = path->lights->leading_dome_numbers(v.departure.flat, u);
   for_direct_light(context, v.departure, {*path->lights, u, path->search, &path->interiors}, local_lobes,

@@ -2,19 +2,19 @@
 
 namespace alabaster {
 
-CylinderLight::CylinderLight(const LightDescription& description, const Vec3d& render_origin) {
-  const Matrix4d& m = description.light_to_world;
+CylinderLight::CylinderLight(const LightParameters& parameters, const Vec3d& render_origin) {
+  const Matrix4d& m = parameters.light_to_world;
   if (!is_valid_affine(m)) return;
   const Vec3d x = transform_vector(Vec3d(1, 0, 0), m);
   const double x_length = length(x);
   center_ = transform_point(Vec3d(0, 0, 0), m) - render_origin;
   axis_ = x * (1 / x_length);
-  half_length_ = 0.5 * x_length * std::abs(static_cast<double>(description.length));
-  radius_ = std::sqrt(std::abs(linear_determinant(m)) / x_length) * std::abs(static_cast<double>(description.radius));
+  half_length_ = 0.5 * x_length * std::abs(static_cast<double>(parameters.length));
+  radius_ = std::sqrt(std::abs(linear_determinant(m)) / x_length) * std::abs(static_cast<double>(parameters.radius));
   const double area = 4 * kPiDouble * radius_ * half_length_;
   if (!std::isfinite(dot(center_, axis_) + area) || !(area > 0)) return;
-  radiance_ = finite_or_black(emission(description), description.normalize ? 1 / area : 1);
-  shaping_ = LightShaping::make(description);
+  radiance_ = finite_or_black(emission(parameters), parameters.normalize ? 1 / area : 1);
+  shaping_ = LightShaping::make(parameters);
 }
 
 // The visible side lies between the plane that touches the cylinder and the line where the outermost directions do.

@@ -1,8 +1,8 @@
 // A tube that emits outwards.
-// Units, frames, pdfs and the treatment of bad values, common to all lights: light_description.h, light.h.
+// Units, frames, pdfs and the treatment of bad values, common to all lights: light_parameters.h, light.h.
 #pragma once
 
-#include "core/light/light_description.h"
+#include "core/light/light_parameters.h"
 #include "core/light/light_shaping.h"
 #include "core/light/spherical_rectangle.h"
 
@@ -16,7 +16,7 @@ namespace alabaster {
 /// give no light.
 class CylinderLight {
  public:
-  CylinderLight(const LightDescription& description, const Vec3d& render_origin);
+  CylinderLight(const LightParameters& parameters, const Vec3d& render_origin);
   /// Empty for points that see no outside: nearer to the axis than the radius.
   std::optional<LightSample> sample(const Vec3f& p, const Vec2f& u) const;
   std::optional<LightHit> intersect(const Ray& ray) const;

@@ -18,23 +18,23 @@ double size_factor(double half_angle) {
 
 }  // namespace
 
-DistantLight::DistantLight(const LightDescription& description, const Vec3d& /*render_origin*/) {
-  const Matrix4d& m = description.light_to_world;
-  if (!is_valid_affine(m) || !std::isfinite(description.angle)) return;
+DistantLight::DistantLight(const LightParameters& parameters, const Vec3d& /*render_origin*/) {
+  const Matrix4d& m = parameters.light_to_world;
+  if (!is_valid_affine(m) || !std::isfinite(parameters.angle)) return;
   const Vec3d towards = transform_vector(Vec3d(0, 0, 1), m);
   if (!std::isfinite(dot(towards, towards)) || !(dot(towards, towards) > 0)) return;
   direction_ = to_float(towards * (1 / length(towards)));
 
-  const double half_angle = std::clamp(static_cast<double>(description.angle), 0.0, 360.0) * (kPiDouble / 360);
-  const Rgb emitted = emission(description);
+  const double half_angle = std::clamp(static_cast<double>(parameters.angle), 0.0, 360.0) * (kPiDouble / 360);
+  const Rgb emitted = emission(parameters);
   if (half_angle < kMinHalfAngle) {
-    const bool is_irradiance = description.normalize || half_angle == 0;
+    const bool is_irradiance = parameters.normalize || half_angle == 0;
     radiance_ = finite_or_black(emitted, is_irradiance ? 1 : size_factor(half_angle));
     return;
   }
   const double s = std::sin(0.5 * half_angle);
   one_minus_cos_ = static_cast<float>(2 * s * s);
-  radiance_ = finite_or_black(emitted, description.normalize ? 1 / size_factor(half_angle) : 1);
+  radiance_ = finite_or_black(emitted, parameters.normalize ? 1 / size_factor(half_angle) : 1);
 }
 
 std::optional<LightSample> DistantLight::sample(const Vec3f& /*p*/, const Vec2f& u) const {

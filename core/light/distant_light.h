@@ -1,8 +1,8 @@
 // A light at infinity within a cone, such as the sun.
-// Units, frames, pdfs and the treatment of bad values, common to all lights: light_description.h, light.h.
+// Units, frames, pdfs and the treatment of bad values, common to all lights: light_parameters.h, light.h.
 #pragma once
 
-#include "core/light/light_description.h"
+#include "core/light/light_parameters.h"
 
 namespace alabaster {
 
@@ -10,7 +10,7 @@ namespace alabaster {
 /// transform's direction counts. A cone too narrow for float directions to resolve is a delta of the same irradiance.
 class DistantLight {
  public:
-  DistantLight(const LightDescription& description, const Vec3d& render_origin);
+  DistantLight(const LightParameters& parameters, const Vec3d& render_origin);
   std::optional<LightSample> sample(const Vec3f& p, const Vec2f& u) const;
   /// A delta is never hit.
   std::optional<LightHit> intersect(const Ray& ray) const;

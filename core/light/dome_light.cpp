@@ -4,8 +4,8 @@
 #include "core/sampling/warp.h"
 
 namespace alabaster {
-DomeLight::DomeLight(const LightDescription& description, const Vec3d& /*render_origin*/, const LightImages& images) {
-  const Matrix4d& m = description.light_to_world;
+DomeLight::DomeLight(const LightParameters& parameters, const Vec3d& /*render_origin*/, const LightImages& images) {
+  const Matrix4d& m = parameters.light_to_world;
   if (!is_valid_affine(m)) return;
   const Vec3d y = transform_vector(Vec3d(0, 1, 0), m), z = transform_vector(Vec3d(0, 0, 1), m);
   y_ = y * (1 / length(y));
@@ -13,8 +13,8 @@ DomeLight::DomeLight(const LightDescription& description, const Vec3d& /*render_
   z_ = across * (1 / length(across));
   x_ = cross(y_, z_) * (linear_determinant(m) < 0 ? -1.0 : 1.0);
   if (!std::isfinite(dot(x_, x_) + dot(y_, y_) + dot(z_, z_))) return;
-  radiance_ = emission(description);
-  const auto& texture = description.texture;
+  radiance_ = emission(parameters);
+  const auto& texture = parameters.texture;
   if (is_black(radiance_) || !texture || texture->width() <= 0 || texture->height() <= 0) return;
   image_ = share_light_image(texture, radiance_, LightImage::Shape::lat_long, images);
   image_scale_ = radiance_;

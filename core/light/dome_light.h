@@ -1,9 +1,9 @@
 // Light from all around: a sky or an image.
-// Units, frames, pdfs and the treatment of bad values, common to all lights: light_description.h, light.h.
+// Units, frames, pdfs and the treatment of bad values, common to all lights: light_parameters.h, light.h.
 #pragma once
 
-#include "core/light/light_description.h"
 #include "core/light/light_image.h"
+#include "core/light/light_parameters.h"
 
 namespace alabaster {
 
@@ -19,7 +19,7 @@ namespace alabaster {
 /// the lobe's cosine, where there is one.
 class DomeLight {
  public:
-  DomeLight(const LightDescription& description, const Vec3d& render_origin, const LightImages& images = {});
+  DomeLight(const LightParameters& parameters, const Vec3d& render_origin, const LightImages& images = {});
   /// `n`: unit, a lobe at p weighs light by the cosine to it; zero: none does.
   std::optional<LightSample> sample(const Vec3f& p, const Vec2f& u, const Vec3f& n = Vec3f(0, 0, 0)) const;
   /// Always hits, at infinity, unless the dome is black or an image is asked for the direction zero. The pdf is that of

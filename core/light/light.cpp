@@ -2,11 +2,11 @@
 
 namespace alabaster {
 
-Light make_light(const LightDescription& d, const Vec3d& render_origin, const LightImages& images) {
+Light make_light(const LightParameters& d, const Vec3d& render_origin, const LightImages& images) {
   switch (d.type) {
     case LightType::rect:
     case LightType::disk:
-      return PlaneLight(d, render_origin, images);
+      return RectDiskLight(d, render_origin, images);
     case LightType::cylinder:
       return CylinderLight(d, render_origin);
     case LightType::sphere:

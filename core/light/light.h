@@ -1,8 +1,9 @@
-// Lights: a closed set, in UsdLux's terms. emission() (light_description.h) gives the radiance.
+// Lights: a closed set, in UsdLux's terms. A light keeps its radiance: emission() of its parameters
+// (light_parameters.h), divided by its size where they say `normalize`.
 //
 // delegate/manual/contributing.md, "Extending", lists the steps to add a light.
 //
-// The functions (see plane_light.h): a constructor from (LightDescription, render origin), sample(p, u),
+// The functions (see rect_disk_light.h): a constructor from (LightParameters, render origin), sample(p, u),
 // intersect(ray), importance(p) and extent(). sample() and intersect() may also take the normal of a lobe at p. A
 // light whose surface is in the ray-traced scene (MeshLight) has pdf() in place of intersect().
 //
@@ -20,16 +21,16 @@
 #include "core/light/distant_light.h"
 #include "core/light/dome_light.h"
 #include "core/light/mesh_light.h"
-#include "core/light/plane_light.h"
+#include "core/light/rect_disk_light.h"
 #include "core/light/sphere_light.h"
 
 namespace alabaster {
 
-using Light = std::variant<PlaneLight, CylinderLight, SphereLight, DistantLight, DomeLight, MeshLight>;
+using Light = std::variant<RectDiskLight, CylinderLight, SphereLight, DistantLight, DomeLight, MeshLight>;
 
-/// The light of a description, placed in the render space whose origin this is in the world. It shares images
-/// where it can.
-Light make_light(const LightDescription& description, const Vec3d& render_origin, const LightImages& images = {});
+/// The light of these parameters, placed in the render space whose origin this is in the world. It shares images where
+/// it can.
+Light make_light(const LightParameters& parameters, const Vec3d& render_origin, const LightImages& images = {});
 
 /// True for a dome without an image.
 inline bool is_constant_dome(const Light& light) {

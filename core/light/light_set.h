@@ -17,7 +17,7 @@ namespace alabaster {
 
 /// Tells if next-event estimation samples constant domes. BSDF sampling alone has less noise and needs no shadow ray,
 /// except on surfaces that scatter, where the local lobes are picked too rarely.
-enum class ConstantDomes { sampled, left_to_lobes };
+enum class ConstantDomes { sampled, bsdf_sampling_only };
 
 /// How lights are sampled at a point. The pdf of a light that a ray from there intersects is computed with the
 /// same search.
@@ -37,7 +37,7 @@ class LightSet {
   /// Beside each light, by its index.
   struct Traits {
     std::vector<bool> visible_to_camera;  // lights beyond its end are visible
-    std::vector<uint32_t> shadow_links;   // of LightDescription; lights beyond its end have none
+    std::vector<uint32_t> shadow_links;   // of LightParameters; lights beyond its end have none
   };
   /// Up to `sample_all_up_to` lights: one sample of each per point. Samples that face away mostly cost no ray, and no
   /// light adds to another's noise. Above that, one light per point, picked by importance, or by a tree above
@@ -53,18 +53,18 @@ class LightSet {
                      const Visit& visit) const {
     if (!sample_all_) {
       if (const auto s = sample(p, u[0], {u[1], u[2]}, search.n)) visit(*s);
-      if (search.domes == ConstantDomes::left_to_lobes) return;
+      if (search.domes == ConstantDomes::bsdf_sampling_only) return;
       for (size_t k = 0; k < constant_domes_.size(); ++k)
         if (auto s = sample_light(constant_domes_[k], p, dome_numbers(k, u), search.n)) {
-          s->left_to_lobes = true;
+          s->of_constant_dome = true;
           visit(std::as_const(*s));
         }
       return;
     }
     for (size_t i = 0; i < lights_.size(); ++i) {
-      if (is_left(search.domes, i) || is_below(i, p, horizon)) continue;
+      if (is_left_out(search.domes, i) || is_below(i, p, horizon)) continue;
       if (auto s = sample_light(i, p, shifted({u[1], u[2]}, i), search.n)) {
-        s->left_to_lobes = is_constant_dome(lights_[i]);
+        s->of_constant_dome = is_constant_dome(lights_[i]);
         visit(std::as_const(*s));
       }
     }
@@ -157,14 +157,14 @@ class LightSet {
   /// The pdf that sample_lights(p, ...) has for a light i that a ray has met. `choice` is kept between calls.
   float pdf_of(size_t i, const LightHit& hit, const Vec3f& p, ConstantDomes domes,
                std::optional<LightChoice>* choice) const {
-    if (is_left(domes, i)) return 0;
+    if (is_left_out(domes, i)) return 0;
     if (sample_all_ || is_constant_dome(lights_[i])) return hit.pdf;
     if (!tree_.empty()) return hit.pdf * tree_.probability(lights_, p, i);
     if (!*choice) choice->emplace(lights_, p);
     return hit.pdf * (*choice)->probability(i);
   }
-  bool is_left(ConstantDomes domes, size_t i) const {
-    return domes == ConstantDomes::left_to_lobes && is_constant_dome(lights_[i]);
+  bool is_left_out(ConstantDomes domes, size_t i) const {
+    return domes == ConstantDomes::bsdf_sampling_only && is_constant_dome(lights_[i]);
   }
 
   static constexpr size_t kMostWeighed = 128;

@@ -15,7 +15,7 @@ double angle_of(double one_minus_cos) {
   return 2 * std::asin(std::min(1.0, std::sqrt(0.5 * one_minus_cos)));
 }
 
-SpotCone make_cone(const LightDescription& d) {
+SpotCone make_cone(const LightParameters& d) {
   const float softness = std::clamp(d.cone_softness, 0.0f, 1.0f);
   if (d.cone_angle < 180 || softness > 0)
     return SpotCone(d.cone_angle * (1 - softness), d.cone_angle, SpotCone::Falloff::smooth_in_angle);
@@ -44,14 +44,14 @@ double SpotCone::widest_angle() const {
   return angle_of(outer_);
 }
 
-std::shared_ptr<const LightShaping> LightShaping::make(const LightDescription& d) {
+std::shared_ptr<const LightShaping> LightShaping::make(const LightParameters& d) {
   const bool cone = !(d.cone_angle >= 180) || d.cone_softness > 0 || !(std::min(d.cone_inner, d.cone_outer) >= 180);
   if (!cone && !(d.focus > 0) && !d.ies) return nullptr;
   const Vec3d axis = transform_vector(Vec3d(0, 0, -1), d.light_to_world);
   return std::shared_ptr<const LightShaping>(new LightShaping(d, axis * (1 / length(axis))));
 }
 
-LightShaping::LightShaping(const LightDescription& d, const Vec3d& axis)
+LightShaping::LightShaping(const LightParameters& d, const Vec3d& axis)
     : axis_(axis),
       cone_(make_cone(d)),
       focus_(std::isfinite(d.focus) ? std::max(d.focus, 0.0f) : 0.0f),

@@ -4,7 +4,7 @@
 #include <memory>
 
 #include "core/light/ies_profile.h"
-#include "core/light/light_description.h"
+#include "core/light/light_parameters.h"
 
 namespace alabaster {
 
@@ -33,8 +33,8 @@ class SpotCone {
 /// Spot cone, focus and IES profile (UsdLuxShapingAPI). Immutable; a light without shaping has none.
 class LightShaping {
  public:
-  /// Null if the description shapes nothing. Its transform is valid and affine.
-  static std::shared_ptr<const LightShaping> make(const LightDescription& description);
+  /// Null if the parameters shape nothing. Their transform is valid and affine.
+  static std::shared_ptr<const LightShaping> make(const LightParameters& parameters);
   /// Multiplies the radiance. `direction`: unit, away from the light.
   Rgb factor(const Vec3d& direction) const;
   /// At least the luminance of the factor, and 0 only where the factor is black, in all directions within an angle of
@@ -47,7 +47,7 @@ class LightShaping {
   double mean() const { return mean_; }
 
  private:
-  LightShaping(const LightDescription& description, const Vec3d& axis);
+  LightShaping(const LightParameters& parameters, const Vec3d& axis);
   Rgb factor_at(double one_minus_cos) const;
   /// The vertical angle in the profile of one in the light, in degrees.
   double profile_angle(double degrees) const;

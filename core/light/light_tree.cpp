@@ -9,7 +9,7 @@
 namespace alabaster {
 namespace {
 
-// A light that is nowhere gives nothing (light_description.h).
+// A light that is nowhere gives nothing (light_parameters.h).
 LightExtent extent_of(const Light& light) {
   const LightExtent extent = std::visit([](const auto& l) { return l.extent(); }, light);
   if (!extent.finite || std::isfinite(length(extent.box.lower) + length(extent.box.upper))) return extent;

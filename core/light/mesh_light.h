@@ -1,5 +1,5 @@
 // The emissive triangles of a mesh.
-// Units, frames, pdfs and the treatment of bad values, common to all lights: light_description.h, light.h.
+// Units, frames, pdfs and the treatment of bad values, common to all lights: light_parameters.h, light.h.
 #pragma once
 
 #include <functional>
@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "core/diagnostics/cancel.h"
-#include "core/light/light_description.h"
+#include "core/light/light_parameters.h"
 #include "core/sampling/distribution.h"
 
 namespace alabaster {

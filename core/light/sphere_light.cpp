@@ -28,20 +28,20 @@ double pdf_outside(double r, double d) {
 
 }  // namespace
 
-SphereLight::SphereLight(const LightDescription& description, const Vec3d& render_origin) {
-  const Matrix4d& m = description.light_to_world;
+SphereLight::SphereLight(const LightParameters& parameters, const Vec3d& render_origin) {
+  const Matrix4d& m = parameters.light_to_world;
   if (!is_valid_affine(m)) return;
   center_ = transform_point(Vec3d(0, 0, 0), m) - render_origin;
   const double scale = cube_root(std::abs(linear_determinant(m)));
-  if (!description.treat_as_point) radius_ = scale * std::abs(static_cast<double>(description.radius));
+  if (!parameters.treat_as_point) radius_ = scale * std::abs(static_cast<double>(parameters.radius));
   if (!std::isfinite(dot(center_, center_)) || !std::isfinite(radius_)) {
     radius_ = 0;
     return;
   }
   // A normalised sphere of any radius has radiant intensity pi r^2 L = I / 4, and so has its limit, a point.
   const double area = is_delta() ? 4 : 4 * kPiDouble * radius_ * radius_;
-  radiance_ = finite_or_black(emission(description), description.normalize ? 1 / area : 1);
-  shaping_ = LightShaping::make(description);
+  radiance_ = finite_or_black(emission(parameters), parameters.normalize ? 1 / area : 1);
+  shaping_ = LightShaping::make(parameters);
 }
 
 std::optional<LightSample> SphereLight::sample_point(const Vec3d& to_center) const {

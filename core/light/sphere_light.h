@@ -1,5 +1,5 @@
 // A sphere or a point.
-// Units, frames, pdfs and the treatment of bad values, common to all lights: light_description.h, light.h.
+// Units, frames, pdfs and the treatment of bad values, common to all lights: light_parameters.h, light.h.
 #pragma once
 
 #include "core/light/light_shaping.h"
@@ -10,7 +10,7 @@ namespace alabaster {
 /// over the cone it fills; from inside it is seen in every direction, and they are drawn uniformly over the sphere.
 class SphereLight {
  public:
-  SphereLight(const LightDescription& description, const Vec3d& render_origin);
+  SphereLight(const LightParameters& parameters, const Vec3d& render_origin);
   std::optional<LightSample> sample(const Vec3f& p, const Vec2f& u) const;
   /// A point is never hit.
   std::optional<LightHit> intersect(const Ray& ray) const;

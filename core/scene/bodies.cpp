@@ -241,7 +241,7 @@ class BodyPlanner {
 
 }  // namespace
 
-bool scatters_as_one(const InstanceDescription& look, const CancelToken& cancel) {
+bool scatter_separately(const InstanceDescription& look, const CancelToken& cancel) {
   return scattering_slots(look).empty() || (look.subsurface_set.empty() && is_simple(look.prototype->shells(cancel)));
 }
 

@@ -11,8 +11,8 @@ struct DrawnInstances {
   const std::vector<const InstanceDescription*>&alone, &looks;
 };
 
-/// True if the instances of an array with this look may be bodies each for itself, without a BVH of a body's own.
-bool scatters_as_one(const InstanceDescription& look, const CancelToken& cancel);
+/// True if each instance of an array with this look is a body by itself, which needs no BVH of its own, or no body.
+bool scatter_separately(const InstanceDescription& look, const CancelToken& cancel);
 
 /// Makes the bodies of the instances that scatter, with their media and the shortcuts that pay, and counts the bodies'
 /// memory, but for the interiors of meshes. Unions that `last` (may be null) has as well share its BVHs. False when

@@ -74,7 +74,7 @@ std::vector<size_t> used_slots(const InstanceDescription& instance, bool (*is_su
 
 struct SceneDescription {
   std::vector<InstanceDescription> instances;
-  std::vector<LightDescription> lights;
+  std::vector<LightParameters> lights;
   /// The categories that the instances of each set are in, of those that lights name (1, 2, ...), in order. Empty where
   /// no light names any: then all instances have set 0.
   std::vector<std::vector<uint32_t>> category_sets;

@@ -137,7 +137,7 @@ void report_lights_within(const ReportedScene& scene) {
   constexpr uint32_t kNoInstance = ~0u;
   const Surrounding surrounding(scene);
   std::map<uint32_t, LightsWithin> found;  // by instance
-  for (const LightDescription& light : scene.description.lights) {
+  for (const LightParameters& light : scene.description.lights) {
     scene.cancel.check();
     if (light.type == LightType::distant || light.type == LightType::dome || light.intensity == 0) continue;
     if (!is_valid_affine(light.light_to_world) || !is_within_reach(light.light_to_world)) continue;

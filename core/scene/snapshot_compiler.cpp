@@ -227,11 +227,11 @@ struct SnapshotCompiler::Compilation {
     });
   }
 
-  // Lights and unions know their instances one by one.
+  // False for emissive meshes and members of unions: lights and bodies refer to single instances.
   bool stays_array(const InstanceDescription& look) const {
     const auto emits = [](const auto& material) { return material->emits(); };
     return !look.prototype->mesh.deforms() && std::none_of(look.materials.begin(), look.materials.end(), emits) &&
-           scatters_as_one(look, cancel);
+           scatter_separately(look, cancel);
   }
 
   void take_apart(const InstanceArrayDescription& array, BoundsDouble* bounds) {
@@ -520,7 +520,7 @@ struct SnapshotCompiler::Compilation {
 std::shared_ptr<const SceneSnapshot> SnapshotCompiler::compile(const SceneDescription& description, uint64_t number,
                                                                const CancelToken& cancel) {
   Compilation compilation{*this, description, cancel};
-  std::vector<LightDescription> lights = description.lights;
+  std::vector<LightParameters> lights = description.lights;
   auto category_sets = description.category_sets;
   if (!compilation.run(number)) {
     forget();

@@ -39,7 +39,7 @@ class SnapshotCompiler {
   std::shared_ptr<TraceDevice> device_;
   DiagnosticSink sink_;
   std::shared_ptr<const SceneSnapshot> last_;
-  std::vector<LightDescription> last_lights_;
+  std::vector<LightParameters> last_lights_;
   std::vector<std::vector<uint32_t>> last_category_sets_;
   std::vector<Diagnostic> reported_;  // of the last snapshot's bodies and lack of memory
 };

@@ -12,14 +12,14 @@ namespace {
 
 constexpr size_t kSampleAllUpTo = 4;
 
-bool has_no_size(const LightDescription& d) {
+bool has_no_size(const LightParameters& d) {
   if (d.type == LightType::rect) return d.width == 0 || d.height == 0;
   return (d.type == LightType::disk && d.radius == 0) ||
          (d.type == LightType::cylinder && (d.radius == 0 || d.length == 0));
 }
 
 // True if the light can be placed. Says why one gives no light.
-bool is_usable(const LightDescription& d, const DiagnosticSink& sink, std::vector<std::string>* left_out) {
+bool is_usable(const LightParameters& d, const DiagnosticSink& sink, std::vector<std::string>* left_out) {
   if (is_valid_affine(d.light_to_world) && is_within_reach(d.light_to_world)) {
     if (d.intensity != 0 && has_no_size(d))
       report(sink, Severity::warning, "light.size", d.name, "a light of size zero gives no light; give it a size");

@@ -19,17 +19,18 @@ void RenderSession::Driver::begin() {
   if (!thread_.joinable()) thread_ = std::thread([this] { loop(); });
 }
 
-// A driver that is at work needs no waking. Somebody may wait for the render that this one replaces.
+// A busy driver takes the next render without a notification. The render that this one replaces is marked as stopped,
+// for threads may wait for it.
 void RenderSession::Driver::run(std::shared_ptr<Render> render) {
-  bool asleep = false;
+  bool idle = false;
   {
     const std::lock_guard lock(mutex_);
     next_.swap(render);
-    asleep = !busy_;
+    idle = !busy_;
     busy_ = true;
   }
-  if (asleep) changed_.notify_all();
-  if (render) render->give_up();
+  if (idle) changed_.notify_all();
+  if (render) render->mark_dropped();
 }
 
 void RenderSession::Driver::wait() {

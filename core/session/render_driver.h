@@ -11,10 +11,10 @@
 
 namespace alabaster {
 
-/// Runs one render at a time. Who hands it the next need not wait for the last.
+/// Runs one render at a time. run() does not wait for the last one.
 class RenderSession::Driver {
  public:
-  /// `released` is called in the driver's thread, before each render. Empty: nobody wants to know.
+  /// `released` (SessionOwner::released) is called in the driver's thread, before each render. It may be empty.
   explicit Driver(std::function<void()> released) : released_(std::move(released)) {}
   ~Driver();
   Driver(const Driver&) = delete;
@@ -22,7 +22,8 @@ class RenderSession::Driver {
 
   /// Starts the thread unless it is there. May throw.
   void begin();
-  /// After begin(): runs it once the render that runs now has ended. One that has not begun by then never does.
+  /// After begin(): runs it once the running render has ended. A render handed over before, which has not begun, is
+  /// dropped.
   void run(std::shared_ptr<Render> render);
   /// Blocks until no render runs or is to run.
   void wait();

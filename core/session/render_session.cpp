@@ -10,7 +10,7 @@
 namespace alabaster {
 
 RenderSession::RenderSession(SessionOwner owner)
-    : wakes_(std::move(owner.wakes)),
+    : notifier_(std::move(owner.notifier)),
       current_(std::make_shared<Render>()),
       driver_(std::make_unique<Driver>(std::move(owner.released))) {}
 
@@ -23,22 +23,23 @@ std::shared_ptr<RenderSession::Render> RenderSession::current() const {
   return current_;
 }
 
-// A picture that is new begins in the driver's thread, once the last render has ended there.
+// A render that continues the last one waits here for its end. Any other begins in the driver's thread, once the last
+// one has ended there.
 void RenderSession::start(const RenderRequest& request) {
   RenderRequest guided = request;
   guided.aovs = with_guides(request.aovs);
   driver_->begin();
   const std::shared_ptr<Render> last = current();
-  if (request.resumed || goes_on(last->request, guided)) {
+  if (request.resumed || can_continue(last->request, guided)) {
     last->request_stop();
     driver_->wait();
   }
-  auto next = std::make_shared<Render>(guided, last.get(), wakes_.get());
+  auto next = std::make_shared<Render>(guided, last.get(), notifier_.get());
   {
     const std::lock_guard lock(mutex_);
     current_ = next;
   }
-  last->request_stop();  // who waits for it finds the next one
+  last->request_stop();  // after the swap: wait() then finds the next render
   driver_->run(std::move(next));
 }
 

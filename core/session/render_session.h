@@ -17,8 +17,8 @@
 #include "core/convergence/frame_error.h"
 #include "core/diagnostics/counters.h"
 #include "core/film/film.h"
-#include "core/session/tile_renderer.h"
-#include "core/session/wake_relay.h"
+#include "core/session/deferred_notifier.h"
+#include "core/session/render_request.h"
 
 namespace alabaster {
 
@@ -56,12 +56,12 @@ struct RenderProgress {
   std::optional<SampleAddress> failed_sample;  // the sample that failed a check, if one did
 };
 
-/// Functions of the owner that a session calls.
+/// Parts of the owner that a session calls.
 struct SessionOwner {
-  /// Called on a thread of the session's whenever it may have let go of a scene; must not throw.
+  /// Called on the driver's thread whenever the session may have released a snapshot; must not throw.
   std::function<void()> released = {};
-  /// Wake-ups that the threads which render pass on. Null: none.
-  std::shared_ptr<WakeRelay> wakes = {};
+  /// Render threads poll it. Null: none.
+  std::shared_ptr<DeferredNotifier> notifier = {};
 };
 
 class RenderSession {
@@ -84,13 +84,13 @@ class RenderSession {
   /// limit; a negative time and NaN do not wait.
   bool wait(double seconds);
 
-  /// The noise of the render that goes on is measured once more, at the end of a pass. A thread that renders does that,
-  /// in a twentieth of its time at most, so it may be a later pass. Nothing is measured for who does not ask.
+  /// The noise of the running render is measured once more, at the end of a pass. A render thread does that, in a
+  /// twentieth of its time at most, so it may be a later pass. Without a call no noise is measured there.
   void ask_for_noise();
 
-  /// Writes the state of the render, from which another one may go on (RenderRequest::resumed), while workers render
-  /// on. Decisions wait for it, a stop does not. False: the sink refused, a stop came, or there is nothing to go on
-  /// from: no render, or one that failed.
+  /// Writes the state of the render, from which another one may continue (RenderRequest::resumed), while workers
+  /// render. Decisions wait for it, a stop does not. False: the sink refused, a stop came, or there is nothing to
+  /// continue: no render, or one that failed.
   bool save(const BlockSink& sink);
 
   RenderProgress progress() const;  // never waits for workers
@@ -100,10 +100,11 @@ class RenderSession {
  private:
   struct Render;
   class Driver;
-  static bool goes_on(const RenderRequest& last, const RenderRequest& next);
+  /// True if the samples of a render that has ended are the first samples of `next`.
+  static bool can_continue(const RenderRequest& last, const RenderRequest& next);
   std::shared_ptr<Render> current() const;
 
-  const std::shared_ptr<WakeRelay> wakes_;
+  const std::shared_ptr<DeferredNotifier> notifier_;
   mutable std::mutex mutex_;
   std::shared_ptr<Render> current_;  // never null
   std::unique_ptr<Driver> driver_;

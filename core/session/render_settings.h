@@ -41,7 +41,7 @@ struct RenderSettings {
 
 /// The effect of a change of a setting on a render that runs; none of these: it starts again.
 namespace setting_use {
-inline constexpr uint32_t kContinues = 1;  // continues with its samples, where RenderSession::goes_on() is true
+inline constexpr uint32_t kContinues = 1;  // continues with its samples, where RenderSession::can_continue() is true
 inline constexpr uint32_t kLive = 2;       // takes effect without a render
 inline constexpr uint32_t kResyncs = 4;    // meshes are refined again
 inline constexpr uint32_t kNoPixels = 8;   // samples do not depend on it, so that checkpoints may differ in it

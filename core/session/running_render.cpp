@@ -60,9 +60,8 @@ bool decides(const RenderSettings& settings) {
 
 }  // namespace
 
-// True if the samples of a render that has ended are the first of another. Where decisions follow from samples, they
-// depend on the settings, and on how many samples there will be.
-bool RenderSession::goes_on(const RenderRequest& last, const RenderRequest& next) {
+// Decisions that follow from samples also depend on the settings, and on how many samples there will be.
+bool RenderSession::can_continue(const RenderRequest& last, const RenderRequest& next) {
   RenderSettings settings = last.settings;
   for (const SettingParameter& setting : setting_parameters())
     if (setting.of & setting_use::kContinues)
@@ -73,27 +72,28 @@ bool RenderSession::goes_on(const RenderRequest& last, const RenderRequest& next
          last.primvars == next.primvars && settings == next.settings;
 }
 
-// Under the mutex. A render that another continues has ended; one that another replaces may still run.
-bool RenderSession::Render::has_first_samples_of(const RenderRequest& next) const {
-  if (!goes_on(request, next) || !film || progress.state == SessionState::failed || cut_short) return false;
+// Under the mutex. This render has ended if `next` continues it; else it may still run.
+bool RenderSession::Render::can_be_continued_by(const RenderRequest& next) const {
+  if (!can_continue(request, next) || !film || progress.state == SessionState::failed || cut_short) return false;
   // A time limit ends the last round of a decided render early, and its decisions with it.
   return decides(next.settings) ? !out_of_time : film->most_samples() <= next.settings.samples;
 }
 
-RenderSession::Render::Render(const RenderRequest& next, Render* last, WakeRelay* relay) : request(next), wakes(relay) {
+RenderSession::Render::Render(const RenderRequest& next, Render* last, DeferredNotifier* polled)
+    : request(next), notifier(polled) {
   const std::lock_guard lock(last->mutex);
   RenderProgress before;
-  const bool more = !next.resumed && last->has_first_samples_of(next);
+  const bool more = !next.resumed && last->can_be_continued_by(next);
   if (next.resumed)
-    before = take(next.resumed.get());
+    before = continue_checkpoint(next.resumed.get());
   else if (more)
-    before = go_on_from(*last);
+    before = continue_render(*last);
   else
     film = std::make_shared<Film>(next.data_window, next.aovs, film_extras(next.settings));
   const bool same_tiles = last->tile_order && last->request.data_window == film->data_window();
   tile_order = same_tiles ? last->tile_order : tiles_from_centre(*film);
   film->set_ended(false);
-  request.aovs = film->aovs();  // those of a film that goes on may be more
+  request.aovs = film->aovs();  // a film that is continued may have more
   request.resumed = nullptr;
   if (next.aovs & aov_bit(Aov::denoised)) denoiser = next.denoiser;
   show_begin(before);
@@ -102,8 +102,8 @@ RenderSession::Render::Render(const RenderRequest& next, Render* last, WakeRelay
     progress.passes_done = std::min(last->passes_before, before.passes_done);
 }
 
-// Takes a checkpoint's. Returns what was done before.
-RenderProgress RenderSession::Render::take(RenderState* from) {
+// Takes the film and decisions of a checkpoint. Returns the progress of the render that wrote it.
+RenderProgress RenderSession::Render::continue_checkpoint(RenderState* from) {
   film = std::move(from->film);
   allocation = std::move(from->allocation);
   stopping = std::move(from->stopping);
@@ -111,15 +111,15 @@ RenderProgress RenderSession::Render::take(RenderState* from) {
   RenderProgress before;
   before.wall_seconds = from->wall_seconds, before.cpu_seconds = from->cpu_seconds;
   before.counters = from->counters;
-  // While a render goes on, its tiles are saved later than its counters. A film that is done has lost the samples that
+  // The tiles of a running render are saved later than its counters. A film that is done has lost the samples that
   // ended groups of pixels took meanwhile.
   if (round.begin < round.end) before.counters.samples = samples_of(*film);
   before.samples_done = before.counters.samples;
   return before;
 }
 
-// Takes those of a render that has ended, under its mutex. Returns what was done before.
-RenderProgress RenderSession::Render::go_on_from(const Render& last) {
+// Takes the film and decisions of a render that has ended, under its mutex. Returns its progress.
+RenderProgress RenderSession::Render::continue_render(const Render& last) {
   film = last.film;
   if (!last.progress.denoiser.empty()) film->store_denoised({});
   if (decides(request.settings)) allocation = last.allocation, stopping = last.stopping, round = last.round;
@@ -148,7 +148,7 @@ void RenderSession::Render::show_begin(const RenderProgress& before) {
   time_limit = std::max(0.0, static_cast<double>(request.settings.time_limit));
 }
 
-// New memory would take tens of milliseconds. Nobody looks for this film in `last`, which another render has replaced.
+// New memory would take tens of milliseconds. `last` needs its film no more, because this render has replaced it.
 void RenderSession::Render::take_film_memory(Render* last) {
   std::shared_ptr<Film> old;
   {
@@ -164,8 +164,8 @@ void RenderSession::Render::request_stop() {
   changed.notify_all();
 }
 
-// It will not begin.
-void RenderSession::Render::give_up() {
+// Another render has replaced this one before it began.
+void RenderSession::Render::mark_dropped() {
   const std::lock_guard lock(mutex);
   progress.state = SessionState::stopped;
   changed.notify_all();
@@ -188,7 +188,7 @@ bool RenderSession::Render::wait(double seconds) {
 bool RenderSession::Render::wait_while_paused() {
   if (stop_requested.load(std::memory_order_relaxed)) return false;
   if (!pause_requested.load(std::memory_order_acquire)) return true;
-  const WakeRelay::Rest rest(wakes);
+  const DeferredNotifier::PollingPause pause(notifier);
   std::unique_lock lock(mutex);
   changed.wait(lock, [this] { return !pause_requested || stop_requested; });
   return !stop_requested;
@@ -213,7 +213,7 @@ void RenderSession::Render::set_paused(bool pause) {
 }
 
 // Denoises the film of the render that the driver has just ended, or, unless null, `stopped` if it is this one's.
-// Takes the denoiser, so that a film is denoised once; who is cancelled gives it back.
+// Takes the denoiser, so that a film is denoised once. A cancelled call gives it back.
 void RenderSession::Render::denoise(const Film* stopped) {
   std::shared_ptr<const Denoiser> taken;
   std::shared_ptr<Film> shown;
@@ -283,7 +283,7 @@ void RenderSession::Render::render() {
   changed.notify_all();
 }
 
-// Stop does not wait for the noise to be measured: who asks does.
+// The noise of a stopped render is measured in the thread that asks for progress: stop() does not wait for it.
 void RenderSession::Render::measure_stopped() {
   std::shared_ptr<const Film> measured;
   {

@@ -16,6 +16,7 @@
 #include "core/session/frame_memory.h"
 #include "core/session/pass_schedule.h"
 #include "core/session/render_session.h"
+#include "core/session/tile_renderer.h"
 
 namespace alabaster {
 
@@ -37,11 +38,11 @@ inline constexpr double kFirstSampleGrace = 0.5;
 // One render from start to end.
 struct RenderSession::Render {
   Render() = default;  // idle
-  // It continues the checkpoint of the request, or `last` if that is the same picture, which has ended then.
-  Render(const RenderRequest& next, Render* last, WakeRelay* wakes);
+  // Continues the checkpoint of the request, or `last` if its samples are the first of `next`; `last` has ended then.
+  Render(const RenderRequest& next, Render* last, DeferredNotifier* notifier);
 
   RenderRequest request;                               // not changed after the constructor, like the two below
-  WakeRelay* wakes = nullptr;                          // null: nobody asks for it
+  DeferredNotifier* notifier = nullptr;                // that render threads poll; null: none
   std::shared_ptr<const std::vector<int>> tile_order;  // from the centre outwards
 
   mutable std::mutex mutex;  // guards the members down to next_noise; never held while rendering
@@ -80,20 +81,20 @@ struct RenderSession::Render {
 
   void render();
   void request_stop();
-  void give_up();
+  void mark_dropped();
   void take_film_memory(Render* last);
   bool wait(double seconds);
   RenderProgress report();
   bool save(const BlockSink& sink);
-  RenderProgress take(RenderState* from);
-  RenderProgress go_on_from(const Render& last);
+  RenderProgress continue_checkpoint(RenderState* from);
+  RenderProgress continue_render(const Render& last);
   void show_begin(const RenderProgress& before);
   void run_rounds(int threads);
   void end_groups(const NoiseImage& noise);
   void end_rounds(bool reached_target);
   std::jthread watch_time();
   bool prepare(std::optional<TileRenderer>* renderer);
-  bool has_first_samples_of(const RenderRequest& next) const;
+  bool can_be_continued_by(const RenderRequest& next) const;
   void show_ended_groups();
   void run_workers(const TileRenderer& renderer, const SampleRange& round, int threads);
   void render_items(const TileRenderer& renderer);

@@ -6,8 +6,8 @@
 #include <optional>
 #include <thread>
 
+#include "core/session/deferred_notifier.h"
 #include "core/session/running_render.h"
-#include "core/session/wake_relay.h"
 #include "core/session/worker_threads.h"
 
 namespace alabaster {
@@ -98,7 +98,7 @@ bool RenderSession::Render::render_item(const TileRenderer& renderer, size_t ite
   std::atomic<uint32_t>& passes = tile_passes[static_cast<size_t>(tile)];
   for (uint32_t done; (done = passes.load()) != pass && !stop_requested;) passes.wait(done);
 
-  // Render it. The tile is released also when an exception passes: nobody may wait for a tile that nobody works on.
+  // Render it. An exception releases the tile, too: no worker may wait for a tile that no other renders.
   const double cpu = cpu_seconds(CLOCK_THREAD_CPUTIME_ID);
   RenderCounters counters;
   const TileRelease release{passes, pass};
@@ -117,11 +117,11 @@ bool RenderSession::Render::render_item(const TileRenderer& renderer, size_t ite
 
 bool RenderSession::Render::render_tile(const TileRenderer& renderer, const SamplePass& pass, int tile,
                                         RenderCounters* counters) {
-  const WakeRelay::Carrier carrier(wakes);
+  const DeferredNotifier::Poller poller(notifier);
   const auto may_go_on = [&] {
-    carrier.pass_on();
-    if (yields_core_to_builder && wakes->wants_core()) [[unlikely]]
-      wakes->lend_core(stop_requested);
+    poller.poll();
+    if (yields_core_to_builder && notifier->wants_core()) [[unlikely]]
+      notifier->yield_core(stop_requested);
     return wait_while_paused() && !time_is_over(pass.end == 1 ? kFirstSampleGrace : 0);
   };
   const TileSamples samples{film->tile_rect(tile), pass, allocation, stopping.groups_to_trace()};
@@ -131,7 +131,7 @@ bool RenderSession::Render::render_tile(const TileRenderer& renderer, const Samp
 
 // Renders one round.
 void RenderSession::Render::run_workers(const TileRenderer& renderer, const SampleRange& round, int threads) {
-  yields_core_to_builder = wakes && threads > 1 && threads >= static_cast<int>(std::thread::hardware_concurrency());
+  yields_core_to_builder = notifier && threads > 1 && threads >= static_cast<int>(std::thread::hardware_concurrency());
   next_item = 0;
   tile_passes = std::vector<std::atomic<uint32_t>>(tile_order->size());
   {

@@ -12,7 +12,7 @@
 namespace alabaster::cli {
 
 /// Samples per pixel at which a render to an error ends, unless --spp is given or a preset of --quality allows more.
-inline constexpr int kMostSamplesToAnError = 65536;
+inline constexpr int kMaxSamplesWithTargetError = 65536;
 
 /// The files of pictures, and how they show them. Empty: not given.
 struct PictureArguments {

@@ -286,9 +286,9 @@ void print_prediction(const Json& p) {
   else
     std::printf(
         "  light that the probe has not met, such as a caustic or the sun in a mirror, would take more samples\n");
-  if (p["samplesPerPixel"]["high"] > kMostSamplesToAnError)
+  if (p["samplesPerPixel"]["high"] > kMaxSamplesWithTargetError)
     std::printf("  a render with --target-error stops at %d samples per pixel: add --spp to allow more\n",
-                kMostSamplesToAnError);
+                kMaxSamplesWithTargetError);
 }
 
 }  // namespace alabaster::cli

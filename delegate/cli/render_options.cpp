@@ -32,8 +32,8 @@ bool is_set(const Overrides& settings, const char* name) {
 int most_samples(const Overrides& settings) {
   const hd::Value* quality = given(settings, "quality");
   const auto* preset = quality ? hd::description::FindQualityPreset(quality->text_or("")) : nullptr;
-  return preset ? std::max(kMostSamplesToAnError, int(preset->settings.at("samples").number_or(0)))
-                : kMostSamplesToAnError;
+  return preset ? std::max(kMaxSamplesWithTargetError, int(preset->settings.at("samples").number_or(0)))
+                : kMaxSamplesWithTargetError;
 }
 
 std::string checkpoint_file(const RenderArguments& a, uint32_t frame) {

@@ -11,14 +11,14 @@ namespace {
 
 using nlohmann::json;
 
-const json& light_parameters() {
+const json& light_schema() {
   static const json properties = expanded_schema("lights")["properties"];
   return properties;
 }
 
 void set_parameter(LoadState& load, const std::string& pointer, const std::string& name, const json& value,
                    host::LightDescription* light) {
-  const json& schema = light_parameters()[name];
+  const json& schema = light_schema()[name];
   if (const auto types = schema.find("appliesTo"); types != schema.end())
     if (std::find(types->begin(), types->end(), light->type.str()) == types->end())
       load.fail(pointer, "A " + light->type.str() + " has no '" + name + "'; that belongs to " +
@@ -75,7 +75,7 @@ void change_light(LoadState& load, const std::string& pointer, const json& entry
   if (const auto layer = entry.find("texture:layer"); layer != entry.end())
     light.parameters["texture:layer"] = layer->get<std::string>();  // of the file, which is opened
   for (const auto& [name, value] : entry.items())
-    if (light_parameters().contains(name)) set_parameter(load, pointer_append(pointer, name), name, value, &light);
+    if (light_schema().contains(name)) set_parameter(load, pointer_append(pointer, name), name, value, &light);
   for (const char* const name : {"lightLink", "shadowLink"})
     if (const auto names = entry.find(name); names != entry.end()) {
       const std::string category = std::string(name) + " of " + path.str();

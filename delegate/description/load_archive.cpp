@@ -4,7 +4,7 @@
 #include "delegate/archive/archive.h"
 #include "delegate/description/apply_motion.h"
 #include "delegate/description/load_state.h"
-#include "delegate/description/prims.h"
+#include "delegate/description/scene_prims.h"
 
 namespace alabaster::hd::description {
 namespace {

@@ -7,8 +7,8 @@
 #include "core/texture/texture.h"
 #include "core/texture/udim.h"
 #include "delegate/description/name_match.h"
-#include "delegate/description/prims.h"
 #include "delegate/description/scene_names.h"
+#include "delegate/description/scene_prims.h"
 #include "delegate/support/nearest_name.h"
 
 namespace alabaster::hd::description {

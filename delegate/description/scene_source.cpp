@@ -5,7 +5,7 @@
 #include "core/math/float_environment.h"
 #include "delegate/description/apply_motion.h"
 #include "delegate/description/load_state.h"
-#include "delegate/description/prims.h"
+#include "delegate/description/scene_prims.h"
 
 namespace alabaster::hd::description {
 struct SceneSource::Open {

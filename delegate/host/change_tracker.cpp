@@ -1,4 +1,4 @@
-#include "delegate/host/render_index.h"
+#include "delegate/host/change_tracker.h"
 
 namespace alabaster::hd::host {
 

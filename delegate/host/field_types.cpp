@@ -40,7 +40,7 @@ Found find_field(const Kind& kind, const std::string& name) {
     for (const Field& row : table)
       if (name == row.name) return row.type;
   Found found;
-  const std::string parameter = std::string_view(kind.parameters) == "lights" ? light_parameter(name) : name;
+  const std::string parameter = std::string_view(kind.parameters) == "lights" ? without_inputs_namespace(name) : name;
   if (!kind.fields.empty())  // parameters of materials are those of nodes
     visit_table(kind.parameters,
                 [&](const auto& rows, const auto&, auto others) { found = find_parameter(rows, others, parameter); });

@@ -51,7 +51,7 @@ std::string check_primvar(const std::string& name, const Value& value) {
 }
 
 template <class Samples>
-std::string put_samples(const std::string& name, const Value& value, const Token& key, Samples* samples) {
+std::string set_samples(const std::string& name, const Value& value, const Token& key, Samples* samples) {
   if (value.empty()) return samples->erase(key), "";
   return read_into(name, value, {}, &(*samples)[key]);
 }
@@ -114,7 +114,8 @@ std::string must_be(const Row& row, support::ParameterFault fault) {
 /// hosts overshoot. The renderer uses the nearest value in range and warns.
 enum class Range { refused, left_to_the_renderer };
 template <class Rows>
-Put check(const Rows& rows, const std::string& name, const Value& value, Range range = Range::left_to_the_renderer) {
+FieldResult check(const Rows& rows, const std::string& name, const Value& value,
+                  Range range = Range::left_to_the_renderer) {
   for (const auto& row : rows) {
     if (name != row.name) continue;
     if (value.empty()) return "";
@@ -129,7 +130,7 @@ Put check(const Rows& rows, const std::string& name, const Value& value, Range r
   }
   return std::nullopt;
 }
-Put check_other(std::span<const OtherParameter> rows, const std::string& name, const Value& value) {
+FieldResult check_other(std::span<const OtherParameter> rows, const std::string& name, const Value& value) {
   for (const OtherParameter& row : rows)
     if (name == row.name) return value.empty() || fits(row, value) ? "" : fault_text(name, row.must, value);
   return std::nullopt;
@@ -153,7 +154,8 @@ void store(Map* map, const typename Map::key_type& key, const Value& value) {
 
 // Products ------------------------------------------------------------------------------------------
 
-Put put_var(RenderProduct* product, const std::string& text, const std::string& name, const Value& value) {
+FieldResult set_var_field(RenderProduct* product, const std::string& text, const std::string& name,
+                          const Value& value) {
   const auto [layer, suffix] = split_suffix(text, {"dataType"});
   auto found = std::find_if(product->vars.begin(), product->vars.end(),
                             [&, &wanted = layer](const RenderVar& var) { return var.name == wanted; });
@@ -167,8 +169,8 @@ Put put_var(RenderProduct* product, const std::string& text, const std::string& 
   return read_into(name, value, kVarTypes, &found->dataType);
 }
 
-Put put_product(RenderSettingsDescription* settings, const std::string& rest, const std::string& name,
-                const Value& value) {
+FieldResult set_product_field(RenderSettingsDescription* settings, const std::string& rest, const std::string& name,
+                              const Value& value) {
   constexpr size_t kMostProducts = 4096;
   size_t number = 0;
   const auto [end, error] = std::from_chars(rest.data(), rest.data() + rest.size(), number);
@@ -178,11 +180,11 @@ Put put_product(RenderSettingsDescription* settings, const std::string& rest, co
   if (number >= settings->products.size()) settings->products.resize(number + 1);
   RenderProduct* product = &settings->products[number];
   const std::string field(end + 1, rest.data() + rest.size());
-  if (const auto var = after(field, "vars:")) return put_var(product, *var, name, value);
+  if (const auto var = after(field, "vars:")) return set_var_field(product, *var, name, value);
   if (field == "file" && is_default(value))
     return settings->products.erase(settings->products.begin() + std::ptrdiff_t(number)), "";
-  const Put put = put_row(kProductFields, product, field, value);
-  return put && !put->empty() ? "'" + name + put->substr(1 + field.size()) : put;  // the fault with the whole name
+  const FieldResult result = set_row(kProductFields, product, field, value);
+  return result && !result->empty() ? "'" + name + result->substr(1 + field.size()) : result;  // the whole name
 }
 
 // Materials -----------------------------------------------------------------------------------------
@@ -290,7 +292,7 @@ std::string check_input(const std::string& node, const Token& type, const std::s
   if (!(type == Token("AlabasterDisney"))) return {};
   if (is_among(input, kOtherDisneyInputs))
     return value.empty() ? "" : fault_text(node + "." + input, "connected: a path \"NODE.OUTPUT\"", value);
-  if (const Put checked = check(material_parameters(), input, value))
+  if (const FieldResult checked = check(material_parameters(), input, value))
     return checked->empty() ? "" : "'" + node + "." + checked->substr(1);
   std::vector<std::string> names = names_of(material_parameters(), {});
   names.insert(names.end(), std::begin(kOtherDisneyInputs), std::end(kOtherDisneyInputs));
@@ -308,7 +310,7 @@ Path node_path(const Path& material, const std::string& name) {
   return name.starts_with('/') ? Path(name) : material.append(name);
 }
 
-Put put_open(MeshDescription* mesh, const std::string& name, const Value& value) {
+FieldResult set_open_field(MeshDescription* mesh, const std::string& name, const Value& value) {
   if (const auto subset = after(name, "subsets:")) {
     const auto [id, suffix] = split_suffix(*subset, {"faces", "material"});
     if (suffix.empty()) return std::nullopt;
@@ -321,7 +323,7 @@ Put put_open(MeshDescription* mesh, const std::string& name, const Value& value)
     return read_into(name, value, {}, &found->indices);
   }
   // A parameter is a constant primvar.
-  Put parameter = check(mesh_parameters(), name, value);
+  FieldResult parameter = check(mesh_parameters(), name, value);
   if (!parameter) parameter = check_other(kOfMeshes, name, value);
   if (parameter && parameter->empty() && value.empty()) mesh->primvars.erase(name);
   if (parameter && parameter->empty() && !value.empty())
@@ -331,7 +333,7 @@ Put put_open(MeshDescription* mesh, const std::string& name, const Value& value)
   if (!rest) return std::nullopt;
   const auto [text, suffix] = split_suffix(*rest, {"indices", "interpolation", "role", "samples"});
   const Token key(text);
-  if (suffix == "samples") return put_samples(name, value, key, &mesh->primvarSamples);
+  if (suffix == "samples") return set_samples(name, value, key, &mesh->primvarSamples);
   if (suffix.empty()) mesh->primvarSamples.erase(key);
   if (suffix.empty() && value.empty()) return mesh->primvars.erase(key), "";
   if (value.empty() && !mesh->primvars.contains(key)) return "";
@@ -346,7 +348,7 @@ Put put_open(MeshDescription* mesh, const std::string& name, const Value& value)
   return check_primvar(name, value);
 }
 
-Put put_open(InstancerDescription* instancer, const std::string& name, const Value& value) {
+FieldResult set_open_field(InstancerDescription* instancer, const std::string& name, const Value& value) {
   if (const auto prototype = after(name, "prototypes:")) {
     if (value.empty()) return instancer->indices.erase(Path(*prototype)), "";
     return read_into(name, value, {}, &instancer->indices[Path(*prototype)]);
@@ -370,26 +372,26 @@ Put put_open(InstancerDescription* instancer, const std::string& name, const Val
   if (!rest) return std::nullopt;
   const auto [text, suffix] = split_suffix(*rest, {"samples"});
   if (!is_among(text, kInstancePrimvars)) return std::nullopt;
-  if (!suffix.empty()) return put_samples(name, value, Token(text), &instancer->primvarSamples);
+  if (!suffix.empty()) return set_samples(name, value, Token(text), &instancer->primvarSamples);
   instancer->primvarSamples.erase(Token(text));
   store(&instancer->primvars, Token(text), value);
   return check_primvar(name, value);
 }
 
-std::string light_parameter(const std::string& name) {
+std::string without_inputs_namespace(const std::string& name) {
   return after(name, "inputs:").value_or(name);
 }
 
-Put put_open(LightDescription* light, const std::string& given, const Value& value) {
-  const std::string name = light_parameter(given);
-  Put checked = check(light_parameters(), name, value);
+FieldResult set_open_field(LightDescription* light, const std::string& given, const Value& value) {
+  const std::string name = without_inputs_namespace(given);
+  FieldResult checked = check(light_parameters(), name, value);
   if (!checked) checked = check_other(kOfLights, name, value);
   if (checked && checked->empty()) store(&light->parameters, Token(name), value);
   return checked;
 }
 
-Put put_open(CameraDescription* camera, const std::string& name, const Value& value) {
-  Put checked = check(camera_parameters(), name, value);
+FieldResult set_open_field(CameraDescription* camera, const std::string& name, const Value& value) {
+  FieldResult checked = check(camera_parameters(), name, value);
   if (!checked) checked = check_other(kOfCameras, name, value);
   if (checked && checked->empty()) store(&camera->parameters, Token(name), value);
   return checked;
@@ -397,18 +399,18 @@ Put put_open(CameraDescription* camera, const std::string& name, const Value& va
 
 std::string CheckSetting(const std::string& name, const Value& value) {
   if (const std::string retired = support::RetiredSetting(name, value.text_or("")); !retired.empty()) return retired;
-  if (const Put checked = check(setting_parameters(), name, value, Range::refused)) return *checked;
+  if (const FieldResult checked = check(setting_parameters(), name, value, Range::refused)) return *checked;
   return "there is no setting '" + name + "'" + support::DidYouMean(name, parameter_names("render_settings"));
 }
 
-Put put_open(RenderSettingsDescription* settings, const std::string& name, const Value& value) {
-  if (const auto rest = after(name, "products:")) return put_product(settings, *rest, name, value);
+FieldResult set_open_field(RenderSettingsDescription* settings, const std::string& name, const Value& value) {
+  if (const auto rest = after(name, "products:")) return set_product_field(settings, *rest, name, value);
   const std::string fault = CheckSetting(name, value);
   if (fault.empty()) store(&settings->settings, name, value);
   return fault;
 }
 
-Put put_open(MaterialNetwork* network, const Path& id, const std::string& name, const Value& value) {
+FieldResult set_open_field(MaterialNetwork* network, const Path& id, const std::string& name, const Value& value) {
   if (is_among(name, kTerminals)) {
     Path node;
     if (const std::string fault = read_into(name, value, {}, &node); !fault.empty()) return fault;
@@ -446,7 +448,7 @@ auto find_entry(const Map& map, const Key& key) -> const typename Map::mapped_ty
 }
 }  // namespace
 
-void get_open(const MeshDescription& mesh, Fields* fields) {
+void append_open_fields(const MeshDescription& mesh, Fields* fields) {
   for (const auto& [key, primvar] : mesh.primvars) {
     const std::string name = "primvars:" + key.str();
     add(name, primvar.value, fields);
@@ -461,7 +463,7 @@ void get_open(const MeshDescription& mesh, Fields* fields) {
   }
 }
 
-void get_open(const InstancerDescription& instancer, Fields* fields) {
+void append_open_fields(const InstancerDescription& instancer, Fields* fields) {
   for (const auto& [key, value] : instancer.primvars) {
     add("primvars:" + key.str(), value, fields);
     add_samples("primvars:" + key.str(), find_entry(instancer.primvarSamples, key), fields);
@@ -473,19 +475,19 @@ void get_open(const InstancerDescription& instancer, Fields* fields) {
   for (const auto& [category, instances] : by_category) add("categories:" + category.str(), instances, fields);
 }
 
-void get_open(const LightDescription& light, Fields* fields) {
+void append_open_fields(const LightDescription& light, Fields* fields) {
   for (const auto& [name, value] : light.parameters) add(name.str(), value, fields);
 }
-void get_open(const CameraDescription& camera, Fields* fields) {
+void append_open_fields(const CameraDescription& camera, Fields* fields) {
   for (const auto& [name, value] : camera.parameters) add(name.str(), value, fields);
 }
 
-void get_open(const RenderSettingsDescription& settings, Fields* fields) {
+void append_open_fields(const RenderSettingsDescription& settings, Fields* fields) {
   for (const auto& [name, value] : settings.settings) add(name, value, fields);
   for (size_t i = 0; i < settings.products.size(); ++i) {
     const RenderProduct& product = settings.products[i];
     const std::string prefix = "products:" + std::to_string(i) + ":";
-    get_rows(kProductFields, &product, prefix, fields);
+    append_rows(kProductFields, &product, prefix, fields);
     for (const RenderVar& var : product.vars) {
       add(prefix + "vars:" + var.name, var.aov, fields);
       add(prefix + "vars:" + var.name + ":dataType", var.dataType, fields);
@@ -493,7 +495,7 @@ void get_open(const RenderSettingsDescription& settings, Fields* fields) {
   }
 }
 
-void get_open(const MaterialNetwork& network, const Path& id, Fields* fields) {
+void append_open_fields(const MaterialNetwork& network, const Path& id, Fields* fields) {
   for (const auto& [path, node] : network.nodes) {
     const std::string name = node_name(id, path);
     add(name + ".type", node.nodeTypeId, fields);

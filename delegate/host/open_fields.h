@@ -5,7 +5,7 @@
 #include <span>
 
 #include "core/camera/camera.h"
-#include "core/light/light_description.h"
+#include "core/light/light_parameters.h"
 #include "core/material/disney_material.h"
 #include "core/scene/mesh_options.h"
 #include "core/session/render_settings.h"
@@ -14,37 +14,37 @@
 
 namespace alabaster::hd::host {
 
-/// "" if the field is set, a fault, or nullopt if its name is none of these.
-using Put = std::optional<std::string>;
+/// Result of setting a field: "" if it is set, else a fault; nullopt if the prim has no field of that name.
+using FieldResult = std::optional<std::string>;
 
-Put put_open(MeshDescription* mesh, const std::string& name, const Value& value);
-Put put_open(InstancerDescription* instancer, const std::string& name, const Value& value);
-Put put_open(LightDescription* light, const std::string& name, const Value& value);
-Put put_open(CameraDescription* camera, const std::string& name, const Value& value);
-Put put_open(RenderSettingsDescription* settings, const std::string& name, const Value& value);
+FieldResult set_open_field(MeshDescription* mesh, const std::string& name, const Value& value);
+FieldResult set_open_field(InstancerDescription* instancer, const std::string& name, const Value& value);
+FieldResult set_open_field(LightDescription* light, const std::string& name, const Value& value);
+FieldResult set_open_field(CameraDescription* camera, const std::string& name, const Value& value);
+FieldResult set_open_field(RenderSettingsDescription* settings, const std::string& name, const Value& value);
 /// The name of a node in fields of the material: without its path where it lies below the material.
 std::string node_name(const Path& material, const Path& node);
 /// The node of that name: below the material, or, where the name begins with a slash, of that path.
 Path node_path(const Path& material, const std::string& name);
-Put put_open(MaterialNetwork* network, const Path& id, const std::string& name, const Value& value);
+FieldResult set_open_field(MaterialNetwork* network, const Path& id, const std::string& name, const Value& value);
 
-// The open fields that make the same prim.
-void get_open(const MeshDescription& mesh, Fields* fields);
-void get_open(const InstancerDescription& instancer, Fields* fields);
-void get_open(const LightDescription& light, Fields* fields);
-void get_open(const CameraDescription& camera, Fields* fields);
-void get_open(const RenderSettingsDescription& settings, Fields* fields);
-void get_open(const MaterialNetwork& network, const Path& id, Fields* fields);
+// The open fields from which set_open_field() makes the same prim.
+void append_open_fields(const MeshDescription& mesh, Fields* fields);
+void append_open_fields(const InstancerDescription& instancer, Fields* fields);
+void append_open_fields(const LightDescription& light, Fields* fields);
+void append_open_fields(const CameraDescription& camera, Fields* fields);
+void append_open_fields(const RenderSettingsDescription& settings, Fields* fields);
+void append_open_fields(const MaterialNetwork& network, const Path& id, Fields* fields);
 
-/// A parameter that is in no table of core's: a text, or numbers.
+/// A parameter that is in no table of core: a text, such as the name of a file, or numbers.
 struct OtherParameter {
   const char* name;
   FieldType type;                // a text may be of any type of texts
   const char* must;              // what a value must be, for messages
   const char* schema = nullptr;  // its entry in schemas/*.json; null: it is in none
 };
-/// Without the namespace "inputs:", which UsdLux gives it.
-std::string light_parameter(const std::string& name);
+/// The name of a light's parameter without the namespace "inputs:", which it has in UsdLux.
+std::string without_inputs_namespace(const std::string& name);
 extern const std::span<const OtherParameter> kOtherOfMeshes, kOtherOfLights, kOtherOfCameras;
 
 /// Calls visit(rows, defaults, others) with core's table of the parameters of a schema.
@@ -53,7 +53,7 @@ void visit_table(std::string_view schema, const Visit& visit) {
   const std::span<const OtherParameter> none;
   if (schema == "disney_material") visit(material_parameters(), DisneyParameters(), none);
   if (schema == "mesh") visit(mesh_parameters(), MeshOptions(), kOtherOfMeshes);
-  if (schema == "lights") visit(light_parameters(), alabaster::LightDescription(), kOtherOfLights);
+  if (schema == "lights") visit(light_parameters(), alabaster::LightParameters(), kOtherOfLights);
   if (schema == "camera") visit(camera_parameters(), CameraParameters(), kOtherOfCameras);
   if (schema == "render_settings") visit(setting_parameters(), RenderSettings(), none);
 }
@@ -84,8 +84,8 @@ std::string finish(const RenderSettingsDescription& settings);
 std::vector<std::string> parameter_names(std::string_view schema);
 
 /// Sets the field of that name; nullopt if the table has none.
-Put put_row(std::span<const Field> table, void* object, std::string_view name, const Value& value);
-void get_rows(std::span<const Field> table, const void* object, const std::string& prefix, Fields* fields);
+FieldResult set_row(std::span<const Field> table, void* object, std::string_view name, const Value& value);
+void append_rows(std::span<const Field> table, const void* object, const std::string& prefix, Fields* fields);
 extern const std::span<const Field> kProductFields;
 
 }  // namespace alabaster::hd::host

@@ -1,26 +1,10 @@
-// The host kit's index: creates prims through a RenderDelegate, tracks what is dirty, syncs in the contract's order.
+// The index of a host: creates prims through a RenderDelegate, tracks the dirty ones, syncs in the contract's order.
 #pragma once
 
 #include "delegate/api/render_delegate.h"
+#include "delegate/host/change_tracker.h"
 
 namespace alabaster::hd::host {
-
-/// Dirty bits by prim. One thread at a time, never during Sync.
-class ALABASTER_API ChangeTracker {
- public:
-  void MarkDirty(const Path& id, DirtyBits bits);
-  DirtyBits Get(const Path& id) const;
-  void Set(const Path& id, DirtyBits bits);
-  void Remove(const Path& id);
-  /// The dirty prims alone, so that a Sync does not look at the others.
-  const std::map<Path, DirtyBits>& GetDirty() const { return bits_; }
-  /// Rises with every MarkDirty.
-  uint64_t GetVersion() const { return version_; }
-
- private:
-  std::map<Path, DirtyBits> bits_;  // none is clean
-  uint64_t version_ = 0;
-};
 
 class ALABASTER_API RenderIndex {
  public:

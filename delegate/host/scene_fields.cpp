@@ -233,16 +233,16 @@ std::string unknown(const std::string& name, const Path& id, const T& object) {
 }
 
 template <class T>
-Put put_field(const Path& id, const std::string& name, const Value& value, T* object) {
-  if (const Put put = put_row(kind_of<T>().fields, object, name, value)) {
+FieldResult set_field(const Path& id, const std::string& name, const Value& value, T* object) {
+  if (const FieldResult result = set_row(kind_of<T>().fields, object, name, value)) {
     if constexpr (requires { object->transformSamples; })
       if (name == "transform") object->transformSamples = {};
-    return put;
+    return result;
   }
   if constexpr (std::is_same_v<T, MaterialNetwork>)
-    return put_open(object, id, name, value);
+    return set_open_field(object, id, name, value);
   else
-    return put_open(object, name, value);
+    return set_open_field(object, name, value);
 }
 
 /// Sets the fields of the prim `id`, or of a camera without an id.
@@ -252,9 +252,9 @@ std::string fill_fields(const Fields& fields, const Path& id, T* object) {
       std::none_of(fields.begin(), fields.end(), [](const auto& field) { return field.first == "surface"; });
   if constexpr (std::is_same_v<T, MaterialNetwork>) chooses = chooses && object->nodes.empty();
   for (const auto& [name, value] : in_order(fields)) {
-    const Put put = put_field(id, name, value, object);
-    if (!put) return unknown(name, id, *object);
-    if (!put->empty()) return *put;
+    const FieldResult result = set_field(id, name, value, object);
+    if (!result) return unknown(name, id, *object);
+    if (!result->empty()) return *result;
   }
   if constexpr (std::is_same_v<T, MaterialNetwork>)
     if (chooses) choose_surface(fields, id, object);
@@ -300,13 +300,13 @@ std::span<const Kind> kinds() {
   return all;
 }
 
-Put put_row(std::span<const Field> table, void* object, std::string_view name, const Value& value) {
+FieldResult set_row(std::span<const Field> table, void* object, std::string_view name, const Value& value) {
   for (const Field& field : table)
     if (name == field.name) return field.put(field, object, value);
   return std::nullopt;
 }
 
-void get_rows(std::span<const Field> table, const void* object, const std::string& prefix, Fields* fields) {
+void append_rows(std::span<const Field> table, const void* object, const std::string& prefix, Fields* fields) {
   for (const Field& field : table)
     if (!field.equal(object, field.defaults())) fields->emplace_back(prefix + field.name, field.get(field, object));
 }
@@ -315,8 +315,8 @@ namespace {
 template <class T, class... Id>
 Fields all_fields(const T& object, const Id&... id) {
   Fields fields;
-  get_rows(kind_of<T>().fields, &object, "", &fields);
-  get_open(object, id..., &fields);
+  append_rows(kind_of<T>().fields, &object, "", &fields);
+  append_open_fields(object, id..., &fields);
   return fields;
 }
 }  // namespace

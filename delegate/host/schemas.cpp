@@ -92,7 +92,7 @@ ordered_json entry_of(const Row& row, const T& defaults) {
   }
   entry["default"] = form.fallback;
   entry["unit"] = row.unit;
-  if constexpr (std::is_same_v<T, alabaster::LightDescription>)
+  if constexpr (std::is_same_v<T, alabaster::LightParameters>)
     for (size_t type = 0; type < std::size(kLightTypes); ++type)
       if (row.of >> type & 1) entry["appliesTo"].push_back(kLightTypes[type]);
   if constexpr (std::is_same_v<T, CameraParameters>)

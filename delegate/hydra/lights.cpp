@@ -59,15 +59,15 @@ Host HostOf(const std::string& word) {
   return word == "blender" ? Host::blender : Host::any;
 }
 
-hd::Value LightParameter(const LightRules& rules, const hd::Token& type, const hd::Token& name,
-                         const HostParameter& get) {
+hd::Value TranslateLightParameter(const LightRules& rules, const hd::Token& type, const hd::Token& name,
+                                  const HostParameter& get) {
   const auto find = [&](const hd::Token& asked) {
     hd::Value found = get(asked);
     return found.empty() ? get("inputs:" + asked.str()) : found;
   };
   hd::Value value = find(name);
   const bool is_dome = type == hd::Token("domeLight");
-  if (is_dome && value.empty() && name == hd::Token("visibleToCamera")) return rules.domes_are_seen;
+  if (is_dome && value.empty() && name == hd::Token("visibleToCamera")) return rules.domes_visible_to_camera;
   if (rules.host == Host::any) return value;
   if (name == hd::Token("shaping:cone:softness")) return softness_of_blender(value, find("shaping:cone:angle"));
   if (type == hd::Token("distantLight")) return sun_of_blender(name.str(), value);

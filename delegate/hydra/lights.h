@@ -7,7 +7,7 @@
 
 namespace alabaster::hydra {
 
-/// The program that fills the scene, where its lights need mending. README.md has the table.
+/// A program whose lights are corrected. README.md, "Blender", has the table.
 enum class Host {
   any,
   blender,      // HydraRenderEngine with export method HYDRA
@@ -18,16 +18,16 @@ Host HostOf(const std::string& word);
 
 struct LightRules {
   Host host = Host::any;
-  bool domes_are_seen = true;  // by the camera: Hydra's setting domeLightCameraVisibility
+  bool domes_visible_to_camera = true;  // Hydra's setting domeLightCameraVisibility
   bool operator==(const LightRules&) const = default;
 };
 
-/// A parameter of a light of the host's; empty if it has none of that name.
+/// The host's value of a parameter of a light; empty if it has none of that name.
 using HostParameter = std::function<hd::Value(const hd::Token& name)>;
 
-/// Parameter `name` of a light of type `type` (distantLight, ...). Hosts name parameters as UsdLux's schema does, with
-/// or without "inputs:".
-hd::Value LightParameter(const LightRules& rules, const hd::Token& type, const hd::Token& name,
-                         const HostParameter& get);
+/// Parameter `name`, without "inputs:", of a light of type `type` (distantLight, ...). `get` is tried with `name`, then
+/// with "inputs:" before it, as the schema of UsdLux has it. Empty: the host gives neither.
+hd::Value TranslateLightParameter(const LightRules& rules, const hd::Token& type, const hd::Token& name,
+                                  const HostParameter& get);
 
 }  // namespace alabaster::hydra

@@ -15,8 +15,8 @@ class TranslatedScene : public hd::SceneDelegate {
   TranslatedScene(const LightRules& rules, Report report) : rules_(rules), report_(std::move(report)) {}
 
   hd::Value GetLightParamValue(const hd::Path& id, const hd::Token& name) final {
-    return LightParameter(rules_, GetHostLightType(id), name,
-                          [&](const hd::Token& asked) { return GetHostLightParameter(id, asked); });
+    return TranslateLightParameter(rules_, GetHostLightType(id), name,
+                                   [&](const hd::Token& asked) { return GetHostLightParameter(id, asked); });
   }
   hd::MaterialNetwork GetMaterialResource(const hd::Path& id) final {
     const WarnMaterial warn = [&](const char* code, const std::string& text) { report_(id, code, text); };

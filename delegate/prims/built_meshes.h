@@ -28,7 +28,7 @@ class BuiltMeshes {
   };
   /// Builds those that are missing, in the delegate's arena. A mesh that cannot be built is reported and not drawn; for
   /// want of memory the next build() tries again. Meshes that are done when the build is cancelled (BuildCancelled) are
-  /// kept. A large mesh that does not give way at once is left to end on a thread of its own.
+  /// kept. A large mesh that does not react to the cancel at once ends on a thread of its own.
   void build(const Scene& scene, SceneParam* param, const CancelToken& cancel);
   /// Frees the meshes that are gone or were built again, which the last build() put aside.
   void release_dropped() { dropped_.clear(); }

@@ -3,7 +3,7 @@
 #include <algorithm>
 
 #include "core/texture/udim.h"
-#include "delegate/prims/render_param.h"
+#include "delegate/prims/scene_param.h"
 
 namespace alabaster::hd::prims {
 

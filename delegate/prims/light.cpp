@@ -65,7 +65,7 @@ DirtyBits LightPrim::post_record(SceneDelegate& scene, SceneParam& param, DirtyB
   }
   if (bits & dirty::kVisibility) record_.visible = scene.GetVisible(GetId());
   if (bits & (dirty::kParams | dirty::kResource)) {
-    // OpenColorIO ends the process where memory runs out in here, so nobody asks who has no temperature.
+    // OpenColorIO ends the process if memory runs out in here: lights without a temperature do not call it.
     const ColorConfig& colors = param.colors();
     record_.light.color_of_temperature =
         record_.light.enable_color_temperature

@@ -11,7 +11,7 @@
 namespace alabaster::hd::prims {
 namespace {
 
-// Smaller batches give way in less than the time of a few frames, and are spared the change of threads.
+// Smaller batches react to a cancel within the time of a few frames, and need no thread of their own.
 constexpr double kLargeFaces = 250e3;
 constexpr std::chrono::milliseconds kLook(1);      // between looks at the caller's token
 constexpr std::chrono::milliseconds kPatience(4);  // what is left costs memory, and the next build half of the cores
@@ -46,7 +46,7 @@ bool MeshBatch::build(const CancelToken& cancel) {
       thread_ = std::thread([this] { run(); });
       return await(cancel);
     } catch (const std::system_error&) {
-      // There is no other thread to be had.
+      // The system has no more threads.
     }
   }
   build_all(cancel);
@@ -95,7 +95,7 @@ void MeshBatch::run() {
   ended_ = true;
 }
 
-// False: it did not give way.
+// False: it was cancelled and has not ended.
 bool MeshBatch::await(const CancelToken& cancel) {
   std::unique_lock lock(mutex_);
   const auto over = [&] { return over_; };

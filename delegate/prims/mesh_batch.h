@@ -9,8 +9,8 @@
 
 namespace alabaster::hd::prims {
 
-/// Builds in the delegate's arena. Libraries do not give way at each moment of a large mesh, so that such a batch is
-/// built on a thread of its own, and its caller need not wait until it gives way.
+/// Builds in the delegate's arena. Embree and OpenSubdiv cannot be cancelled at each moment of a large mesh. Such a
+/// batch is built on a thread of its own, so that a cancelled caller need not wait for its end.
 class MeshBatch {
  public:
   MeshBatch(std::vector<std::shared_ptr<const MeshJob>> jobs, SceneParam* param);
@@ -22,7 +22,7 @@ class MeshBatch {
   bool build(const CancelToken& cancel);
   /// The result of a job, once; null: it was cancelled, or it has not ended.
   std::optional<MeshResult> result(size_t job);
-  /// Nobody asks for results any more: its thread frees them when it ends.
+  /// No result is asked for any more: the thread frees them when it ends.
   void leave();
   bool has_ended() const { return ended_; }
 

@@ -176,7 +176,7 @@ class MeshBuilder {
       options.displace = [&](Mesh* refined) { displace(request.displacements, where_, sink_, refined, cancel_); };
     if (!request.placements.empty()) options.segments = EdgeMeasure(request, cage.points);
     {
-      const SyncClock::Running running(&param_.clock, SyncPhase::refine);
+      const BuildClock::Running running(&param_.build_clock, BuildPhase::refine);
       prototype->mesh = build_mesh(cage, options, sink_);
       out.deformation = deform_mesh(cage, options, prototype->mesh, cage_memory.bytes());
     }
@@ -204,7 +204,7 @@ class MeshBuilder {
   }
 
   void add_bvh(std::shared_ptr<MeshPrototype> prototype, BuiltMesh* out) {
-    const SyncClock::Running running(&param_.clock, SyncPhase::bvh);
+    const BuildClock::Running running(&param_.build_clock, BuildPhase::bvh);
     const CancelToken cancel = cancel_;
     prototype->object =
         edits_ ? edits_->object.build(param_.device(), prototype->mesh, cancel)

@@ -4,7 +4,7 @@
 #include "core/camera/camera.h"
 #include "core/diagnostics/cancel.h"
 #include "core/geometry/edited_object.h"
-#include "delegate/prims/render_param.h"
+#include "delegate/prims/scene_param.h"
 
 namespace alabaster::hd::prims {
 

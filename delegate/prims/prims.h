@@ -4,10 +4,10 @@
 #include <map>
 #include <optional>
 
-#include "core/light/light_description.h"
+#include "core/light/light_parameters.h"
 #include "delegate/api/prims.h"
 #include "delegate/prims/mesh_cage.h"
-#include "delegate/prims/render_param.h"
+#include "delegate/prims/scene_param.h"
 
 namespace alabaster::hd::prims {
 

@@ -59,7 +59,7 @@ inline constexpr std::array<std::string_view, 6> kTextureOutputs{"rgb", "r", "g"
 static_assert(kTextureOutputs.size() == size_t(Channel::direction) + 1);
 
 struct LightRecord {
-  alabaster::LightDescription light;
+  alabaster::LightParameters light;
   bool visible = true;            // else it gives no light
   Token light_link, shadow_link;  // categories; empty: everything
   std::optional<SceneFault> fault = {};

@@ -54,7 +54,7 @@ class SceneDigest {
     for (const InstanceArrayDescription& array : translation.scene.arrays) add_shared(array.look);
     for (const auto& [material, unset] : materials_)
       for (const Texture* image : material->images()) images_[image];
-    for (const LightDescription& light : translation.scene.lights) images_[light.texture.get()];
+    for (const LightParameters& light : translation.scene.lights) images_[light.texture.get()];
     digest_all(&images_, [](const Texture& image, Digest* digest) { image.add_to(digest); });
     digest_all(&meshes_, add_mesh);
     digest_all(&slots_, [](const TriangleSlots& slots, Digest* digest) { digest->add(slots); });
@@ -112,7 +112,7 @@ class SceneDigest {
     add_parameters(mesh_parameters(), instance.options, digest);
     if (instance.category_set != 0) digest->add(translation_.scene.category_sets[instance.category_set]);
   }
-  std::string digest_light(const LightDescription& light) const {
+  std::string digest_light(const LightParameters& light) const {
     Digest digest;
     add(&digest, light.type, light.light_to_world);
     add_parameters(light_parameters(), light, &digest);

@@ -8,7 +8,7 @@
 #include "core/scene/scene.h"
 #include "delegate/prims/diagnostics.h"
 #include "delegate/prims/records.h"
-#include "delegate/prims/render_param.h"
+#include "delegate/prims/scene_param.h"
 #include "delegate/support/selection.h"
 
 namespace alabaster::hd::prims {

@@ -238,11 +238,11 @@ bool Render::wait_for(const py::object& seconds, const py::object& progress) {
     });
     if (PyErr_CheckSignals() != 0) throw py::error_already_set();
     if (progress.is_none()) continue;
-    const bool goes_on = with_host_code([&] {
+    const bool continues = with_host_code([&] {
       const py::object answer = progress(progress_of(now));
       return answer.is_none() || flag(answer, "what progress returns");
     });
-    if (!goes_on && over == 0) {
+    if (!continues && over == 0) {
       cancel();
       throw c_api::Error(ALABASTER_INTERRUPTED, "the render was cancelled");
     }

@@ -159,18 +159,18 @@ struct Recording {
     auto& recording = *static_cast<Recording*>(user);
     if (interpreter_ends()) return 0;
     const Unlocked::Locked locked(*recording.unlocked);
-    int32_t goes_on = 0;
+    int32_t continues = 0;
     try {
-      goes_on = with_host_code([&] { return recording.goes_on(*now); });
+      continues = with_host_code([&] { return recording.continues(*now); });
     } catch (...) {
       recording.error = std::current_exception();
     }
     if (getpid() != recording.process) recording.end_child();
-    return goes_on;
+    return continues;
   }
 
  private:
-  int32_t goes_on(const AlabasterProgress& now) const {
+  int32_t continues(const AlabasterProgress& now) const {
     if (PyErr_CheckSignals() != 0) throw py::error_already_set();
     if (progress.is_none()) return 1;
     const py::object answer = progress(progress_of(now));

@@ -8,8 +8,8 @@
 
 #include "core/files/input_file.h"
 #include "core/memory/memory_budget.h"
+#include "core/session/render_request.h"
 #include "core/session/render_state.h"
-#include "core/session/tile_renderer.h"
 
 namespace alabaster::hd::rendering {
 

@@ -193,8 +193,9 @@ std::shared_ptr<const Denoiser> DelegateState::denoiser(std::string* problem) {
   return denoiser_;
 }
 
-// Takes up edits of cameras and settings prims, and leaves all others to the builder (drawn_). Memory may run out at
-// any step: an edit leaves the list once it is applied whole. The record of a prim that is gone does not tell its kind.
+// Takes up edits of cameras and settings prims, and leaves all others to the builder (scene_edits_). Memory may run out
+// at any step: an edit leaves the list once it is applied whole. The record of a prim that is gone does not tell its
+// kind.
 void DelegateState::split_edits() {
   edits_.splice(edits_.end(), param->take_edits());
   while (!edits_.empty()) {
@@ -210,7 +211,7 @@ void DelegateState::split_edits() {
     if (is_own)
       edits_.pop_front();
     else
-      drawn_.splice(drawn_.end(), edits_, edits_.begin());
+      scene_edits_.splice(scene_edits_.end(), edits_, edits_.begin());
   }
 }
 
@@ -261,11 +262,11 @@ void DelegateState::hand_over() {
   if (settings.refine_edge_length > 0 && view.meshes.dicing == prims::Dicing())
     alabaster::report(param->sink(), alabaster::Severity::warning, "settings.refineEdgeLength", "render settings",
                       "refineEdgeLength needs a RenderSettings prim with a camera; refineLevel is used");
-  if (drawn_.empty() && view_ == view && !builder_.has_failed()) return;
-  const bool same_scenes = drawn_.empty() && !builder_.has_failed() && view_ && view_->shutter == view.shutter &&
+  if (scene_edits_.empty() && view_ == view && !builder_.has_failed()) return;
+  const bool same_scenes = scene_edits_.empty() && !builder_.has_failed() && view_ && view_->shutter == view.shutter &&
                            view_->meshes == view.meshes;
   const std::vector<support::Selection> built = same_scenes ? view_->selections : std::vector<support::Selection>();
-  builder_.post(&drawn_, view);
+  builder_.post(&scene_edits_, view);
   view_ = view;
   // Another selection that some pass asks for changes nothing for the others.
   for (const auto& pass : passes()) {
@@ -276,7 +277,7 @@ void DelegateState::hand_over() {
 
 void DelegateState::commit() {
   const auto start = std::chrono::steady_clock::now();
-  if (!needs_commit() && edits_.empty() && drawn_.empty() && !builder_.has_failed() && !commit_failed_) return;
+  if (!needs_commit() && edits_.empty() && scene_edits_.empty() && !builder_.has_failed() && !commit_failed_) return;
   committed_ = true;
   const bool handed_over = prims::guarded(
       param->sink(), "CommitResources", [&] { hand_over(); }, prims::kEarlierStateIsKept);

@@ -4,7 +4,7 @@
 
 #include <set>
 
-#include "core/session/tile_renderer.h"
+#include "core/session/render_request.h"
 #include "delegate/prims/parameters.h"
 #include "delegate/rendering/checkpoints.h"
 #include "delegate/rendering/snapshot_builder.h"
@@ -38,7 +38,7 @@ class DelegateState {
   /// Edits were posted since the last commit, or there was none. False after a commit that failed: only the host's
   /// CommitResources tries again, for a pass would compile the scene again with every Execute.
   bool needs_commit() const { return param->has_edits() || !committed_ || dicing_changed_ || views_changed_; }
-  /// A pass looks at the scene otherwise (PassControl::view). Host thread.
+  /// PassControl::view() of a pass has changed. Host thread.
   void note_view() { views_changed_ = true; }
   /// These wait for the builder.
   std::string dump();
@@ -54,16 +54,16 @@ class DelegateState {
   std::shared_ptr<const BuiltScene> scene(const std::shared_ptr<const SceneSnapshot>& snapshot) const {
     return builder_.built(snapshot);
   }
-  /// As the pass sees it that was created last, of those that have been executed.
+  /// The scene of the pass that was created last, of those that have been executed.
   std::shared_ptr<const BuiltScene> scene() const;
   std::shared_ptr<const SceneSnapshot> snapshot() const;
   /// The scene as it was committed last is still being built.
   bool is_building() const { return builder_.is_pending(); }
   bool wait_for_build(double seconds) { return builder_.wait(seconds); }
-  /// A pass has let go of a snapshot.
+  /// A pass has released a snapshot.
   void release_retired() { builder_.release_retired(); }
-  /// For the threads of passes that render.
-  const std::shared_ptr<WakeRelay>& wakes() const { return builder_.wakes(); }
+  /// Render threads poll it, to notify the builder.
+  const std::shared_ptr<DeferredNotifier>& notifier() const { return builder_.notifier(); }
   /// With its poses in the scene's shutter. Empty: there is no such camera.
   std::optional<CameraParameters> camera(const Path& path, const Shutter& of_scene) const;
   /// The end of a sentence about a camera that does not exist: the nearest path that one has.
@@ -123,7 +123,7 @@ class DelegateState {
 
   // Host thread only.
   std::list<prims::Edit> edits_;               // taken, but not applied yet
-  std::list<prims::Edit> drawn_;               // for the builder, not handed over yet
+  std::list<prims::Edit> scene_edits_;         // for the builder, not handed over yet
   std::optional<SnapshotBuilder::View> view_;  // handed over last
   bool committed_ = false;                     // once
 

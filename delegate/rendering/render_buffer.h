@@ -9,7 +9,7 @@
 
 #include <mutex>
 
-#include "delegate/prims/render_param.h"
+#include "delegate/prims/scene_param.h"
 #include "delegate/rendering/buffer_store.h"
 
 namespace alabaster::hd::rendering {

@@ -125,7 +125,7 @@ PassControl::PassControl(std::shared_ptr<DelegateState> delegate)
     : delegate_(std::move(delegate)), frame_memory_(delegate_->param->memory(), MemoryUse::frames) {
   SessionOwner owner;
   owner.released = [held = delegate_.get()] { held->release_retired(); };
-  owner.wakes = delegate_->wakes();
+  owner.notifier = delegate_->notifier();
   session_ = std::make_shared<RenderSession>(std::move(owner));
 }
 
@@ -196,7 +196,7 @@ PassInputs PassControl::inputs(const DrawRequest& asked, std::vector<alabaster::
       !(in.error = delegate_->checkpoints.fault(scene.get(), request_of(in))).empty())
     in.refused = true;
   if (in.error.empty()) {
-    // Linux grants memory that it does not have and ends the process that uses it: nobody would be told.
+    // Linux grants memory that it does not have and ends the process that uses it, without a report.
     const size_t needed = bytes_of(in), held = frame_memory_.bytes();
     const MemoryBudget& memory = *delegate_->param->memory();
     if (needed > held && needed - held > memory.left())
@@ -239,7 +239,7 @@ void PassControl::note_start() {
   camera_ = has_camera ? std::optional(running_.framed.camera) : std::nullopt;
 }
 
-// The render of before may end while the host goes on. One that nothing follows ends here.
+// The render before this one ends in the session's thread. If no render follows, it is stopped here.
 void PassControl::start(PassInputs next) {
   set_converged(false);
   const bool first = !active_;

@@ -8,7 +8,7 @@
 
 namespace alabaster::hd::rendering {
 
-/// How a pass looks at the scene, as far as the scene is built for it.
+/// The parts of a pass's state for which the scene is built.
 struct PassView {
   support::Selection selection;
   std::optional<Shutter> shutter;  // of a free camera
@@ -45,15 +45,15 @@ class PassControl : public std::enable_shared_from_this<PassControl> {
   ~PassControl() { session_->stop(); }
 
   void execute(const RenderPassState& state);  // host thread
-  /// Draws what Execute was to draw when the scene was not there, if it is now. Any thread.
+  /// Draws what Execute requested while the scene was being built, if that has ended. Any thread.
   void start_deferred();
-  /// The host destroys the pass: nothing begins any more.
+  /// The host destroys the pass: no render begins any more.
   void retire();
   /// Empty: it has not been executed.
   std::optional<PassView> view() const;
-  /// The scene is being built: no picture of the old one is the last, though it goes on.
+  /// A new scene is being built: the picture does not converge before it, though the old one is rendered on.
   void expect_new_scene();
-  void abandon();     // Execute could not even prepare: fails and converges
+  void abandon();     // Execute threw: the pass fails and converges
   void stop();        // Stop: blocks until no worker runs
   void invalidate();  // Restart: the next Execute starts again
   void pause();
@@ -76,8 +76,8 @@ class PassControl : public std::enable_shared_from_this<PassControl> {
   size_t film_memory() const;
 
  private:
-  /// The arguments of Execute, and the buffers of its bindings, which the host may destroy before the scene is there;
-  /// null: none of this delegate.
+  /// The arguments of Execute, and the buffers of its bindings, which the host may destroy before the scene is built.
+  /// A null buffer is none of this delegate.
   struct DrawRequest {
     RenderPassState state;
     std::vector<std::shared_ptr<BufferState>> buffers;
@@ -114,9 +114,9 @@ class PassControl : public std::enable_shared_from_this<PassControl> {
   mutable std::mutex error_mutex_;
   std::optional<CameraParameters> camera_;  // under error_mutex_
   std::string error_;
-  std::mutex executing_;  // one at a time draws: the host, who waits for the scene, or the builder
+  std::mutex executing_;  // one thread at a time draws: the host's, one in wait(), or the builder's
   std::vector<std::pair<std::string, std::string>> reported_;  // faults of the last Execute
-  std::optional<DrawRequest> deferred_;                        // what is drawn once the scene is there
+  std::optional<DrawRequest> deferred_;                        // is drawn once the scene is built
   MemoryReservation frame_memory_;                             // of the frame that is or was drawn last
   std::atomic<bool> executed_{false};
   std::atomic<bool> stale_{false};  // a newer scene than that of running_ is being built, or Execute has not seen it

@@ -177,8 +177,8 @@ Dictionary RenderDelegateImpl::GetRenderStats() const {
     stats["sceneNumber"] = count(snapshot ? snapshot->number : 0);
     stats["totalMemory"] = count(snapshot ? snapshot->memory_bytes : 0);
     add_scene_faults(*delegate_, &stats);
-    const auto refine = delegate_->param->clock.seconds(prims::SyncPhase::refine);
-    const auto bvh = delegate_->param->clock.seconds(prims::SyncPhase::bvh);
+    const auto refine = delegate_->param->build_clock.seconds(prims::BuildPhase::refine);
+    const auto bvh = delegate_->param->build_clock.seconds(prims::BuildPhase::bvh);
     stats["sync.refineSeconds"] = refine.cpu;
     stats["sync.refineWallSeconds"] = refine.wall;
     stats["sync.bvhSeconds"] = bvh.cpu;

@@ -11,7 +11,7 @@ namespace alabaster::hd::rendering {
 
 namespace {
 
-constexpr std::chrono::seconds kEditsEnd(2);         // a host that has not edited for so long has stopped to
+constexpr std::chrono::seconds kEditsEnd(2);         // without an edit for so long, the next one may be slower
 constexpr std::chrono::microseconds kHostTurn(300);  // longer than most calls of Execute
 constexpr const char* kNotDrawn = "; the scene is not drawn, and the next commit builds it again";
 
@@ -20,7 +20,7 @@ constexpr const char* kNotDrawn = "; the scene is not drawn, and the next commit
 SnapshotBuilder::SnapshotBuilder(std::shared_ptr<prims::SceneParam> param, Events events)
     : param_(std::move(param)),
       events_(std::move(events)),
-      wakes_(std::make_shared<WakeRelay>([this] { wake_.notify_all(); }, kHostTurn)),
+      notifier_(std::make_shared<DeferredNotifier>([this] { wake_.notify_all(); }, kHostTurn)),
       translator_(param_->sink()) {}
 
 SnapshotBuilder::~SnapshotBuilder() {
@@ -43,7 +43,7 @@ void SnapshotBuilder::post(std::list<prims::Edit>* edits, const View& view) {
     requested_ = pending_ = true;
     if (building_ && !cancelled_before_) cancel_ = true;
   }
-  wakes_->ask();
+  notifier_->request();
 }
 
 void SnapshotBuilder::set_stopped(bool stopped) {
@@ -96,7 +96,7 @@ void SnapshotBuilder::run() {
   while (take_work()) build();
 }
 
-// Until somebody wants something of the builder.
+// Waits for a request, a release or the end.
 void SnapshotBuilder::await_work(std::unique_lock<std::mutex>* lock) {
   const auto wanted = [&] { return quit_ || release_ || (requested_ && !stopped_); };
   if (wake_.wait_for(*lock, kEditsEnd, wanted)) return;
@@ -106,7 +106,7 @@ void SnapshotBuilder::await_work(std::unique_lock<std::mutex>* lock) {
   wake_.wait(*lock, wanted);
 }
 
-// Waits for a request, and makes it this thread's; false: the builder ends.
+// Waits for a request, and takes its edits and view. False: the builder ends.
 bool SnapshotBuilder::take_work() {
   std::unique_lock lock(mutex_);
   for (;;) {
@@ -129,7 +129,7 @@ bool SnapshotBuilder::take_work() {
 }
 
 void SnapshotBuilder::build() {
-  wakes_->begin_work();
+  notifier_->begin_work();
   bool cancelled = false;
   const auto build_it = [&] {
     try {
@@ -143,7 +143,7 @@ void SnapshotBuilder::build() {
     for (Variant& variant : variants_) variant.compiler.forget();
   {
     const std::lock_guard lock(mutex_);
-    // The scene of before would pass for the new one.
+    // After a failure no scene is given: the earlier one would be taken for the new one.
     lost_ = !done || (cancelled && lost_);
     failed_ = lost_ || (!cancelled && (meshes_.incomplete() || deformations_.incomplete() || lacks_snapshots()));
     cancelled_before_ = cancelled && requested_;
@@ -151,7 +151,7 @@ void SnapshotBuilder::build() {
     pending_ = requested_;
     release_ |= !cancelled;
   }
-  wakes_->end_work();
+  notifier_->end_work();
   rested_.notify_all();
   if (!pending_) events_.built();
   const std::lock_guard lock(mutex_);
@@ -251,8 +251,8 @@ void SnapshotBuilder::update(const CancelToken& cancel) {
   retire_unselected();
 }
 
-// A new selection shares parts with the scene of one that nobody asks for any more. Memory may run out until the new
-// list is there. The rest only swaps.
+// A new selection shares parts with the scene of one that no pass asks for any more. Only the allocation of the new
+// list may run out of memory.
 void SnapshotBuilder::choose_variants(const std::vector<support::Selection>& selections) {
   std::vector<Variant> chosen;
   chosen.reserve(selections.size());
@@ -282,7 +282,7 @@ void SnapshotBuilder::translate(Variant* variant, const prims::DeformedMeshes& d
   });
   prims::SceneFaults faults = this->faults(variant->selection);
   faults.insert(translation.faults.begin(), translation.faults.end());
-  if (auto same = snapshot_of(translation.scene))  // faults may differ, and paths
+  if (auto same = snapshot_of(translation.scene))  // faults and paths may still differ
     publish(std::make_shared<const BuiltScene>(
         BuiltScene{variant->selection, std::move(translation), std::move(same), std::move(faults)}));
   else
@@ -320,7 +320,7 @@ void SnapshotBuilder::compile(Variant* variant, BuiltScene scene, const CancelTo
   const auto run = [&] {
     scene.snapshot = variant->compiler.compile(scene.translation.scene, scene_number_ + 1, cancel);
   };
-  // A scene that could not be compiled leaves no snapshot: the old one would pass for it.
+  // A scene that could not be compiled has no snapshot: the old one would be taken for it.
   bool cancelled = false;
   const auto compile_it = [&] {
     try {
@@ -356,7 +356,7 @@ void SnapshotBuilder::publish(std::shared_ptr<const BuiltScene> scene) {
   events_.published();
 }
 
-// The scenes of selections that nobody asks for any more.
+// Retires the scenes of selections that no pass asks for any more.
 void SnapshotBuilder::retire_unselected() {
   {
     const std::lock_guard lock(mutex_);

@@ -1,15 +1,15 @@
 // The thread that makes snapshots of the scene: it refines meshes, builds their BVHs, resolves paths and compiles,
-// while the host goes on and the last snapshot is rendered.
+// while the host continues and the last snapshot is rendered.
 #pragma once
 
 #include <condition_variable>
 #include <thread>
 
 #include "core/scene/snapshot_compiler.h"
-#include "core/session/wake_relay.h"
+#include "core/session/deferred_notifier.h"
 #include "delegate/prims/built_meshes.h"
 #include "delegate/prims/deformation.h"
-#include "delegate/prims/render_param.h"
+#include "delegate/prims/scene_param.h"
 #include "delegate/prims/scene_translation.h"
 
 namespace alabaster::hd::rendering {
@@ -22,21 +22,21 @@ struct BuiltScene {
   prims::SceneFaults faults;
 };
 
-/// The newest records win: an edit cancels the build that goes on, unless the one before was cancelled, too. So a host
-/// that edits without end still sees snapshots.
+/// An edit cancels the running build, unless the build before it was cancelled, too. So a host that edits without end
+/// still gets snapshots.
 class SnapshotBuilder {
  public:
   /// Called on the builder's thread, under no lock. set_stopped(true) waits for them.
   struct Events {
     std::function<void()> published;  // after each new scene
-    std::function<void()> built;      // when nothing is pending any more, whether or not the build failed
+    std::function<void()> built;      // once nothing is pending, also after a build that failed
   };
   SnapshotBuilder(std::shared_ptr<prims::SceneParam> param, Events events);
   ~SnapshotBuilder();  // cancels
   SnapshotBuilder(const SnapshotBuilder&) = delete;
   SnapshotBuilder& operator=(const SnapshotBuilder&) = delete;
 
-  /// Beside the records, all that decides what is built.
+  /// All inputs of a build beside the records.
   struct View {
     std::vector<support::Selection> selections{support::Selection()};  // a scene is built for each; no two are equal
     Shutter shutter;
@@ -62,10 +62,10 @@ class SnapshotBuilder {
   bool has_failed() const { return failed_; }
   /// Wall time of translating and compiling.
   double compile_seconds() const { return compile_seconds_; }
-  /// Passes have let go of scenes: those that nobody uses are destroyed on the builder's thread.
+  /// Passes have released scenes: unused ones are destroyed on the builder's thread.
   void release_retired();
-  /// Threads that render carry it, so that post() need not wake the builder.
-  const std::shared_ptr<WakeRelay>& wakes() const { return wakes_; }
+  /// Render threads poll it, so that post() need not notify the builder itself.
+  const std::shared_ptr<DeferredNotifier>& notifier() const { return notifier_; }
 
  private:
   void run();
@@ -99,7 +99,7 @@ class SnapshotBuilder {
 
   mutable std::mutex mutex_;
   std::condition_variable wake_, rested_;
-  const std::shared_ptr<WakeRelay> wakes_;
+  const std::shared_ptr<DeferredNotifier> notifier_;
   std::list<prims::Edit> posted_;
   std::shared_ptr<const View> posted_view_;
   bool requested_ = false, building_ = false, stopped_ = false, quit_ = false, release_ = false;
@@ -119,7 +119,7 @@ class SnapshotBuilder {
   prims::SceneTranslator translator_;
   std::vector<Variant> variants_;
   uint64_t scene_number_ = 0;
-  bool stale_ = true;  // the scenes do not show the records
+  bool stale_ = true;  // the scenes do not show records_ as they are
 
   std::thread thread_;
 };

@@ -27,8 +27,8 @@ ADDITIONS = {
          '      {"trialOption", &O::trial_option, 0, 1, {},\n       "none", "An option that a trial adds."},'),
     ],
     "trialParameter": [
-        ("core/light/light_description.h", "  bool treat_as_point = false;", "  float trial_parameter = 0;"),
-        ("core/light/light_description.cpp", '       "none", "Colour in the rendering space; multiplies intensity."},',
+        ("core/light/light_parameters.h", "  bool treat_as_point = false;", "  float trial_parameter = 0;"),
+        ("core/light/light_parameters.cpp", '       "none", "Colour in the rendering space; multiplies intensity."},',
          '      {"trialParameter", &P::trial_parameter, 0, 1, {},\n       "none", "A parameter that a trial adds."},'),
     ],
     "trialAov": [

@@ -124,7 +124,7 @@ RenderRequest describe(testing::SceneBuilder* b, const std::shared_ptr<const Mes
   b->description = {};
   b->add(body, b->material(skin));
   if (lighting.key) {
-    LightDescription light;
+    LightParameters light;
     light.type = LightType::sphere;
     light.radius = 0.1f;
     light.intensity = 150;

@@ -54,7 +54,7 @@ RenderRequest everything(double s, const Vec3d& place = Vec3d(0, 0, 0), uint32_t
   Matrix4d down(1, 0, 0, 0, 0, 0, -1, 0, 0, 1, 0, 0, 0, 0, 0, 1);
   int i = 0;
   for (const LightType type : {LightType::rect, LightType::sphere, LightType::disk, LightType::cylinder}) {
-    LightDescription light;
+    LightParameters light;
     light.type = type;
     light.intensity = 4;
     light.width = light.height = light.length = 0.4f * f;
@@ -62,7 +62,7 @@ RenderRequest everything(double s, const Vec3d& place = Vec3d(0, 0, 0), uint32_t
     light.light_to_world = down * at(i++ - 1.5, 2, 0.5);
     b.add(light);
   }
-  LightDescription sun;
+  LightParameters sun;
   sun.type = LightType::distant;
   sun.light_to_world = down;
   b.add(sun).add(constant_dome(0.2f, true));
@@ -81,7 +81,7 @@ RenderRequest lit_ball(double s, bool has_floor, LightType type) {
   b.add(ball, b.material(medium_only(0.5f, 0)), at(-0.6, 0, 0));
   b.add(ball, b.material(medium_only(0.8f, 0.1f * f)), at(0.6, 0, 0));
   if (has_floor) b.add(b.prototype(plane_mesh(8 * f)), b.material(shiny()), at(0, -0.5, 0));
-  LightDescription light;
+  LightParameters light;
   light.type = type;
   light.intensity = 4;
   light.width = light.height = 0.4f * f;
@@ -321,7 +321,7 @@ void print_placements(Rows& rows) {
     skin.anisotropic = 0;
     b.add(b.prototype(std::move(ball)), b.material(skin), m)
         .add(b.prototype(plane_mesh(4)), b.material(shiny()), translation(0, -0.5, 0));
-    LightDescription key;
+    LightParameters key;
     key.type = LightType::sphere;
     key.intensity = 20;
     key.light_to_world = translation(2, 3, 1);

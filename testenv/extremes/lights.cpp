@@ -11,16 +11,16 @@ Matrix4d facing_down(double x, double y, double z) {
 }
 
 /// A matt square under the lights, seen from above; `size` of the picture.
-Picture lit_square(const std::vector<LightDescription>& lights, float size = 0.01f, uint32_t samples = 64,
+Picture lit_square(const std::vector<LightParameters>& lights, float size = 0.01f, uint32_t samples = 64,
                    float albedo = 0.5f) {
   SceneBuilder b;
   b.add(b.prototype(plane_mesh(4)), b.material(medium_only(albedo, 0)));
-  for (const LightDescription& light : lights) b.add(light);
+  for (const LightParameters& light : lights) b.add(light);
   return Picture(picture_of(&b, from_above(size), samples));
 }
 
-LightDescription ball(double radius, double height, float intensity) {
-  LightDescription light;
+LightParameters ball(double radius, double height, float intensity) {
+  LightParameters light;
   light.type = LightType::sphere;
   light.radius = static_cast<float>(radius);
   light.intensity = intensity;
@@ -49,7 +49,7 @@ void print_strengths(Rows& rows) {
     rows.require("square under a ball of light", text("2^%d times as strong", k), "the picture times that", "bits",
                  text("%zu values differ", different), scaled.sound && different == 0);
   }
-  std::vector<LightDescription> all;
+  std::vector<LightParameters> all;
   for (int k = -30; k <= 30; k += 2) all.push_back(ball(0.5, 2, float(std::pow(10.0, k))));
   const Picture both = lit_square(all, 0.01f, 1024);
   const double expected = lit_by_ball(0.5, 0.5, 2) * (1e30 / (1 - 1e-2));
@@ -58,7 +58,7 @@ void print_strengths(Rows& rows) {
                1e-4 * expected / 1e30, "the picture's width");
   rows.report().require(both.sound, "strong and weak lights together are sound");
   // A weak light beside a strong one whose light does not arrive.
-  LightDescription away = ball(0.5, -2, 1e30f);
+  LightParameters away = ball(0.5, -2, 1e30f);
   const Picture weak = lit_square({ball(0.5, 2, 1e-30f), away}, 0.01f, 64);
   const double weak_expected = lit_by_ball(0.5, 0.5, 2);
   rows.compare("square under a ball of light", "1e-30 strong, another of 1e30 behind the square", "1e-30 of its light",
@@ -83,7 +83,7 @@ void print_contacts(Rows& rows) {
                  p.mean, 0.5 * irradiance * (1 - 0.5 / 21), 0.5 * irradiance * 0.5 / 21, "the Fresnel term");
     rows.report().require(p.sound, "lights near a surface are sound");
   }
-  LightDescription flat;
+  LightParameters flat;
   flat.width = flat.height = 1;
   flat.light_to_world = facing_down(0, 0, 0);
   const Picture in_plane = lit_square({flat}, 0.5f);
@@ -146,7 +146,7 @@ void print_suns(Rows& rows) {
   for (const int row : {1, 64, 120}) {
     std::vector<Rgb> texels(size_t(kWidth) * kHeight, Rgb(0.0f));
     texels[size_t(row) * kWidth + 17] = Rgb(1e6f);
-    LightDescription sky;
+    LightParameters sky;
     sky.type = LightType::dome;
     sky.texture = std::make_shared<MemoryTexture>(kWidth, std::move(texels));
     const Picture p = lit_square({sky}, 0.01f, 256);
@@ -163,7 +163,7 @@ void print_suns(Rows& rows) {
 
 void print_angles(Rows& rows) {
   const auto sun = [](float angle) {
-    LightDescription light;
+    LightParameters light;
     light.type = LightType::distant;
     light.normalize = true;
     light.intensity = 3;
@@ -178,7 +178,7 @@ void print_angles(Rows& rows) {
     rows.report().require(p.sound, "suns of any angle are sound");
   }
   for (const float angle : {180.0f, 359.9f, 360.0f}) {
-    LightDescription light = sun(angle);
+    LightParameters light = sun(angle);
     light.normalize = false;
     light.intensity = 1;
     const Picture p = lit_square({light}, 0.01f, 256);
@@ -188,13 +188,13 @@ void print_angles(Rows& rows) {
 }
 
 void print_no_light(Rows& rows) {
-  const auto none = [&](const char* extreme, LightDescription light) {
+  const auto none = [&](const char* extreme, LightParameters light) {
     light.light_to_world = facing_down(0, 2, 0);
     light.visible_to_camera = true;
     const Picture p = lit_square({light}, 1, 4);
     rows.require("square under a light", extreme, "black", "exact", p.said(), p.sound && p.mean.mean == 0);
   };
-  LightDescription light;
+  LightParameters light;
   light.width = 0;
   none("rectangle of width 0", light);
   light = {};

@@ -34,7 +34,7 @@ void print_many_samples(Rows& rows, uint32_t most) {
 void print_long_convergence(Rows& rows, uint32_t most) {
   SceneBuilder b;
   b.add(b.prototype(sphere_mesh(1, 32, true)), b.material(medium_only(0.8f, 0.5f)));
-  LightDescription key;
+  LightParameters key;
   key.type = LightType::sphere;
   key.intensity = 40;
   key.light_to_world = translation(3, 3, 1);

@@ -312,7 +312,7 @@ void print_light_parameters(Report& report) {
     for (const LightType type : {LightType::rect, LightType::sphere, LightType::distant, LightType::dome,
                                  LightType::disk, LightType::cylinder})
       for (const NamedValue& v : extreme_values(row.minimum, row.maximum)) {
-        LightDescription light;
+        LightParameters light;
         light.type = type;
         light.light_to_world = Matrix4d(1, 0, 0, 0, 0, 0, -1, 0, 0, 1, 0, 0, 0.2, 2, 0.1, 1);
         light.visible_to_camera = true;

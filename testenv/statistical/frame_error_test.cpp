@@ -29,8 +29,8 @@ RenderRequest request_of(SceneBuilder& builder) {
   return request;
 }
 
-LightDescription ball_light(float radius, float intensity) {
-  LightDescription key;
+LightParameters ball_light(float radius, float intensity) {
+  LightParameters key;
   key.type = LightType::sphere;
   key.radius = radius;
   key.intensity = intensity;

@@ -163,22 +163,22 @@ void check(const L& light, const char* name, const Vec3f& p, const Chart& chart,
 
 // A rectangle for a lobe that weighs light by the cosine.
 struct Facing {
-  PlaneLight light;
+  RectDiskLight light;
   Vec3f n;
   std::optional<LightSample> sample(const Vec3f& p, const Vec2f& u) const { return light.sample(p, u, n); }
   std::optional<LightHit> intersect(const Ray& ray) const { return light.intersect(ray, n); }
 };
 
-LightDescription described(LightType type) {
-  LightDescription d;
+LightParameters described(LightType type) {
+  LightParameters d;
   d.type = type;
   return d;
 }
 
 TEST(LightChiSquare, Rect) {
-  LightDescription d = described(LightType::rect);
+  LightParameters d = described(LightType::rect);
   d.width = 2;
-  const PlaneLight light(d, Vec3d(0, 0, 0));
+  const RectDiskLight light(d, Vec3d(0, 0, 0));
   struct View {
     const char* name;
     Vec3f p;
@@ -192,9 +192,9 @@ TEST(LightChiSquare, Rect) {
 }
 
 TEST(LightChiSquare, RectAsLobesSeeIt) {
-  LightDescription d = described(LightType::rect);
+  LightParameters d = described(LightType::rect);
   d.width = 2;
-  const PlaneLight light(d, Vec3d(0, 0, 0));
+  const RectDiskLight light(d, Vec3d(0, 0, 0));
   struct View {
     const char* name;
     Vec3f p, n;
@@ -208,7 +208,7 @@ TEST(LightChiSquare, RectAsLobesSeeIt) {
 }
 
 TEST(LightChiSquare, RectWithAnImage) {
-  LightDescription d = described(LightType::rect);
+  LightParameters d = described(LightType::rect);
   d.width = 2;
   // A black region wider than the filter, bright texels, edges that differ.
   std::vector<Rgb> texels(size_t{6} * 6, Rgb(0.0f));
@@ -218,33 +218,33 @@ TEST(LightChiSquare, RectWithAnImage) {
   d.texture = std::make_shared<MemoryTexture>(6, texels);
   uint64_t seed = 110;
   for (const Vec3f& p : {Vec3f(0.2f, 0.1f, -1), Vec3f(1.5f, -0.2f, -0.8f), Vec3f(40, 10, -70)})
-    check(PlaneLight(d, Vec3d(0, 0, 0)), "image", p, parallelogram(p, Vec3d(2, 0, 0), Vec3d(0, 1, 0)), seed++);
+    check(RectDiskLight(d, Vec3d(0, 0, 0)), "image", p, parallelogram(p, Vec3d(2, 0, 0), Vec3d(0, 1, 0)), seed++);
 }
 
 TEST(LightChiSquare, ShearedRectIsSampledByArea) {
-  LightDescription d = described(LightType::rect);
+  LightParameters d = described(LightType::rect);
   d.light_to_world = Matrix4d(1, 0, 0, 0, 0.8, 1, 0, 0, 0, 0.3, 2, 0, 0, 0, 0, 1);
-  const PlaneLight light(d, Vec3d(0, 0, 0));
+  const RectDiskLight light(d, Vec3d(0, 0, 0));
   uint64_t seed = 20;
   for (const Vec3f& p : {Vec3f(0.2f, 0.1f, -0.5f), Vec3f(1.5f, -0.2f, -0.8f)})
     check(light, "sheared", p, parallelogram(p, Vec3d(1, 0, 0), Vec3d(0.8, 1, 0)), seed++);
 }
 
 TEST(LightChiSquare, Disk) {
-  LightDescription d = described(LightType::disk);
+  LightParameters d = described(LightType::disk);
   d.radius = 1;
-  const PlaneLight light(d, Vec3d(0, 0, 0));
+  const RectDiskLight light(d, Vec3d(0, 0, 0));
   uint64_t seed = 90;
   for (const Vec3f& p :
        {Vec3f(0.2f, 0.1f, -0.3f), Vec3f(0, 0.9f, -0.2f), Vec3f(1.5f, -0.2f, -0.8f), Vec3f(40, 10, -70)})
     check(light, "disk", p, ellipse(p, Vec3d(1, 0, 0), Vec3d(0, 1, 0)), seed++);
   d.light_to_world = Matrix4d(-1, 0, 0, 0, 0.8, 2, 0, 0, 0, 0.3, 2, 0, 0, 0, 0, 1);  // mirrored and sheared
   const Vec3f p(0.2f, 0.1f, -2);
-  check(PlaneLight(d, Vec3d(0, 0, 0)), "sheared", p, ellipse(p, Vec3d(-1, 0, 0), Vec3d(0.8, 2, 0)), seed);
+  check(RectDiskLight(d, Vec3d(0, 0, 0)), "sheared", p, ellipse(p, Vec3d(-1, 0, 0), Vec3d(0.8, 2, 0)), seed);
 }
 
 TEST(LightChiSquare, Cylinder) {
-  LightDescription d = described(LightType::cylinder);
+  LightParameters d = described(LightType::cylinder);
   d.radius = 0.25f;
   d.length = 2;
   const CylinderLight light(d, Vec3d(0, 0, 0));
@@ -266,7 +266,7 @@ TEST(LightChiSquare, Sphere) {
 
 // Outside the spot both sample() and intersect() are empty; the rest must still agree.
 TEST(LightChiSquare, SphereWithSpotCone) {
-  LightDescription d = described(LightType::sphere);
+  LightParameters d = described(LightType::sphere);
   d.cone_inner = 10;
   d.cone_outer = 25;
   const SphereLight light(d, Vec3d(0, 0, 0));
@@ -279,7 +279,7 @@ TEST(LightChiSquare, SphereWithSpotCone) {
 }
 
 TEST(LightChiSquare, Distant) {
-  LightDescription d = described(LightType::distant);
+  LightParameters d = described(LightType::distant);
   d.light_to_world = Matrix4d(1, 0, 0, 0, 0, 0, 1, 0, 0, -1, 0, 0, 5, 5, 5, 1);
   uint64_t seed = 50;
   for (float angle : {0.53f, 40.0f, 220.0f}) {
@@ -290,7 +290,7 @@ TEST(LightChiSquare, Distant) {
 }
 
 TEST(LightChiSquare, Dome) {
-  LightDescription d = described(LightType::dome);
+  LightParameters d = described(LightType::dome);
   check(DomeLight(d, Vec3d(0, 0, 0)), "constant", {0, 0, 0}, lat_long(), 60);
   // Black regions, a bright pole, a steep sun, and edges that differ.
   std::vector<Rgb> texels(size_t{12} * 6, Rgb(0.0f));
@@ -344,7 +344,7 @@ TEST(LightChiSquare, Mesh) {
 // The test detects a light that is slightly larger than it states, and a pdf without the light's cosine.
 TEST(LightChiSquare, WrongPdfsFail) {
   struct Wrong {
-    PlaneLight sampled, stated;
+    RectDiskLight sampled, stated;
     float power_of_cosine;
     std::optional<LightSample> sample(const Vec3f& p, const Vec2f& u) const { return sampled.sample(p, u); }
     std::optional<LightHit> intersect(const Ray& ray) const {
@@ -353,10 +353,10 @@ TEST(LightChiSquare, WrongPdfsFail) {
       return hit;
     }
   };
-  LightDescription d = described(LightType::rect);
-  const PlaneLight light(d, Vec3d(0, 0, 0));
+  LightParameters d = described(LightType::rect);
+  const RectDiskLight light(d, Vec3d(0, 0, 0));
   d.width = 1.03f;
-  const PlaneLight larger(d, Vec3d(0, 0, 0));
+  const RectDiskLight larger(d, Vec3d(0, 0, 0));
   const Vec3f p(0.8f, 0.1f, -0.6f);
   const Chart chart = parallelogram(p, Vec3d(1, 0, 0), Vec3d(0, 1, 0));
   EXPECT_TRUE(plausible(test_light(Wrong{light, light, 0}, p, chart, 80)));

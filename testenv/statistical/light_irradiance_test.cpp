@@ -50,13 +50,13 @@ Matrix4d translation(double x, double y, double z) {
 }
 
 TEST(LightIrradiance, RectIsLambertsFormula) {
-  LightDescription d;
+  LightParameters d;
   d.width = 2;
   d.height = 0.5f;
   d.color = Rgb(3, 1, 1);
   d.light_to_world = translation(10.25, 0, 3);  // faces down
   const Vec3d origin(10, 0, 0);
-  const PlaneLight light(d, origin);
+  const RectDiskLight light(d, origin);
   const std::array<Vec3d, 4> corners = {Vec3d(-0.75, -0.25, 3), Vec3d(1.25, -0.25, 3), Vec3d(1.25, 0.25, 3),
                                         Vec3d(-0.75, 0.25, 3)};
   uint64_t seed = 100;
@@ -69,12 +69,12 @@ TEST(LightIrradiance, RectIsLambertsFormula) {
 // A disk of radius r at height h seen from the plane below it, a from its axis: pi L / 2 (1 - (h^2 + a^2 - r^2) /
 // sqrt((h^2 + a^2 + r^2)^2 - 4 a^2 r^2)), on the axis pi L sin^2.
 TEST(LightIrradiance, DiskOverAParallelPlane) {
-  LightDescription d;
+  LightParameters d;
   d.type = LightType::disk;
   d.radius = 0.75f;
   d.color = Rgb(3, 1, 1);
   d.light_to_world = translation(0, 0, 3);
-  const PlaneLight light(d, Vec3d(0, 0, 0));
+  const RectDiskLight light(d, Vec3d(0, 0, 0));
   uint64_t seed = 120;
   for (const auto& [a, z] : {std::pair(0.0, 0.0), {0.0, 2.9}, {0.5, 2.75}, {1.5, 2.5}, {20.0, 0.0}}) {
     const double h = 3 - z, r = 0.75, sum = h * h + a * a;
@@ -86,7 +86,7 @@ TEST(LightIrradiance, DiskOverAParallelPlane) {
 
 // Quadrature over the side of the tube that faces the plane and is above it.
 TEST(LightIrradiance, Cylinder) {
-  LightDescription d;
+  LightParameters d;
   d.type = LightType::cylinder;
   d.radius = 0.5f;
   d.length = 1.5f;
@@ -114,14 +114,14 @@ TEST(LightIrradiance, Cylinder) {
 
 // Quadrature over an image that grows with x and is brightest in one corner.
 TEST(LightIrradiance, RectWithAnImage) {
-  LightDescription d;
+  LightParameters d;
   d.width = 2;
   d.normalize = true;
   std::vector<Rgb> texels;
   for (int i = 0; i < 32; ++i) texels.emplace_back(i == 0 ? 50.0f : static_cast<float>(i % 8));
   d.texture = std::make_shared<MemoryTexture>(8, texels);
   d.light_to_world = translation(0, 0, 2);
-  const PlaneLight light(d, Vec3d(0, 0, 0));
+  const RectDiskLight light(d, Vec3d(0, 0, 0));
   uint64_t seed = 160;
   for (const Plane& plane :
        {Plane{{0, 0, 0}, {0, 0, 1}}, Plane{{0.8f, 0.2f, 1.5f}, {0, 0, 1}}, Plane{{-4, 1, -3}, {0, 0, 1}}}) {
@@ -147,7 +147,7 @@ TEST(LightIrradiance, RectWithAnImage) {
 
 // Cosine-weighted solid angle of a sphere fully above the plane: pi L (r/d)^2 cos.
 TEST(LightIrradiance, SphereFullyAboveTheHorizon) {
-  LightDescription d;
+  LightParameters d;
   d.type = LightType::sphere;
   d.intensity = 2;
   d.exposure = 1;
@@ -165,14 +165,14 @@ TEST(LightIrradiance, SphereFullyAboveTheHorizon) {
 }
 
 TEST(LightIrradiance, InsideASphereIsPiL) {
-  LightDescription d;
+  LightParameters d;
   d.type = LightType::sphere;
   d.radius = 1;
   expect(irradiance(SphereLight(d, Vec3d(0, 0, 0)), {{0.3f, 0.2f, -0.5f}, {0, 0, 1}}, 40000, 300), kPiDouble, "inside");
 }
 
 TEST(LightIrradiance, ConstantDomeIsPiL) {
-  LightDescription d;
+  LightParameters d;
   d.type = LightType::dome;
   d.intensity = 0.5f;
   const Plane plane{{1, 2, 3}, normalize(Vec3f(1, -2, 3))};
@@ -184,7 +184,7 @@ TEST(LightIrradiance, ConstantDomeIsPiL) {
 // An image whose radiance is linear in longitude alone, on a plane facing the pole. Bilinear lookup reproduces the mean
 // of the texels in every row, and the cosine to the pole does not depend on longitude, so E = pi * mean.
 TEST(LightIrradiance, DomeImage) {
-  LightDescription d;
+  LightParameters d;
   d.type = LightType::dome;
   std::vector<Rgb> texels;
   for (int y = 0; y < 8; ++y)
@@ -199,7 +199,7 @@ TEST(LightIrradiance, DomeImage) {
 
 // A cone of half angle a around the normal gives pi L sin^2(a), which is color*intensity for a normalized light.
 TEST(LightIrradiance, Distant) {
-  LightDescription d;
+  LightParameters d;
   d.type = LightType::distant;
   d.intensity = 3;
   const Plane facing{{0, 0, 0}, {0, 0, 1}}, tilted{{0, 0, 0}, normalize(Vec3f(0, 1, 2))};
@@ -264,25 +264,25 @@ double weighed_irradiance(const LightSet& set, const Plane& plane, Rng& rng) {
 // Sampling lights and sampling directions, weighted by the power heuristic, give the sum of the closed forms only if
 // the pdfs of both, including the choice of the light, agree.
 TEST(LightIrradiance, LightSetWithMultipleImportanceSampling) {
-  LightDescription rect;
+  LightParameters rect;
   rect.light_to_world = translation(0, 0, 2);
   rect.width = rect.height = 3;
-  LightDescription sphere;
+  LightParameters sphere;
   sphere.type = LightType::sphere;
   sphere.radius = 1;
   sphere.intensity = 5;
   sphere.light_to_world = translation(3, 0, 2);
-  LightDescription dome;
+  LightParameters dome;
   dome.type = LightType::dome;
   dome.intensity = 0.2f;
-  LightDescription sun;
+  LightParameters sun;
   sun.type = LightType::distant;
   sun.angle = 20;
-  LightDescription black = sphere;
+  LightParameters black = sphere;
   black.intensity = 0;
   const Vec3d o(0, 0, 0);
   const LightSet set(
-      {PlaneLight(rect, o), SphereLight(black, o), SphereLight(sphere, o), DomeLight(dome, o), DistantLight(sun, o)},
+      {RectDiskLight(rect, o), SphereLight(black, o), SphereLight(sphere, o), DomeLight(dome, o), DistantLight(sun, o)},
       {});
   const Plane plane{{0, 0, 0}, {0, 0, 1}};
   const std::array<Vec3d, 4> corners = {Vec3d(-1.5, -1.5, 2), Vec3d(1.5, -1.5, 2), Vec3d(1.5, 1.5, 2),
@@ -299,20 +299,20 @@ TEST(LightIrradiance, LightSetWithMultipleImportanceSampling) {
 // A small bright rect, a point and a dim dome give the sum of the closed forms at each point, even where one light
 // outshines the others or the rect faces away.
 TEST(LightIrradiance, LightSetOfVeryDifferentLights) {
-  LightDescription rect;
+  LightParameters rect;
   rect.light_to_world = translation(0, 0, 1);
   rect.width = rect.height = 0.2f;
   rect.intensity = 1000;
-  LightDescription point;
+  LightParameters point;
   point.type = LightType::sphere;
   point.treat_as_point = true;
   point.intensity = 0.5f;
   point.light_to_world = translation(20, 0, 1.5);
-  LightDescription dome;
+  LightParameters dome;
   dome.type = LightType::dome;
   dome.intensity = 0.01f;
   const Vec3d o(0, 0, 0);
-  const LightSet set({PlaneLight(rect, o), SphereLight(point, o), DomeLight(dome, o)}, {});
+  const LightSet set({RectDiskLight(rect, o), SphereLight(point, o), DomeLight(dome, o)}, {});
   const std::array<Vec3d, 4> corners = {Vec3d(-0.1, -0.1, 1), Vec3d(0.1, -0.1, 1), Vec3d(0.1, 0.1, 1),
                                         Vec3d(-0.1, 0.1, 1)};
   uint64_t seed = 710;
@@ -337,14 +337,14 @@ TEST(LightIrradiance, LightSetOfVeryDifferentLights) {
 // This is why the choice depends on the point: a key light of 0.3 beside a sky over a ground of 20. By power nearly all
 // samples go to the sky, which illuminates a sphere around all of the ground, but nearly all light comes from the key.
 TEST(LightIrradiance, ChoosingLightsAtThePointReducesNoise) {
-  LightDescription key;
+  LightParameters key;
   key.light_to_world = translation(0, 0, 0.8);
   key.width = key.height = 0.3f;
   key.intensity = 34;
-  LightDescription sky;
+  LightParameters sky;
   sky.type = LightType::dome;
   sky.intensity = 0.06f;
-  const PlaneLight rect(key, Vec3d(0, 0, 0));
+  const RectDiskLight rect(key, Vec3d(0, 0, 0));
   const DomeLight dome(sky, Vec3d(0, 0, 0));
   const LightSet set({rect, dome}, {});
   const double key_power = 34 * kPiDouble * 0.09, sky_power = 4 * kPiDouble * 0.06 * kPiDouble * 200;
@@ -368,12 +368,12 @@ TEST(LightIrradiance, ChoosingLightsAtThePointReducesNoise) {
 // Small disks over a floor: the tree gives their sum, and with less noise than a light chosen by lot.
 TEST(LightIrradiance, LightTreeReducesNoise) {
   Rng place(run_seed(740), 1);
-  std::vector<PlaneLight> disks;
+  std::vector<RectDiskLight> disks;
   std::vector<Light> lights;
   std::vector<Vec3d> centers;
   constexpr size_t kLights = 1000;
   for (size_t i = 0; i < kLights; ++i) {
-    LightDescription d;
+    LightParameters d;
     d.type = LightType::disk;
     d.radius = 0.01f;
     const double x = 20 * place.uniform() - 10, y = 20 * place.uniform() - 10, z = 1 + 2 * place.uniform();
@@ -408,9 +408,9 @@ TEST(LightIrradiance, LightTreeReducesNoise) {
 // This is why the rect light samples solid angles from near: compares the variance of irradiance with sampling points
 // of its area.
 TEST(LightIrradiance, SolidAngleSamplingOfTheRectReducesNoise) {
-  LightDescription d;
+  LightParameters d;
   d.light_to_world = translation(0, 0, 1);
-  const PlaneLight light(d, Vec3d(0, 0, 0));
+  const RectDiskLight light(d, Vec3d(0, 0, 0));
   struct Case {
     Plane plane;
     double least_gain;
@@ -435,11 +435,11 @@ TEST(LightIrradiance, SolidAngleSamplingOfTheRectReducesNoise) {
 // The family would detect a radiance or pdf that is off by one per cent.
 TEST(LightIrradiance, WrongExpectationFails) {
   const Plane plane{{0, 0, 0}, {0, 0, 1}};
-  LightDescription d;
+  LightParameters d;
   d.light_to_world = translation(0, 0, 3);
   const std::array<Vec3d, 4> corners = {Vec3d(-0.5, -0.5, 3), Vec3d(0.5, -0.5, 3), Vec3d(0.5, 0.5, 3),
                                         Vec3d(-0.5, 0.5, 3)};
-  const auto e = irradiance(PlaneLight(d, Vec3d(0, 0, 0)), plane, 40000, 900);
+  const auto e = irradiance(RectDiskLight(d, Vec3d(0, 0, 0)), plane, 40000, 900);
   EXPECT_TRUE(noticed(z_test(e, 1.01 * lambert_polygon(plane, corners))));
 }
 

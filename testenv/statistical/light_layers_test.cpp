@@ -42,8 +42,8 @@ RenderRequest request_of(SceneBuilder* b, const CameraParameters& camera, int si
   return request;
 }
 
-LightDescription key_light() {
-  LightDescription key;
+LightParameters key_light() {
+  LightParameters key;
   key.type = LightType::sphere;
   key.radius = 0.5f;
   key.intensity = 20;

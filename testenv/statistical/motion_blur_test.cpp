@@ -69,7 +69,7 @@ class MotionBlur : public ::testing::Test {
     box_ = builder_.prototype(sphere_mesh(0.5f, 2, false));  // an octahedron
     sphere_ = builder_.prototype(sphere_mesh(0.5f, 10, true));
     builder_.add(builder_.prototype(plane_mesh(6)), grey_, shifted(0, -0.6, 0));
-    LightDescription key;
+    LightParameters key;
     key.type = LightType::sphere;
     key.radius = 0.4f;
     key.intensity = 10;

@@ -1,7 +1,7 @@
 // Rectangle lights that are sampled by the irradiances of their corners.
 #include <gtest/gtest.h>
 
-#include "core/light/plane_light.h"
+#include "core/light/rect_disk_light.h"
 #include "core/light/spherical_rectangle.h"
 #include "testenv/support/chi_square.h"
 #include "testenv/support/z_test.h"
@@ -15,12 +15,12 @@ struct Receiver {
 
 // The cosine of a plane decides which samples are taken, and not their mean, also where part of the rectangle is below.
 TEST(RectLight, ALobeChangesTheSamplesAlone) {
-  LightDescription d;
+  LightParameters d;
   d.width = 2;
   d.height = 0.5f;
   d.color = Rgb(3, 1, 1);
   d.light_to_world = Matrix4d(1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 3, 1);
-  const PlaneLight light(d, Vec3d(0, 0, 0));
+  const RectDiskLight light(d, Vec3d(0, 0, 0));
   uint64_t seed = 160;
   for (const Receiver& plane : {Receiver{{0, 0, 0}, {0, 0, 1}}, Receiver{{3, 2, 0}, normalize(Vec3f(-1, 0, 1))},
                                 Receiver{{0.5f, 0, 0}, {1, 0, 0}}, Receiver{{-30, 0, 0}, normalize(Vec3f(1, 0, 1))}}) {
@@ -51,10 +51,10 @@ TEST(RectLight, IsSampledWithLessNoiseFromAfar) {
   Rng rng(run_seed(170), 1);
   double by_corners = 0, by_solid_angle = 0;
   for (int i = 0; i < 400; ++i) {
-    LightDescription d;
+    LightParameters d;
     d.width = 0.2f + 2 * rng.uniform();
     d.height = 0.2f + 2 * rng.uniform();
-    const PlaneLight light(d, Vec3d(0, 0, 0));
+    const RectDiskLight light(d, Vec3d(0, 0, 0));
     const Vec3f to_light = sample_uniform_cone(uniform2(rng), 0.9f);
     const float half_diagonal = 0.5f * std::hypot(d.width, d.height);
     const Receiver plane{to_light * (-2.001f * half_diagonal), sample_cosine_hemisphere(uniform2(rng))};

@@ -80,7 +80,7 @@ double rect_over_plane(const Vec3d& p, double half, double height, double radian
 
 TEST(ClosedForm, RectLightOverPlane) {
   SceneBuilder b;
-  LightDescription light;
+  LightParameters light;
   light.type = LightType::rect;
   light.width = light.height = 1;
   light.intensity = 7;
@@ -96,7 +96,7 @@ TEST(ClosedForm, RectLightOverPlane) {
 // that of its centre to second order. The slack bounds the rest (half the cone's variation of (1-.5F)cos).
 TEST(ClosedForm, SphereLightOverPlane) {
   SceneBuilder b;
-  LightDescription light;
+  LightParameters light;
   light.type = LightType::sphere;
   light.radius = 0.05f;
   light.intensity = 900;
@@ -122,7 +122,7 @@ TEST(ClosedForm, EmissiveMeshIsARectLight) {
       glow.emission = Rgb(7);
       b.add(b.prototype(testing::plane_mesh(1)), b.material(glow), Matrix4d().setTranslation(Vec3d(0, 2, 0)));
     } else {
-      LightDescription light;
+      LightParameters light;
       light.intensity = 7;
       light.light_to_world = Matrix4d(1, 0, 0, 0, 0, 0, -1, 0, 0, 1, 0, 0, 0, 2, 0, 1);
       b.add(light);
@@ -237,7 +237,7 @@ RenderRequest body_request(const std::shared_ptr<const DisneyMaterial>& material
   Mesh mesh = testing::sphere_mesh(1, 32, true);
   mesh.uv_sets.push_back({{}, "st"});
   for (const Vec3f& p : mesh.points) mesh.uv_sets[0].values.emplace_back(0.5f + 0.5f * p.x, 0.5f + 0.5f * p.y);
-  LightDescription key;
+  LightParameters key;
   key.type = LightType::sphere;
   key.radius = 0.25f;
   key.intensity = 30;
@@ -298,7 +298,7 @@ TEST(RenderScale, PowersOfTwoChangeNothing) {
     p.base_color = {0.9f, 0.6f, 0.4f};
     p.scatter_distance = Rgb(0.2f, 0.1f, 0.05f) * static_cast<float>(s);
     b.add(b.prototype(testing::sphere_mesh(static_cast<float>(s), 24, true)), b.material(p));
-    LightDescription key;
+    LightParameters key;
     key.type = LightType::sphere;
     key.radius = static_cast<float>(0.25 * s);
     key.intensity = 30;

@@ -100,7 +100,7 @@ RenderRequest caustic() {
   b.add(b.prototype(testing::sphere_mesh(0.5f, 24, true)), b.material(polished),
         Matrix4d().setTranslation(Vec3d(0, 0.5, 0)));
   b.add(b.prototype(testing::plane_mesh(4)), b.material({}));
-  LightDescription lamp;
+  LightParameters lamp;
   lamp.type = LightType::sphere;
   lamp.radius = 0.05f;
   lamp.intensity = 500;

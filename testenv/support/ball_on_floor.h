@@ -14,8 +14,8 @@ inline DisneyParameters metal(float roughness) {
 }
 
 /// Above the floor, on the camera's side of the ball. Types but distant ones are spheres.
-inline LightDescription small_light(LightType type = LightType::sphere) {
-  LightDescription light;
+inline LightParameters small_light(LightType type = LightType::sphere) {
+  LightParameters light;
   light.type = type;
   light.color = Rgb(type == LightType::distant ? 3.0f : 200.0f);
   light.radius = 0.1f;
@@ -24,8 +24,8 @@ inline LightDescription small_light(LightType type = LightType::sphere) {
 }
 
 /// Adds the ball first, then the floor, which lies in y = 0 about the origin.
-inline void add_ball_on_floor(const DisneyParameters& ball, const DisneyParameters& floor,
-                              const LightDescription& light, SceneBuilder* builder) {
+inline void add_ball_on_floor(const DisneyParameters& ball, const DisneyParameters& floor, const LightParameters& light,
+                              SceneBuilder* builder) {
   builder->add(builder->prototype(sphere_mesh(1, 24, true)), builder->material(ball),
                Matrix4d().setTranslation(Vec3d(0, 1, -1.2)));
   builder->add(builder->prototype(plane_mesh(20)), builder->material(floor)).add(light);

@@ -105,7 +105,7 @@ SceneBuilder& SceneBuilder::add(const std::shared_ptr<const MeshPrototype>& prot
   return *this;
 }
 
-SceneBuilder& SceneBuilder::add(const LightDescription& light) {
+SceneBuilder& SceneBuilder::add(const LightParameters& light) {
   description.lights.push_back(light);
   return *this;
 }
@@ -114,8 +114,8 @@ std::shared_ptr<const SceneSnapshot> SceneBuilder::snapshot(uint64_t number) {
   return compile_snapshot(description, number, device_, kFailOnReport);
 }
 
-LightDescription constant_dome(float radiance, bool visible_to_camera) {
-  LightDescription dome;
+LightParameters constant_dome(float radiance, bool visible_to_camera) {
+  LightParameters dome;
   dome.type = LightType::dome;
   dome.intensity = radiance;
   dome.visible_to_camera = visible_to_camera;
@@ -142,7 +142,7 @@ RenderRequest mixed_request(uint32_t samples) {
   floor.roughness = 0.3f;
   b.add(b.prototype(sphere_mesh(0.5f, 16, true)), b.material(skin), Matrix4d().setTranslation(Vec3d(0, 0.5, 0)));
   b.add(b.prototype(plane_mesh(4)), b.material(floor));
-  LightDescription key;
+  LightParameters key;
   key.type = LightType::sphere;
   key.radius = 0.3f;
   key.intensity = 20;

@@ -24,7 +24,7 @@ class SceneBuilder {
   SceneBuilder& add(const std::shared_ptr<const MeshPrototype>& prototype,
                     const std::shared_ptr<const DisneyMaterial>& material,
                     const Matrix4d& object_to_world = Matrix4d());
-  SceneBuilder& add(const LightDescription& light);
+  SceneBuilder& add(const LightParameters& light);
   SceneDescription description;
   std::shared_ptr<const SceneSnapshot> snapshot(uint64_t number = 1);
 
@@ -32,7 +32,7 @@ class SceneBuilder {
   std::shared_ptr<TraceDevice> device_;
 };
 
-LightDescription constant_dome(float radiance, bool visible_to_camera);
+LightParameters constant_dome(float radiance, bool visible_to_camera);
 
 /// Camera at `eye` looking at `target`, y up (or z up when looking along y), square film, `fov` degrees.
 CameraParameters look_at(const Vec3d& eye, const Vec3d& target, double fov_degrees);

@@ -121,8 +121,8 @@ PixelMeans pixel(PathTracer* tracer, bool twins, uint32_t blocks) {
   return means;
 }
 
-LightDescription lamp_of(float intensity) {
-  LightDescription lamp;
+LightParameters lamp_of(float intensity) {
+  LightParameters lamp;
   lamp.type = LightType::rect;
   lamp.intensity = intensity;
   lamp.light_to_world.setTranslation(Vec3d(0, 0, 3));
@@ -179,7 +179,7 @@ TEST(HalfSpaceTwin, ChangesNoMeanWhateverLightsTheBall) {
     b.add(b.prototype(sphere_mesh(0.2f, 8, false)), b.material(glowing),
           Matrix4d().setTranslation(Vec3d(0.2, 0.9, 0.9)));
     for (int i = 0; i < 5; ++i) {
-      LightDescription lamp = lamp_of(20);
+      LightParameters lamp = lamp_of(20);
       lamp.light_to_world.setTranslation(Vec3d(i - 2, 1, 3));
       b.add(lamp);
     }

@@ -219,7 +219,7 @@ RenderRequest all_kinds_of_bodies(int exponent) {
             merged(box_mesh({0, 0, 0}, Vec3f(1, 1, 1) * f), box_mesh(Vec3f(0.5f, 0.5f, 0.5f) * f, Vec3f(2, 1, 1) * f))),
         material, at(0.8, 0.2));
   b.add(b.prototype(plane_mesh(8 * f)), material, at(0, -1));
-  LightDescription key;
+  LightParameters key;
   key.type = LightType::sphere;
   key.radius = 0.5f * f;
   key.intensity = 60;
@@ -244,7 +244,7 @@ RenderRequest small_distances_at(double offset, bool other, uint32_t seed) {
   const auto ball = b.prototype(sphere_mesh(1, 48, true));
   b.add(ball, b.material(medium_only(0.8f, 1e-3f)), translation(offset, 0, 0));
   if (other) b.add(ball, b.material(medium_only(0.8f, 0)));
-  LightDescription sun;
+  LightParameters sun;
   sun.type = LightType::distant;
   sun.intensity = 3;
   sun.light_to_world = Matrix4d(0.8, 0, -0.6, 0, 0, 1, 0, 0, 0.6, 0, 0.8, 0, 0, 0, 0, 1);

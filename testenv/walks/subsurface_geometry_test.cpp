@@ -38,7 +38,7 @@ Mesh without_triangles(Mesh mesh, const std::function<bool(const Vec3f& centroid
 RenderRequest bar(const std::function<void(SceneBuilder*)>& add, uint32_t seed) {
   SceneBuilder b;
   add(&b);
-  LightDescription key;
+  LightParameters key;
   key.type = LightType::sphere;
   key.radius = 0.4f;
   key.intensity = 40;
@@ -161,7 +161,7 @@ TEST(Orientation, AnInvertedMeshLooksLikeASoundOne) {
     SceneBuilder b;
     const Mesh sphere = testing::sphere_mesh(1, 24, true);
     b.add(b.prototype(inverted ? turned(sphere) : sphere), b.material(medium_only(0.8f, 0.3f)));
-    LightDescription key;
+    LightParameters key;
     key.type = LightType::sphere;
     key.radius = 0.4f;
     key.intensity = 40;
@@ -272,7 +272,7 @@ double covered_mean(const Film& film) {
 std::shared_ptr<const Film> smooth_sphere(int rings, const DisneyParameters& material, bool furnace) {
   SceneBuilder b;
   b.add(b.prototype(testing::sphere_mesh(1, rings, true)), b.material(material));
-  LightDescription sun;
+  LightParameters sun;
   sun.type = LightType::distant;
   sun.intensity = 3;
   sun.light_to_world = Matrix4d(0, 0, -1, 0, 0, 1, 0, 0, 1, 0, 0, 0, 0, 0, 0, 1);  // from +x
@@ -309,7 +309,7 @@ TEST(SmoothNormals, NoLightLeaksWhereSurfacesTouch) {
     b.add(b.prototype(testing::sphere_mesh(1, 8, true)), b.material(medium_only(0.8f, scatter_distance)));
     b.add(b.prototype(testing::plane_mesh(40)), b.material(medium_only(0, 0)),
           Matrix4d().setTranslation(Vec3d(0, -1, 0)));
-    LightDescription lamp;
+    LightParameters lamp;
     lamp.type = LightType::sphere;
     lamp.radius = 0.5f;
     lamp.intensity = 1000;

@@ -139,7 +139,7 @@ hd::Value HydraDelegate::host_setting(const hd::Token& key) const {
 void HydraDelegate::apply(const Setting& setting) {
   LightRules rules = param_->light_rules();
   if (setting.key == hd::Token(kHostSetting)) rules.host = HostOf(setting.value.text_or(""));
-  if (setting.key == hd::Token(kDomeSetting)) rules.domes_are_seen = setting.value.number_or(1) != 0;
+  if (setting.key == hd::Token(kDomeSetting)) rules.domes_visible_to_camera = setting.value.number_or(1) != 0;
   param_->set_light_rules(rules);
   if (setting.key == hd::Token(kInteractiveSetting)) param_->is_batch = setting.value.number_or(1) == 0;
   if (setting.key == hd::Token(kSceneSetting)) param_->set_scene_file(setting.value.text_or(""));

@@ -36,12 +36,12 @@ class HydraParam final : public pxr::HdRenderParam {
   SceneCapture* capture() const { return capture_.get(); }
   void write_scene(const hd::RenderPassState& state) const;
 
-  HydraScene scene(pxr::HdSceneDelegate* host, const pxr::SdfPath& id, const pxr::TfToken& light = {}) const {
+  HydraScene scene(pxr::HdSceneDelegate* host, const pxr::SdfPath& id, const pxr::TfToken& light_type = {}) const {
     return {host, id, light_rules_,
             [this](const hd::Path& where, const char* code, const std::string& text) {
               sink_({hd::Severity::warning, code, where.str(), text});
             },
-            light};
+            light_type};
   }
 
   /// Those of the scene's active render settings prim.

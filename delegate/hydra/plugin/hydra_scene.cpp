@@ -192,7 +192,7 @@ std::vector<std::vector<hd::Token>> HydraScene::GetInstanceCategories(const hd::
 }
 
 hd::Token HydraScene::GetHostLightType(const hd::Path&) {
-  return ToToken(light_);
+  return ToToken(light_type_);
 }
 hd::Value HydraScene::GetHostLightParameter(const hd::Path& id, const hd::Token& name) {
   return ToValue(host_->GetLightParamValue(path(id), pxr::TfToken(name.str())));

@@ -12,10 +12,10 @@ namespace alabaster::hydra {
 /// Made for one Sync and destroyed after it: prims ask about themselves, and their instancers.
 class HydraScene final : public TranslatedScene {
  public:
-  /// `light`: the prim's type, for lights.
+  /// `light_type`: of the prim, if it is a light.
   HydraScene(pxr::HdSceneDelegate* host, const pxr::SdfPath& id, const LightRules& rules, Report report,
-             const pxr::TfToken& light = {})
-      : TranslatedScene(rules, std::move(report)), host_(host), id_(id), light_(light) {}
+             const pxr::TfToken& light_type = {})
+      : TranslatedScene(rules, std::move(report)), host_(host), id_(id), light_type_(light_type) {}
 
   hd::MeshTopology GetMeshTopology(const hd::Path& id) override;
   hd::SubdivTags GetSubdivTags(const hd::Path& id) override;
@@ -54,7 +54,7 @@ class HydraScene final : public TranslatedScene {
 
   pxr::HdSceneDelegate* host_;
   pxr::SdfPath id_;
-  pxr::TfToken light_;
+  pxr::TfToken light_type_;
   std::vector<hd::PrimvarDescriptor> descriptors_;  // as asked for last
   std::optional<pxr::HdExtComputationPrimvarDescriptorVector> computed_;
 };

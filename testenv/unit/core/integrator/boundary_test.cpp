@@ -332,7 +332,7 @@ TEST(Boundary, LightInsideAMediumIsAbsorbed) {
         b.add(b.prototype(testing::sphere_mesh(0.1f, 24, false)), b.material(lamp(10)),
               Matrix4d().setTranslation(Vec3d(0, 2, 0)));
       } else {
-        LightDescription light;
+        LightParameters light;
         light.type = LightType::sphere;
         light.radius = 0.1f;
         light.intensity = 10;
@@ -363,7 +363,7 @@ TEST(Boundary, LightsBehindAreSampled) {
       if (lights_are_meshes) {
         b.add(b.prototype(testing::plane_mesh(2)), b.material(lamp(3)), Matrix4d().setTranslation(Vec3d(1, -2, 0)));
       } else {
-        LightDescription light;
+        LightParameters light;
         light.type = LightType::rect;
         light.width = light.height = 2;
         light.intensity = 3;

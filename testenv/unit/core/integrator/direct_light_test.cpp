@@ -23,8 +23,8 @@ using testing::PathTracer;
 using testing::SceneBuilder;
 
 /// A sun without extent that shines from `degrees` off the y axis, towards +x, and gives 3 on a facing plane.
-LightDescription sun(double degrees) {
-  LightDescription light;
+LightParameters sun(double degrees) {
+  LightParameters light;
   light.type = LightType::distant;
   light.angle = 0;
   light.intensity = 3;
@@ -75,7 +75,7 @@ TEST(DirectLight, OccludedIsBlackAndUnscatteredLightTracesNoRay) {
 
 // A light with extent is weighed against the lobe by the power heuristic, one without is not.
 TEST(DirectLight, IsWeighedByThePowerHeuristic) {
-  LightDescription disk = sun(0);
+  LightParameters disk = sun(0);
   disk.angle = 10;
   SceneBuilder b;
   b.add(disk);

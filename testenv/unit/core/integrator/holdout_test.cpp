@@ -85,7 +85,7 @@ TEST(HoldOut, FilmsMixWithIt) {
 // A light before it that the camera sees stays in the picture.
 TEST(HoldOut, LightsBeforeItShow) {
   SceneBuilder b = glowing_plane(true);
-  LightDescription panel;
+  LightParameters panel;
   panel.width = panel.height = 2;
   panel.intensity = 3;
   panel.visible_to_camera = true;
@@ -151,7 +151,7 @@ TEST(CameraCull, AllHidesBothSidesFromTheCameraAndShades) {
           Matrix4d().setAxisAngle(Vec3d(1, 0, 0), turn) * at_height(1));
     last(&b).prim_id = 4;
     last(&b).options.camera_cull = CameraCull::all;
-    LightDescription sun;
+    LightParameters sun;
     sun.type = LightType::distant;
     sun.angle = 0;
     sun.light_to_world = Matrix4d().setAxisAngle(Vec3d(1, 0, 0), -M_PI / 2);

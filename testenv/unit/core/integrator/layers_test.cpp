@@ -19,8 +19,8 @@ Vec3d towards(double degrees, double azimuth) {
   return {std::sin(theta) * std::cos(azimuth), std::cos(theta), std::sin(theta) * std::sin(azimuth)};
 }
 
-LightDescription distant(const Vec3d& from) {
-  LightDescription light;
+LightParameters distant(const Vec3d& from) {
+  LightParameters light;
   light.type = LightType::distant;
   light.angle = 0;
   const Vec3d z = normalize(from), x = normalize(cross(Vec3d(0.1, 0.2, 1), z)), y = cross(z, x);

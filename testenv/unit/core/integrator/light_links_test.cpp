@@ -25,8 +25,8 @@ Matrix4d at(double x, double y, double z) {
 }
 
 /// A quad of side 2 that shines down from y = 2; by default the camera sees it mirrored in the middle of the floor.
-LightDescription panel(double x = -1.6) {
-  LightDescription light;
+LightParameters panel(double x = -1.6) {
+  LightParameters light;
   light.width = light.height = 2;
   light.intensity = 3;
   light.light_to_world = Matrix4d().setAxisAngle(Vec3d(1, 0, 0), -M_PI / 2) * at(x, 2, -0.5);
@@ -51,7 +51,7 @@ struct Scene : SceneBuilder {
     add(prototype(std::move(mesh)), m, where);
     description.instances.back().category_set = set;
   }
-  void shine(LightDescription light, uint32_t light_link, uint32_t shadow_link = 0) {
+  void shine(LightParameters light, uint32_t light_link, uint32_t shadow_link = 0) {
     light.light_link = light_link;
     light.shadow_link = shadow_link;
     add(light);
@@ -141,7 +141,7 @@ TEST(LightLinks, TwoLinkedLightsAreTheSumOfEach) {
 TEST(ShadowLinks, UnlinkedObjectsCastNoShadow) {
   for (const float roughness : kRoughness) {
     for (const bool dome : {false, true}) {
-      const LightDescription light = dome ? testing::constant_dome(1, false) : panel();
+      const LightParameters light = dome ? testing::constant_dome(1, false) : panel();
       const auto with_plate = [&](uint32_t set, uint32_t shadow_link) {
         Scene scene(3, glossy(roughness));
         scene.put(testing::plane_mesh(1), scene.material(matt(Rgb(0.0f))), at(-0.9, 1, -0.3), set);
@@ -196,7 +196,7 @@ TEST(ShadowLinks, PartlyOpaqueCastersLetTheirShareThrough) {
 // The camera sees a light behind everything that stands before it, whatever casts its shadows.
 TEST(ShadowLinks, DoNotCountForTheCamera) {
   Scene scene(0, matt(Rgb(0.0f)));
-  LightDescription below = panel();
+  LightParameters below = panel();
   below.light_to_world = at(0, 0, 0);
   below.light_to_world = Matrix4d().setAxisAngle(Vec3d(1, 0, 0), M_PI / 2) * at(0, -1, 0);
   below.visible_to_camera = true;
@@ -220,7 +220,7 @@ TEST(LightLinks, LinksApplyWhereLightEntersABody) {
     b.description.category_sets = kSets;
     b.add(b.prototype(testing::sphere_mesh(1, 24, true)), b.material(wax()));
     b.description.instances.back().category_set = set;
-    LightDescription light = panel();
+    LightParameters light = panel();
     light.light_to_world = light.light_to_world * at(0, 1, 0);
     light.light_link = link;
     b.add(light);

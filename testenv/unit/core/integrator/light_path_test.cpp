@@ -33,7 +33,7 @@ struct Stage {
 
   /// A floor, and a ball that stands on it behind what the camera looks at.
   explicit Stage(const DisneyParameters& ball = metal(0.4f), const DisneyParameters& floor = testing::matt(Rgb(0.5f)),
-                 const LightDescription& light = small_light()) {
+                 const LightParameters& light = small_light()) {
     testing::add_ball_on_floor(ball, floor, light, &builder);
   }
 };
@@ -120,7 +120,7 @@ TEST(LightPath, AddsWhatCameraPathsLeaveOutOfDistantLightsAndASky) {
 TEST(LightPath, AddsWhatCameraPathsLeaveOutOfManyLights) {
   Stage stage;
   for (int i = 0; i < 40; ++i) {
-    LightDescription light = small_light();
+    LightParameters light = small_light();
     light.light_to_world = Matrix4d().setTranslation(Vec3d(3 * std::cos(i), 0.2 * i - 2, 3 * std::sin(i)));
     light.color = Rgb(20.0f);
     stage.builder.add(light);

@@ -68,7 +68,7 @@ TEST(PathIntegrator, DimLightsBesideAConstantDomeAddNoNoise) {
     const auto variance = [&](int dim_lights) {
       SceneBuilder b;
       b.add(b.prototype(testing::sphere_mesh(1, 24, true)), b.material(p)).add(testing::constant_dome(1, false));
-      LightDescription dim;
+      LightParameters dim;
       dim.type = LightType::sphere;
       dim.intensity = 1e-6f;
       for (int i = 0; i < dim_lights; ++i) {

@@ -56,7 +56,7 @@ TEST(SeeThrough, ShadowsHaveTheShareThatPasses) {
     const auto plane = b.prototype(testing::plane_mesh(8));
     double height = 4;
     for (const float opacity : opacities) b.add(plane, b.material(film(opacity)), at_height(height += 1));
-    LightDescription sun;
+    LightParameters sun;
     sun.type = LightType::distant;
     sun.angle = 0;
     sun.light_to_world = Matrix4d().setAxisAngle(Vec3d(1, 0, 0), -M_PI / 2);

@@ -220,7 +220,7 @@ TEST(Holes, WallsWithinAUnionAreNotThere) {
     // Shadows.
     b.add(b.prototype(testing::plane_mesh(9)), b.material(testing::matt(Rgb(0.8f))),
           Matrix4d().setAxisAngle(Vec3d(1, 0, 0), M_PI / 2) * moved_by(0.23, 0.12, -3));
-    LightDescription sun;
+    LightParameters sun;
     sun.type = LightType::distant;
     sun.angle = 0;
     b.add(sun);
@@ -280,7 +280,7 @@ TEST(Holes, WalkAndReferenceAgreeUnderALamp) {
   p.base_color = Rgb(0.8f);
   p.opacity = 0.6f;
   add(&b, b.prototype(testing::sphere_mesh(1, 32, true)), p);
-  LightDescription lamp;
+  LightParameters lamp;
   lamp.type = LightType::sphere;
   lamp.radius = 0.3f;
   lamp.intensity = 50;

@@ -253,7 +253,7 @@ TEST(TouchingBodies, WalkAndReferenceAgreeUnderALamp) {
   DisneyParameters skin = white_body(0.3f);
   skin.base_color = Rgb(0.8f);
   add_pair(&b, skin, clear_body(1.5f));
-  LightDescription lamp;
+  LightParameters lamp;
   lamp.type = LightType::sphere;
   lamp.radius = 0.3f;
   lamp.intensity = 50;

@@ -5,15 +5,15 @@
 namespace alabaster {
 namespace {
 
-LightDescription distant(float angle) {
-  LightDescription d;
+LightParameters distant(float angle) {
+  LightParameters d;
   d.type = LightType::distant;
   d.angle = angle;
   return d;
 }
 
 TEST(DistantLight, ShinesAlongLocalMinusZ) {
-  LightDescription d = distant(0);
+  LightParameters d = distant(0);
   EXPECT_EQ(DistantLight(d, Vec3d(0, 0, 0)).sample({5, 6, 7}, {0, 0})->wi, Vec3f(0, 0, 1));
   d.light_to_world = Matrix4d(1, 0, 0, 0, 0, 0, 3, 0, 0, -3, 0, 0, 9, 9, 9, 1);  // local z is world -y
   const auto s = DistantLight(d, Vec3d(0, 0, 0)).sample({5, 6, 7}, {0, 0});
@@ -41,7 +41,7 @@ TEST(DistantLight, FillsItsConeExactly) {
 // UsdLux's size factors: pi sin^2, beyond a hemisphere pi (2 - sin^2).
 TEST(DistantLight, NormalizeDividesByTheSizeFactor) {
   for (float angle : {0.53f, 90.0f, 180.0f, 240.0f}) {
-    LightDescription d = distant(angle);
+    LightParameters d = distant(angle);
     d.normalize = true;
     const double s2 = std::pow(std::sin(angle * kPiDouble / 360), 2);
     const double factor = kPiDouble * (angle <= 180 ? s2 : 2 - s2);
@@ -51,7 +51,7 @@ TEST(DistantLight, NormalizeDividesByTheSizeFactor) {
 
 // A cone too narrow for float directions is a delta light with the cone's irradiance.
 TEST(DistantLight, VeryNarrowConesAreDeltas) {
-  LightDescription d = distant(1e-6f);
+  LightParameters d = distant(1e-6f);
   d.intensity = 1e16f;
   const DistantLight light(d, Vec3d(0, 0, 0));
   EXPECT_TRUE(light.is_delta());
@@ -64,7 +64,7 @@ TEST(DistantLight, ImportanceIsTheIrradianceOfAFacingPlane) {
   const Vec3f p(1, 2, 3);
   EXPECT_NEAR(DistantLight(distant(0), Vec3d(0, 0, 0)).importance(p), 1, 1e-6);
   for (float angle : {0.53f, 30.0f, 180.0f}) {
-    LightDescription d = distant(angle);
+    LightParameters d = distant(angle);
     d.normalize = true;
     EXPECT_NEAR(DistantLight(d, Vec3d(0, 0, 0)).importance(p), 1, 1e-5);
   }

@@ -9,8 +9,8 @@ namespace {
 
 using testing::MemoryTexture;
 
-LightDescription dome(int width, std::vector<Rgb> texels) {
-  LightDescription d;
+LightParameters dome(int width, std::vector<Rgb> texels) {
+  LightParameters d;
   d.type = LightType::dome;
   d.texture = std::make_shared<MemoryTexture>(width, std::move(texels));
   return d;
@@ -47,7 +47,7 @@ TEST(DomeLight, OrientationIsOpenUsds) {
 TEST(DomeLight, TurnsAndMirrorsButDoesNotScale) {
   std::vector<Rgb> texels(8, Rgb(0.0f));
   texels[1] = Rgb(7.0f);  // 4 x 2: left half of the upper half, about longitude pi/4, latitude pi/4
-  LightDescription d = dome(4, texels);
+  LightParameters d = dome(4, texels);
   const Vec3f w(0.5f, std::sqrt(0.5f), 0.5f);
   EXPECT_NEAR(seen(DomeLight(d, Vec3d(0, 0, 0)), w).r, 7, 1e-4f);
   d.light_to_world = Matrix4d(0, 0, -5, 0, 0, 0.1, 0, 0, 2, 0, 0, 0, 1, 1, 1, 1);  // local x is -z, local z is x
@@ -106,7 +106,7 @@ TEST(DomeLight, BadTexelsAreCleaned) {
 
 // The irradiance of a plane, averaged over its orientations.
 TEST(DomeLight, ImportanceIsPiTimesTheMeanOverTheSphere) {
-  LightDescription d = dome(2, {Rgb(1.0f), Rgb(3.0f), Rgb(0.0f), Rgb(0.0f)});
+  LightParameters d = dome(2, {Rgb(1.0f), Rgb(3.0f), Rgb(0.0f), Rgb(0.0f)});
   EXPECT_NEAR(DomeLight(d, Vec3d(0, 0, 0)).importance({0, 0, 0}), kPi, 1e-6);  // mean 1
   d.texture = nullptr;
   d.color = Rgb(0, 1, 0);

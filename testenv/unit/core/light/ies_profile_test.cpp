@@ -137,7 +137,7 @@ TEST(IesProfile, MalformedFilesAreRefusedByName) {
 
 // A point light of intensity 1 gives the profile's candela: down is local -z, horizontal 0 is +x, 90 is +y.
 TEST(IesProfile, ShapesLights) {
-  LightDescription d;
+  LightParameters d;
   d.type = LightType::sphere;
   d.treat_as_point = true;
   d.ies = parse(file({0, 180, 181}, {0, 360, 361}, [](double v, double h) { return v + 1000 * h; }));
@@ -166,7 +166,7 @@ TEST(IesProfile, ShapesLights) {
 
 // A normalised profile leaves the power of a sphere as it is: the mean of its factor over all directions is 1.
 TEST(IesProfile, NormalizedProfilesKeepThePower) {
-  LightDescription d;
+  LightParameters d;
   d.ies = parse(file({0, 90, 31}, {0, 90, 31},
                      [](double v, double h) { return 5000 * std::cos(v * kRadians) * (1 + std::sin(h * kRadians)); }));
   d.ies_normalize = true;

@@ -8,13 +8,13 @@ namespace alabaster {
 namespace {
 
 Light described(LightType type, float intensity, double scale = 1) {
-  LightDescription d;
+  LightParameters d;
   d.type = type;
   d.intensity = intensity;
   d.angle = 180;  // of a distant light: it gives pi times its radiance on a plane that faces it
   for (int i = 0; i < 3; ++i) d.light_to_world[i][i] = scale;
   d.light_to_world[3][2] = 2 * scale;
-  if (type == LightType::rect) return PlaneLight(d, Vec3d(0, 0, 0));
+  if (type == LightType::rect) return RectDiskLight(d, Vec3d(0, 0, 0));
   if (type == LightType::sphere) return SphereLight(d, Vec3d(0, 0, 0));
   if (type == LightType::distant) return DistantLight(d, Vec3d(0, 0, 0));
   return DomeLight(d, Vec3d(0, 0, 0));

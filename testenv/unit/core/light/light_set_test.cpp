@@ -11,8 +11,8 @@ namespace {
 
 const Vec3d kOrigin(0, 0, 0);
 
-LightDescription described(LightType type, float intensity) {
-  LightDescription d;
+LightParameters described(LightType type, float intensity) {
+  LightParameters d;
   d.type = type;
   d.intensity = intensity;
   return d;
@@ -25,7 +25,7 @@ Light dome(float intensity) {
 }
 /// A disk in the direction z.
 Light sun(float degrees, float intensity) {
-  LightDescription d = described(LightType::distant, intensity);
+  LightParameters d = described(LightType::distant, intensity);
   d.angle = degrees;
   return DistantLight(d, kOrigin);
 }
@@ -68,7 +68,7 @@ TEST(LightSet, PdfHoldsTheChoice) {
   EXPECT_NEAR(pdfs[0] / s->pdf, 1, 1e-6f);
   EXPECT_EQ(pdfs[1], far->pdf);
 
-  LightDescription point = described(LightType::sphere, 1);
+  LightParameters point = described(LightType::sphere, 1);
   point.treat_as_point = true;
   const LightSet pair({SphereLight(point, kOrigin), SphereLight(point, kOrigin)}, {});
   EXPECT_EQ(pair.sample(p, 0.2f, {0, 0})->pdf, 0.5f) << "a delta light's choice counts too";
@@ -119,14 +119,14 @@ TEST(LightSet, ConstantDomesTakeNoPartInTheChoiceOfALight) {
       int count = 0;
       set.sample_lights(p, {Vec3f(0, 0, 1), Vec3f(0, 0, 1)}, {0.7f, 0.3f, 0.4f, 0}, how, [&](const LightSample& s) {
         if (!std::isinf(s.distance)) return;
-        EXPECT_TRUE(s.left_to_lobes);
+        EXPECT_TRUE(s.of_constant_dome);
         EXPECT_EQ(s.pdf, pdf_uniform_sphere()) << others;
         ++count;
       });
       return count;
     };
     EXPECT_EQ(domes(ConstantDomes::sampled), 1) << others;
-    EXPECT_EQ(domes(ConstantDomes::left_to_lobes), 0) << others;
+    EXPECT_EQ(domes(ConstantDomes::bsdf_sampling_only), 0) << others;
     for (const float u : {0.0f, 0.4f, 0.999f})
       if (const auto chosen = set.sample(p, u, {0.3f, 0.4f})) {
         EXPECT_TRUE(std::isfinite(chosen->distance)) << others;
@@ -134,7 +134,7 @@ TEST(LightSet, ConstantDomesTakeNoPartInTheChoiceOfALight) {
     std::vector<float> pdfs;
     const auto keep = [&](float pdf) { return pdfs.push_back(pdf), 1.0f; };
     set.emitted({p, {0, 1, 0}}, true, false, ConstantDomes::sampled, keep);
-    set.emitted({p, {0, 1, 0}}, true, false, ConstantDomes::left_to_lobes, keep);
+    set.emitted({p, {0, 1, 0}}, true, false, ConstantDomes::bsdf_sampling_only, keep);
     EXPECT_EQ(pdfs, (std::vector<float>{pdf_uniform_sphere(), 0})) << others;
   }
 }
@@ -181,10 +181,10 @@ TEST(LightSet, ConstantDomesAreSampledByTheCosineToALobe) {
 // Alone, chosen of few, chosen by a tree, and with a shadow link.
 TEST(LightSet, RaysThatMeetALightHaveThePdfThatItsSamplesHaveForALobe) {
   const Vec3f p(0.4f, -0.2f, -4), n = normalize(Vec3f(0.6f, 0, 0.8f));
-  const PlaneLight rect(described(LightType::rect, 1), kOrigin);
+  const RectDiskLight rect(described(LightType::rect, 1), kOrigin);
   std::vector<Light> many{rect};
   for (int i = 1; i < 200; ++i) {
-    LightDescription behind = described(LightType::sphere, 0.1f);
+    LightParameters behind = described(LightType::sphere, 0.1f);
     behind.light_to_world = Matrix4d(1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 3 * i, 0, -100, 1);
     many.emplace_back(SphereLight(behind, kOrigin));
   }
@@ -215,10 +215,10 @@ TEST(LightSet, RaysThatMeetALightHaveThePdfThatItsSamplesHaveForALobe) {
 
 // Lights near the origin, and planes through points around them.
 TEST(LightSet, OnlyLightsBelowTheHorizonAreLeftOut) {
-  LightDescription rect = described(LightType::rect, 1);
+  LightParameters rect = described(LightType::rect, 1);
   rect.width = 3;
   rect.light_to_world = Matrix4d(1, 0, 0, 0, 0, 0, 1, 0, 0, -1, 0, 0, 0.5, 0, 0, 1);
-  const LightSet sets[] = {LightSet({PlaneLight(rect, kOrigin)}, {}, 8), LightSet({sphere(1)}, {}, 8)};
+  const LightSet sets[] = {LightSet({RectDiskLight(rect, kOrigin)}, {}, 8), LightSet({sphere(1)}, {}, 8)};
   Rng rng(1, 2);
   const auto direction = [&] { return sample_uniform_sphere({rng.uniform(), rng.uniform()}); };
   for (const LightSet& set : sets) {

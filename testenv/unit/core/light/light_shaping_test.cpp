@@ -18,14 +18,14 @@ double cosine(double degrees) {
   return std::cos(degrees * kPiDouble / 180);
 }
 
-LightDescription spot(float inner, float outer) {
-  LightDescription d;
+LightParameters spot(float inner, float outer) {
+  LightParameters d;
   d.cone_inner = inner;
   d.cone_outer = outer;
   return d;
 }
 
-Rgb factor(const LightDescription& d, double degrees) {
+Rgb factor(const LightParameters& d, double degrees) {
   const auto shaping = LightShaping::make(d);
   return shaping ? shaping->factor(at_degrees(degrees)) : Rgb(-1.0f);
 }
@@ -49,7 +49,7 @@ TEST(LightShaping, SpotsFollowKhrLightsPunctual) {
 
 // 1 - smoothstep(angle, lerp(softness, cutoff, 0), cutoff).
 TEST(LightShaping, ConesFollowUsdLux) {
-  LightDescription d;
+  LightParameters d;
   d.cone_angle = 40;
   EXPECT_EQ(factor(d, 39.9).g, 1);
   EXPECT_EQ(factor(d, 40.1).g, 0);
@@ -68,7 +68,7 @@ TEST(LightShaping, ConesFollowUsdLux) {
 
 // lerp(focusTint, white, |cos|^focus).
 TEST(LightShaping, FocusFollowsUsdLux) {
-  LightDescription d;
+  LightParameters d;
   d.focus = 3;
   EXPECT_NEAR(factor(d, 60).g, 0.125, 1e-6);
   EXPECT_NEAR(factor(d, 120).g, 0.125, 1e-6) << "behind as in front";
@@ -79,8 +79,8 @@ TEST(LightShaping, FocusFollowsUsdLux) {
   EXPECT_NEAR(tinted.b, 0.125, 1e-6);
 }
 
-std::vector<LightDescription> some_shapings() {
-  LightDescription usd = spot(180, 180), focus = usd, tinted = usd;
+std::vector<LightParameters> some_shapings() {
+  LightParameters usd = spot(180, 180), focus = usd, tinted = usd;
   usd.cone_angle = 50;
   usd.cone_softness = 0.7f;
   focus.focus = 8;
@@ -91,7 +91,7 @@ std::vector<LightDescription> some_shapings() {
 }
 
 TEST(LightShaping, MeanIsTheMeanOverTheSphere) {
-  for (const LightDescription& d : some_shapings()) {
+  for (const LightParameters& d : some_shapings()) {
     const auto shaping = LightShaping::make(d);
     double sum = 0;
     constexpr int kSteps = 20000;
@@ -109,7 +109,7 @@ TEST(LightShaping, LargestIsABound) {
     const float x = rng.uniform();
     return normalize(Vec3d(sample_uniform_sphere({x, rng.uniform()})));
   };
-  for (const LightDescription& d : some_shapings()) {
+  for (const LightParameters& d : some_shapings()) {
     const auto shaping = LightShaping::make(d);
     for (int i = 0; i < 20000; ++i) {
       const Vec3d a = unit(), b = unit();
@@ -126,7 +126,7 @@ TEST(LightShaping, LargestIsABound) {
 // Each light that has a place is shaped about its own -z, whatever its transform mirrors.
 TEST(LightShaping, EveryLightThatHasAPlaceIsShaped) {
   for (const LightType type : {LightType::rect, LightType::disk, LightType::sphere, LightType::cylinder}) {
-    LightDescription d;
+    LightParameters d;
     d.type = type;
     d.radius = d.width = d.height = d.length = 0.01f;
     d.cone_angle = 40;

@@ -14,44 +14,44 @@ namespace {
 constexpr float kNaN = std::numeric_limits<float>::quiet_NaN();
 constexpr float kInf = std::numeric_limits<float>::infinity();
 
-std::vector<LightDescription> some_of_each() {
-  LightDescription rect;
+std::vector<LightParameters> some_of_each() {
+  LightParameters rect;
   rect.width = 3;
   rect.light_to_world = Matrix4d(1, 0, 0, 0, 0, 0, -1, 0, 0, 1, 0, 0, 1, 2, 3, 1);
-  LightDescription sheared = rect;
+  LightParameters sheared = rect;
   sheared.light_to_world[0][2] = 0.7;
-  LightDescription sphere;
+  LightParameters sphere;
   sphere.type = LightType::sphere;
   sphere.light_to_world[3][1] = 4;
-  LightDescription spot = sphere;
+  LightParameters spot = sphere;
   spot.cone_inner = 20;
   spot.cone_outer = 60;
-  LightDescription point = spot;
+  LightParameters point = spot;
   point.treat_as_point = true;
-  LightDescription sun;
+  LightParameters sun;
   sun.type = LightType::distant;
-  LightDescription ray = sun;
+  LightParameters ray = sun;
   ray.angle = 0;
-  LightDescription sky;
+  LightParameters sky;
   sky.type = LightType::dome;
-  LightDescription image = sky;
+  LightParameters image = sky;
   std::vector<Rgb> texels(8, Rgb(0.5f, 1, 2));
   texels[5] = Rgb(0.0f);
   texels[3] = Rgb(90, 80, 70);
   image.texture = std::make_shared<testing::MemoryTexture>(4, texels);
-  LightDescription disk = sheared;
+  LightParameters disk = sheared;
   disk.type = LightType::disk;
-  LightDescription round = disk;
+  LightParameters round = disk;
   round.light_to_world = Matrix4d();
   round.radius = 2;
-  LightDescription tube;
+  LightParameters tube;
   tube.type = LightType::cylinder;
   tube.light_to_world = Matrix4d(0, 2, 0, 0, 0.5, 0, 0.1, 0, 0, 0.2, -1, 0, 0.5, 0.25, 0, 1);  // uneven and mirrored
-  LightDescription shaped = tube;
+  LightParameters shaped = tube;
   shaped.cone_angle = 100;
   shaped.cone_softness = 0.5f;
   shaped.focus = 2;
-  LightDescription screen = rect;
+  LightParameters screen = rect;
   screen.texture = image.texture;
   return {rect, sheared, sphere, spot, point, sun, ray, sky, image, disk, round, tube, shaped, screen};
 }
@@ -82,7 +82,7 @@ void expect_sane(const LightSample& s) {
 TEST(Lights, HitsAgreeWithSamples) {
   Rng rng(1, 1);
   size_t kind = 0;
-  for (const LightDescription& d : some_of_each()) {
+  for (const LightParameters& d : some_of_each()) {
     const Light light = make_light(d, Vec3d(0, 0, 0));
     int sampled = 0, met = 0, equal = 0;
     for (int i = 0; i < 5000; ++i) {
@@ -115,10 +115,10 @@ TEST(Lights, HitsAgreeWithSamples) {
 
 // Lengths times 2^k: the same directions, radiances and pdfs to the last bit, distances times 2^k.
 TEST(Lights, DoNotDependOnTheUnitOfLength) {
-  for (const LightDescription& d : some_of_each()) {
+  for (const LightParameters& d : some_of_each()) {
     for (int k : {-40, -10, 13, 40}) {
       const float scale = std::ldexp(1.0f, k);
-      LightDescription scaled = d;
+      LightParameters scaled = d;
       for (int row = 0; row < 4; ++row)
         for (int column = 0; column < 3; ++column) scaled.light_to_world[row][column] *= std::ldexp(1.0, k);
       // Radiant intensity per distance squared is the one quantity with a length in it.
@@ -151,7 +151,7 @@ TEST(Lights, DoNotDependOnTheUnitOfLength) {
 TEST(Lights, ImportanceIsPositiveWhereverThereIsLight) {
   Rng rng(4, 1);
   size_t kind = 0;
-  for (LightDescription d : some_of_each()) {
+  for (LightParameters d : some_of_each()) {
     d.color = Rgb(0, 0, 1e-30f);
     const Light light = make_light(d, Vec3d(0, 0, 0));
     int lit = 0;
@@ -174,7 +174,7 @@ TEST(Lights, ImportanceIsPositiveWhereverThereIsLight) {
 
 // Only differences to the render origin count: a scene far from the world's origin is lit as one near it.
 TEST(Lights, AreFreeOfTheRenderOrigin) {
-  for (LightDescription d : some_of_each()) {
+  for (LightParameters d : some_of_each()) {
     const Light near_origin = make_light(d, Vec3d(0, 0, 0));
     const Vec3d away(1 << 24, -(1 << 25), 1 << 24);
     for (int i = 0; i < 3; ++i) d.light_to_world[3][i] += away[i];
@@ -188,7 +188,7 @@ TEST(Lights, AreFreeOfTheRenderOrigin) {
   }
 }
 
-void expect_dark(const LightDescription& d, const char* why) {
+void expect_dark(const LightParameters& d, const char* why) {
   const Light light = make_light(d, Vec3d(0, 0, 0));
   Rng rng(3, 1);
   for (int i = 0; i < 50; ++i) {
@@ -201,8 +201,8 @@ void expect_dark(const LightDescription& d, const char* why) {
 }
 
 TEST(Lights, BadDescriptionsGiveNoLight) {
-  for (const LightDescription& d : some_of_each()) {
-    LightDescription bad = d;
+  for (const LightParameters& d : some_of_each()) {
+    LightParameters bad = d;
     bad.intensity = 0;
     expect_dark(bad, "zero intensity");
     bad.intensity = -1;
@@ -228,7 +228,7 @@ TEST(Lights, BadDescriptionsGiveNoLight) {
       expect_dark(bad, "size beyond floats");
     }
   }
-  LightDescription d;
+  LightParameters d;
   d.width = 0;
   expect_dark(d, "no width");
   d.width = kNaN;
@@ -261,7 +261,7 @@ TEST(Lights, BadDescriptionsGiveNoLight) {
 }
 
 TEST(Lights, BadPointsAndRaysGiveNothingBad) {
-  for (const LightDescription& d : some_of_each()) {
+  for (const LightParameters& d : some_of_each()) {
     const Light light = make_light(d, Vec3d(0, 0, 0));
     for (const Vec3f& p : {Vec3f(kNaN, 0, 0), Vec3f(0, kInf, 0), Vec3f(3e38f, 3e38f, 3e38f), Vec3f(1, 2, 3),
                            Vec3f(0, 4, 0), Vec3f(0, 4.5f, 0), Vec3f(0, 0, 0)}) {
@@ -279,7 +279,7 @@ TEST(Lights, BadPointsAndRaysGiveNothingBad) {
 }
 
 TEST(Lights, NegativeChannelsAreCutAlone) {
-  LightDescription d;
+  LightParameters d;
   d.color = Rgb(-1, 2, 3);
   d.intensity = 2;
   d.exposure = 3;

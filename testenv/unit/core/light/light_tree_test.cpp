@@ -20,7 +20,7 @@ std::vector<Light> many_lights(uint32_t count, double scale = 1) {
   Rng rng(7, 1);
   std::vector<Light> lights;
   for (uint32_t i = 0; i < count; ++i) {
-    LightDescription d;
+    LightParameters d;
     d.type = i == 5 || i == 9 ? LightType::distant : i % 3 == 0 ? LightType::sphere : LightType::rect;
     d.intensity = 1 + 20 * rng.uniform() * rng.uniform();
     const Vec3f place = random_point(rng, 10);
@@ -78,7 +78,7 @@ TEST(LightTree, ChoosesAsOftenAsItSays) {
 TEST(LightTree, PrefersWhatIsNearAndStrong) {
   std::vector<Light> lights;
   for (int i = 0; i < 100; ++i) {
-    LightDescription d;
+    LightParameters d;
     d.type = LightType::sphere;
     d.intensity = i == 70 ? 50.0f : 1.0f;
     d.light_to_world[3][0] = i % 2 == 0 ? -100 : 100;
@@ -98,7 +98,7 @@ TEST(LightTree, PrefersGroupsThatFaceThePoint) {
     Rng rng(8, 1);
     std::vector<Light> lights;
     for (int i = 0; i < 128; ++i) {
-      LightDescription d;
+      LightParameters d;
       d.type = type;
       d.radius = 0.01f;
       if (type == LightType::sphere) d.cone_angle = 50;
@@ -145,7 +145,7 @@ TEST(LightTree, FindsEveryLightThatARayMeets) {
     visits += found.size();
     for (size_t i = 0; i < lights.size(); ++i) {
       std::optional<LightHit> hit;
-      if (const auto* rect = std::get_if<PlaneLight>(&lights[i])) hit = rect->intersect(ray);
+      if (const auto* rect = std::get_if<RectDiskLight>(&lights[i])) hit = rect->intersect(ray);
       if (const auto* sphere = std::get_if<SphereLight>(&lights[i])) hit = sphere->intersect(ray);
       if (!hit || hit->t > ray.tmax) continue;
       EXPECT_TRUE(found.count(i)) << i;

@@ -5,8 +5,8 @@
 namespace alabaster {
 namespace {
 
-LightDescription sphere() {
-  LightDescription d;
+LightParameters sphere() {
+  LightParameters d;
   d.type = LightType::sphere;
   return d;
 }
@@ -26,7 +26,7 @@ TEST(SphereLight, DistancesAreToTheNearSideOutsideAndTheFarSideInside) {
 
 // pdf * solid angle = 1, and for small angles the solid angle is pi (r/d)^2 (1 + (r/d)^2/4 + ...): no cancellation.
 TEST(SphereLight, FarSpheresKeepTheirPrecision) {
-  LightDescription d = sphere();
+  LightParameters d = sphere();
   for (float ratio : {1e-2f, 1e-4f, 1e-8f, 1e-12f}) {
     d.radius = 100 * ratio;
     const auto s = SphereLight(d, Vec3d(0, 0, 0)).sample({0, 0, 100}, {0.5f, 0.5f});
@@ -43,7 +43,7 @@ TEST(SphereLight, FarSpheresKeepTheirPrecision) {
 }
 
 TEST(SphereLight, PointFallsOffWithTheSquareOfTheDistance) {
-  LightDescription d = sphere();
+  LightParameters d = sphere();
   d.treat_as_point = true;
   d.intensity = 8;
   const SphereLight light(d, Vec3d(0, 0, 0));
@@ -64,7 +64,7 @@ TEST(SphereLight, PointFallsOffWithTheSquareOfTheDistance) {
 
 // A normalised sphere of any radius has the radiant intensity pi r^2 L = I / 4 in each direction, and so has its limit.
 TEST(SphereLight, NormalizedPointIsTheLimitOfANormalizedSphere) {
-  LightDescription d = sphere();
+  LightParameters d = sphere();
   d.normalize = true;
   d.intensity = 8;
   d.radius = 1e-3f;
@@ -79,7 +79,7 @@ TEST(SphereLight, NormalizedPointIsTheLimitOfANormalizedSphere) {
 }
 
 TEST(SphereLight, NormalizeKeepsWhatItGives) {
-  LightDescription d = sphere();
+  LightParameters d = sphere();
   d.normalize = true;
   d.light_to_world = Matrix4d(3, 0, 0, 0, 0, 3, 0, 0, 0, 0, 3, 0, 0, 0, 0, 1);
   for (float radius : {0.01f, 1.0f, 50.0f}) {
@@ -91,7 +91,7 @@ TEST(SphereLight, NormalizeKeepsWhatItGives) {
 }
 
 TEST(SphereLight, SpotTurnsWithTheLight) {
-  LightDescription d = sphere();
+  LightParameters d = sphere();
   d.treat_as_point = true;
   d.cone_inner = 10;
   d.cone_outer = 20;
@@ -107,7 +107,7 @@ TEST(SphereLight, SpotTurnsWithTheLight) {
 
 // The cone's edge (20 degrees), widened by the sphere's extent (30 degrees at twice its radius).
 TEST(SphereLight, ImportanceReachesAsFarAsTheSpotOfEveryPart) {
-  LightDescription d = sphere();
+  LightParameters d = sphere();
   d.cone_inner = 10;
   d.cone_outer = 20;
   const SphereLight light(d, Vec3d(0, 0, 0));

@@ -104,7 +104,7 @@ TEST(Bodies, SphereStepsInAUnionChangeNoMean) {
   const auto material = b.material(testing::medium_only(0.95f, 0.012f));
   b.add(sphere, material).add(sphere, material, testing::moved(0.5));
   for (auto& instance : b.description.instances) instance.subsurface_set = "pair";
-  LightDescription sun;
+  LightParameters sun;
   sun.type = LightType::distant;
   sun.light_to_world.setAxisAngle(Vec3d(0, 1, 0), 1.2);
   sun.intensity = 3;

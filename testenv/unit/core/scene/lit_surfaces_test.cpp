@@ -11,8 +11,8 @@ namespace {
 using testing::SceneBuilder;
 
 /// From -z: a camera that looks along -z from +z sees the dark side.
-LightDescription sun_behind() {
-  LightDescription sun;
+LightParameters sun_behind() {
+  LightParameters sun;
   sun.type = LightType::distant;
   sun.light_to_world.setAxisAngle(Vec3d(0, 1, 0), 3.14159265);
   sun.intensity = 3;

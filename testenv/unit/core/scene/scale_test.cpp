@@ -29,12 +29,12 @@ RenderRequest still_life(double s, SceneBuilder* b) {
   b->add(ball, b->material(glass), Matrix4d().setTranslation(Vec3d(0, 0.5, 0.6) * s));
   b->add(ball, b->material(metal), Matrix4d().setTranslation(Vec3d(1, 0.5, 0) * s));
   b->add(b->prototype(testing::plane_mesh(6 * f)), b->material({}));
-  LightDescription lamp;
+  LightParameters lamp;
   lamp.type = LightType::sphere;
   lamp.radius = 0.1f * f;
   lamp.intensity = 100;
   lamp.light_to_world.setTranslation(Vec3d(2, 3, 1) * s);
-  LightDescription panel;
+  LightParameters panel;
   panel.type = LightType::rect;
   panel.width = panel.height = f;
   panel.intensity = 4;

@@ -16,8 +16,8 @@ DisneyParameters wax() {
   return p;
 }
 
-LightDescription lamp(double x, const char* name) {
-  LightDescription light;
+LightParameters lamp(double x, const char* name) {
+  LightParameters light;
   light.type = LightType::sphere;
   light.radius = 0.05f;
   light.light_to_world = testing::moved(x);

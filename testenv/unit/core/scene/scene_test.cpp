@@ -117,7 +117,7 @@ class SceneMemory : public ::testing::Test {
       std::make_shared<testing::MemoryTexture>(64, std::vector<Rgb>(kTexels, Rgb(0.5f)));
 
   // Two planes under a sky, each of a material of its own.
-  static size_t bytes(const DisneyMaterial& a, const DisneyMaterial& b, const LightDescription& sky) {
+  static size_t bytes(const DisneyMaterial& a, const DisneyMaterial& b, const LightParameters& sky) {
     testing::SceneBuilder builder;
     const auto plane = builder.prototype(testing::plane_mesh(1));
     builder.add(plane, std::make_shared<DisneyMaterial>(a)).add(plane, std::make_shared<DisneyMaterial>(b)).add(sky);
@@ -126,7 +126,7 @@ class SceneMemory : public ::testing::Test {
 };
 
 TEST_F(SceneMemory, CountsATextureOnceWhoeverHoldsIt) {
-  LightDescription sky = testing::constant_dome(1, false);
+  LightParameters sky = testing::constant_dome(1, false);
   const size_t plain = bytes({}, {}, sky);
   DisneyMaterial textured;
   testing::connect("baseColor", image_, &textured);

@@ -29,7 +29,7 @@ class Edited : public ::testing::Test {
     DisneyParameters glow;
     glow.emission = Rgb(2.0f);
     b_.add(sphere, b_.material(glow), testing::moved(-5));
-    LightDescription dome, quad;
+    LightParameters dome, quad;
     dome.type = LightType::dome;
     dome.texture = std::make_shared<testing::MemoryTexture>(
         8, std::vector<Rgb>{Rgb(0.1f), Rgb(0.1f), Rgb(0.1f), Rgb(9.0f), Rgb(0.1f), Rgb(0.1f), Rgb(0.1f), Rgb(0.1f)});
@@ -129,7 +129,7 @@ TEST_F(Edited, EditedLightsCompileAsAFreshScene) {
 }
 
 TEST_F(Edited, LightsOfOneImageShareItsDensityAtAnyBrightness) {
-  LightDescription panel;
+  LightParameters panel;
   panel.texture = b_.description.lights[0].texture;
   panel.light_to_world[3][2] = 6;
   b_.add(panel);

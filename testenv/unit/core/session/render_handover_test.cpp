@@ -129,128 +129,128 @@ TEST(RenderHandover, AFilmTakesTheMemoryOfTheLastOfItsShape) {
   EXPECT_TRUE(same_picture(next, *drawn));
 }
 
-TEST(WakeRelay, WakesAtOnceWithoutACarrier) {
-  int wakes = 0;
-  WakeRelay relay([&] { ++wakes; }, {});
-  relay.ask();
-  EXPECT_EQ(wakes, 1);
+TEST(DeferredNotifier, NotifiesAtOnceWithoutAPoller) {
+  int notified = 0;
+  DeferredNotifier notifier([&] { ++notified; }, {});
+  notifier.request();
+  EXPECT_EQ(notified, 1);
   {
-    const WakeRelay::Carrier carrier(&relay);
-    relay.ask();
-    relay.ask();
-    EXPECT_EQ(wakes, 1);
-    carrier.pass_on();
-    carrier.pass_on();
-    EXPECT_EQ(wakes, 2);
+    const DeferredNotifier::Poller poller(&notifier);
+    notifier.request();
+    notifier.request();
+    EXPECT_EQ(notified, 1);
+    poller.poll();
+    poller.poll();
+    EXPECT_EQ(notified, 2);
     {
-      relay.ask();
-      EXPECT_EQ(wakes, 2);
-      const WakeRelay::Rest rest(&relay);
-      EXPECT_EQ(wakes, 3) << "who rests has passed on before";
-      relay.ask();
-      EXPECT_EQ(wakes, 4);
+      notifier.request();
+      EXPECT_EQ(notified, 2);
+      const DeferredNotifier::PollingPause pause(&notifier);
+      EXPECT_EQ(notified, 3) << "the pause notifies, for no other thread polls";
+      notifier.request();
+      EXPECT_EQ(notified, 4);
     }
-    relay.ask();
-    EXPECT_EQ(wakes, 4);
+    notifier.request();
+    EXPECT_EQ(notified, 4);
   }
-  EXPECT_EQ(wakes, 5) << "who stops carrying passes on";
+  EXPECT_EQ(notified, 5) << "the end of the last poller notifies";
 }
 
-TEST(WakeRelay, CarriersWaitForTheGrace) {
-  int wakes = 0;
-  WakeRelay relay([&] { ++wakes; }, std::chrono::milliseconds(200));
-  const WakeRelay::Carrier carrier(&relay);
-  const auto begun = WakeRelay::Clock::now();
-  relay.ask();
-  while (wakes == 0) {
-    relay.ask();  // puts nothing off
-    carrier.pass_on();
+TEST(DeferredNotifier, PollersWaitForTheGrace) {
+  int notified = 0;
+  DeferredNotifier notifier([&] { ++notified; }, std::chrono::milliseconds(200));
+  const DeferredNotifier::Poller poller(&notifier);
+  const auto begun = DeferredNotifier::Clock::now();
+  notifier.request();
+  while (notified == 0) {
+    notifier.request();  // puts nothing off
+    poller.poll();
   }
-  const std::chrono::duration<double> waited = WakeRelay::Clock::now() - begun;
+  const std::chrono::duration<double> waited = DeferredNotifier::Clock::now() - begun;
   EXPECT_GE(waited.count(), 0.2);
 }
 
-// How long lend_core() takes a thread of its own, in seconds, while `meanwhile` runs here.
+// How long yield_core() takes a thread of its own, in seconds, while `meanwhile` runs here.
 template <class F>
-double lent_seconds(WakeRelay* relay, const std::atomic<bool>& stopped, const F& meanwhile) {
-  const auto lend = [&] {
-    const WakeRelay::Carrier carrier(relay);
-    const auto begun = WakeRelay::Clock::now();
-    relay->lend_core(stopped);
-    return std::chrono::duration<double>(WakeRelay::Clock::now() - begun).count();
+double yielded_seconds(DeferredNotifier* notifier, const std::atomic<bool>& stopped, const F& meanwhile) {
+  const auto yield = [&] {
+    const DeferredNotifier::Poller poller(notifier);
+    const auto begun = DeferredNotifier::Clock::now();
+    notifier->yield_core(stopped);
+    return std::chrono::duration<double>(DeferredNotifier::Clock::now() - begun).count();
   };
-  auto lent = std::async(std::launch::async, lend);
+  auto yielded = std::async(std::launch::async, yield);
   meanwhile();
-  return lent.get();
+  return yielded.get();
 }
 
-TEST(WakeRelay, OneThreadLendsItsCoreUntilTheWorkEnds) {
-  WakeRelay relay([] {}, {});
+TEST(DeferredNotifier, OneThreadYieldsItsCoreUntilTheWorkEnds) {
+  DeferredNotifier notifier([] {}, {});
   const std::atomic<bool> go_on{false};
-  relay.lend_core(go_on);  // nobody works: it returns
-  EXPECT_FALSE(relay.wants_core());
-  relay.begin_work();
-  EXPECT_TRUE(relay.wants_core());
-  lent_seconds(&relay, go_on, [&] {
-    while (relay.wants_core()) std::this_thread::yield();
-    relay.lend_core(go_on);  // one lends already: it returns
-    relay.end_work();
+  notifier.yield_core(go_on);  // no work goes on: it returns
+  EXPECT_FALSE(notifier.wants_core());
+  notifier.begin_work();
+  EXPECT_TRUE(notifier.wants_core());
+  yielded_seconds(&notifier, go_on, [&] {
+    while (notifier.wants_core()) std::this_thread::yield();
+    notifier.yield_core(go_on);  // one thread yields already: it returns
+    notifier.end_work();
   });
-  EXPECT_FALSE(relay.wants_core());
-  relay.begin_work();
-  EXPECT_TRUE(relay.wants_core()) << "for other work it is asked again";
-  relay.end_work();
+  EXPECT_FALSE(notifier.wants_core());
+  notifier.begin_work();
+  EXPECT_TRUE(notifier.wants_core()) << "other work wants a core again";
+  notifier.end_work();
 }
 
-TEST(WakeRelay, LongWorkAndAStopGetNoCoreForLong) {
-  WakeRelay relay([] {}, {});
+TEST(DeferredNotifier, LongWorkAndAStopGetNoCoreForLong) {
+  DeferredNotifier notifier([] {}, {});
   std::atomic<bool> stopped{false};
-  relay.begin_work();
-  EXPECT_GT(lent_seconds(&relay, stopped, [] {}), 0.029);
-  EXPECT_FALSE(relay.wants_core()) << "nobody lends twice for the same work";
-  relay.begin_work();
+  notifier.begin_work();
+  EXPECT_GT(yielded_seconds(&notifier, stopped, [] {}), 0.029);
+  EXPECT_FALSE(notifier.wants_core()) << "no core is yielded twice for the same work";
+  notifier.begin_work();
   stopped = true;
-  EXPECT_LT(lent_seconds(&relay, stopped, [] {}), 0.029);
-  relay.end_work();
+  EXPECT_LT(yielded_seconds(&notifier, stopped, [] {}), 0.029);
+  notifier.end_work();
 }
 
-TEST(WakeRelay, AThreadThatLendsItsCoreCarriesNothing) {
-  std::atomic<int> wakes{0};
-  WakeRelay relay([&] { ++wakes; }, std::chrono::seconds(100));
+TEST(DeferredNotifier, AThreadThatYieldsItsCoreDoesNotPoll) {
+  std::atomic<int> notified{0};
+  DeferredNotifier notifier([&] { ++notified; }, std::chrono::seconds(100));
   const std::atomic<bool> go_on{false};
-  relay.begin_work();
-  lent_seconds(&relay, go_on, [&] {
-    while (relay.wants_core()) std::this_thread::yield();
-    relay.ask();
-    while (wakes == 0) std::this_thread::yield();  // by this thread, or by the other one when it begins to wait
-    relay.end_work();
+  notifier.begin_work();
+  yielded_seconds(&notifier, go_on, [&] {
+    while (notifier.wants_core()) std::this_thread::yield();
+    notifier.request();
+    while (notified == 0) std::this_thread::yield();  // by this thread, or by the other one when its pause begins
+    notifier.end_work();
   });
-  EXPECT_EQ(wakes, 1);
+  EXPECT_EQ(notified, 1);
 }
 
-TEST(WakeRelay, LosesNothingWhileCarriersComeAndGo) {
-  std::atomic<int> asked{0}, seen{0};
-  WakeRelay relay([&] { seen = asked.load(); }, std::chrono::microseconds(5));
+TEST(DeferredNotifier, LosesNoRequestWhilePollersComeAndGo) {
+  std::atomic<int> requested{0}, seen{0};
+  DeferredNotifier notifier([&] { seen = requested.load(); }, std::chrono::microseconds(5));
   std::atomic<bool> over{false};
-  std::vector<std::thread> carriers;
+  std::vector<std::thread> pollers;
   for (int i = 0; i < 3; ++i)
-    carriers.emplace_back([&] {
+    pollers.emplace_back([&] {
       while (!over) {
-        const WakeRelay::Carrier carrier(&relay);
-        carrier.pass_on();
+        const DeferredNotifier::Poller poller(&notifier);
+        poller.poll();
       }
     });
   for (int i = 1; i <= 20000; ++i) {
-    asked = i;
-    relay.ask();
-    while (seen < i) std::this_thread::yield();  // without end if a wake-up is lost
+    requested = i;
+    notifier.request();
+    while (seen < i) std::this_thread::yield();  // without end if a request is lost
   }
   over = true;
-  for (auto& carrier : carriers) carrier.join();
+  for (auto& thread : pollers) thread.join();
   EXPECT_EQ(seen, 20000);
 }
 
-TEST(WakeRelay, ThreadsThatRenderCarryIt) {
+TEST(DeferredNotifier, RenderThreadsNotify) {
   std::mutex mutex;
   std::condition_variable woken;
   std::thread::id by;
@@ -260,17 +260,17 @@ TEST(WakeRelay, ThreadsThatRenderCarryIt) {
     by = std::this_thread::get_id();
     woken.notify_all();
   };
-  owner.wakes = std::make_shared<WakeRelay>(wake, std::chrono::microseconds(100));
+  owner.notifier = std::make_shared<DeferredNotifier>(wake, std::chrono::microseconds(100));
   RenderSession session(owner);
   session.start(mixed_request(1u << 20));
   while (session.progress().samples_done == 0) std::this_thread::yield();
   bool by_another = false;
-  for (int attempt = 0; attempt < 1000 && !by_another; ++attempt) {  // between two tiles nobody carries
+  for (int attempt = 0; attempt < 1000 && !by_another; ++attempt) {  // no thread polls between two tiles
     std::this_thread::sleep_for(std::chrono::milliseconds(1));
     std::unique_lock lock(mutex);
     by = {};
     lock.unlock();
-    owner.wakes->ask();
+    owner.notifier->request();
     lock.lock();
     ASSERT_TRUE(woken.wait_for(lock, std::chrono::seconds(20), [&] { return by != std::thread::id(); }));
     by_another = by != std::this_thread::get_id();
@@ -278,8 +278,8 @@ TEST(WakeRelay, ThreadsThatRenderCarryIt) {
   EXPECT_TRUE(by_another);
   session.stop();
   by = {};
-  owner.wakes->ask();
-  EXPECT_EQ(by, std::this_thread::get_id()) << "nobody renders";
+  owner.notifier->request();
+  EXPECT_EQ(by, std::this_thread::get_id()) << "no thread renders";
 }
 
 }  // namespace

@@ -17,7 +17,7 @@ RenderRequest wax_ball(SceneBuilder* b) {
   p.base_color = {0.9f, 0.6f, 0.45f};
   p.scatter_distance = Rgb(0.1f);
   b->add(b->prototype(testing::sphere_mesh(1, 24, true)), b->material(p)).add(testing::constant_dome(1, true));
-  LightDescription lamp;
+  LightParameters lamp;
   lamp.light_to_world = Matrix4d(1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 3, 1);
   b->add(lamp);
   RenderRequest request;

@@ -8,6 +8,7 @@
 
 #include "core/session/frame_memory.h"
 #include "core/session/render_session.h"
+#include "core/session/tile_renderer.h"
 #include "testenv/support/material_testing.h"
 #include "testenv/support/path_tracer.h"
 #include "testenv/support/reports.h"

@@ -179,7 +179,7 @@ RenderRequest skin_request(double s, testing::SceneBuilder* b) {
   p.base_color = kSkin;
   p.scatter_distance = Rgb(0.3f, 0.1f, 0.05f) * static_cast<float>(s);
   b->add(b->prototype(testing::sphere_mesh(static_cast<float>(s), 24, true)), b->material(p));
-  LightDescription key;
+  LightParameters key;
   key.type = LightType::sphere;
   key.radius = static_cast<float>(0.25 * s);
   key.intensity = 30;

@@ -66,7 +66,7 @@ Rgb radiance(const Loaded& loaded, const Vec3d& direction) {
   const auto colors = ColorConfig::load("built-in", {});
   TextureSource source;
   source.path = asset.authored, source.bytes = asset.bytes, source.wrap_t = Wrap::clamp;
-  alabaster::LightDescription description;
+  alabaster::LightParameters description;
   description.type = LightType::dome;
   description.light_to_world = lights.begin()->second.transform;
   description.intensity = lights.begin()->second.parameters.at("intensity").get_or(0.0f);

@@ -6,7 +6,7 @@
 #include <fstream>
 
 #include "core/camera/camera.h"
-#include "core/light/light_description.h"
+#include "core/light/light_parameters.h"
 #include "core/material/disney_material.h"
 #include "core/scene/mesh_options.h"
 #include "core/session/render_settings.h"

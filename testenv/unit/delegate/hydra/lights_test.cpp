@@ -13,7 +13,7 @@ namespace {
 using Parameters = std::map<hd::Token, hd::Value>;
 
 hd::Value ask(Host host, const char* type, const char* name, const Parameters& held) {
-  return LightParameter({host, true}, type, name, [&](const hd::Token& asked) {
+  return TranslateLightParameter({host, true}, type, name, [&](const hd::Token& asked) {
     const auto found = held.find(asked);
     return found == held.end() ? hd::Value() : found->second;
   });
@@ -75,7 +75,7 @@ TEST(HydraLights, AWorldOfOneColourIsSentOnce) {
 
 TEST(HydraLights, TheCameraSeesDomesUnlessTheHostSaysOtherwise) {
   const auto seen = [](const LightRules& rules, const char* type, const Parameters& held) {
-    return LightParameter(rules, type, "visibleToCamera", [&](const hd::Token& asked) {
+    return TranslateLightParameter(rules, type, "visibleToCamera", [&](const hd::Token& asked) {
       const auto found = held.find(asked);
       return found == held.end() ? hd::Value() : found->second;
     });

@@ -1,4 +1,5 @@
-// Measures the time of Sync while many threads, helping each other, refine meshes and build their BVHs.
+// Measures the time in which meshes are refined and their BVHs built, on many threads at once. The statistics name it
+// sync.refineSeconds and sync.bvhSeconds.
 #pragma once
 
 #include <array>
@@ -7,36 +8,36 @@
 
 namespace alabaster::hd::prims {
 
-enum class SyncPhase { refine, bvh };
+enum class BuildPhase { refine, bvh };
 
 /// No thread's own clock can measure a phase: parallel loops inside it run on other threads, and its own thread takes
 /// up work of another mesh while it waits. The clock is therefore read whenever a phase of any mesh begins or ends, and
 /// the time since the last reading goes to the phases that were running.
-class SyncClock {
+class BuildClock {
  public:
   struct Seconds {
     double wall = 0;  // while this phase of at least one mesh was running; not a sum over meshes
-    /// CPU time of the whole process meanwhile, a render that goes on and the host included. Each interval is divided
+    /// CPU time of the whole process meanwhile, a running render and the host included. Each interval is divided
     /// among the phases running, in proportion to the meshes in each.
     double cpu = 0;
   };
-  Seconds seconds(SyncPhase phase) const;
+  Seconds seconds(BuildPhase phase) const;
 
   /// A phase of one mesh, which runs while this lives.
   class Running {
    public:
-    Running(SyncClock* clock, SyncPhase phase) : clock_(clock), phase_(phase) { clock_->change(phase_, 1); }
+    Running(BuildClock* clock, BuildPhase phase) : clock_(clock), phase_(phase) { clock_->change(phase_, 1); }
     ~Running() { clock_->change(phase_, -1); }
     Running(const Running&) = delete;
     Running& operator=(const Running&) = delete;
 
    private:
-    SyncClock* clock_;
-    SyncPhase phase_;
+    BuildClock* clock_;
+    BuildPhase phase_;
   };
 
  private:
-  void change(SyncPhase phase, int by);
+  void change(BuildPhase phase, int by);
 
   mutable std::mutex mutex_;
   std::array<Seconds, 2> seconds_;

@@ -1,9 +1,9 @@
 // A rectangle or a disk that emits on one side.
-// Units, frames, pdfs and the treatment of bad values, common to all lights: light_description.h, light.h.
+// Units, frames, pdfs and the treatment of bad values, common to all lights: light_parameters.h, light.h.
 #pragma once
 
-#include "core/light/light_description.h"
 #include "core/light/light_image.h"
+#include "core/light/light_parameters.h"
 #include "core/light/light_shaping.h"
 #include "core/light/spherical_rectangle.h"
 #include "core/sampling/warp.h"
@@ -26,9 +26,9 @@ namespace alabaster {
 ///
 /// A disk is sampled by area, but from near, where its weights would vary, as the square around it is (Gamito 2016,
 /// "Solid Angle Sampling of Disk and Cylinder Lights"): directions that miss it, a fifth, give no light.
-class PlaneLight {
+class RectDiskLight {
  public:
-  PlaneLight(const LightDescription& description, const Vec3d& render_origin, const LightImages& images = {});
+  RectDiskLight(const LightParameters& parameters, const Vec3d& render_origin, const LightImages& images = {});
   /// Empty for points behind or in the plane of the light. `n`: unit, a lobe at p weighs light by the cosine to it;
   /// zero: none does.
   std::optional<LightSample> sample(const Vec3f& p, const Vec2f& u, const Vec3f& n = Vec3f(0, 0, 0)) const;

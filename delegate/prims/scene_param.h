@@ -1,4 +1,4 @@
-// The one channel from prims to the renderer: services that Sync needs, and the edit transaction that it fills.
+// SceneParam, the RenderParam of this delegate: services that Sync needs, and the edit transaction that it fills.
 #pragma once
 
 #include <array>
@@ -16,10 +16,10 @@
 #include "core/light/ies_profile.h"
 #include "core/texture/texel_store.h"
 #include "delegate/api/prims.h"
+#include "delegate/prims/build_clock.h"
 #include "delegate/prims/diagnostics.h"
 #include "delegate/prims/failed_files.h"
 #include "delegate/prims/records.h"
-#include "delegate/prims/sync_clock.h"
 
 namespace alabaster::hd::prims {
 
@@ -87,8 +87,8 @@ class SceneParam final : public RenderParam {
 
   // The edit transaction.
   void post(const Path& id, Record record) { post(Edit{id, std::move(record), {}, false}); }
-  /// The same for a record whose files are read by the builder, unless a later edit comes before that. `read` is called
-  /// once, or again after an exception.
+  /// Posts a function that makes the record on the builder's thread, because that reads files. A later edit of the prim
+  /// may come before the call. `read` is called once, or again after an exception.
   void post_unread(const Path& id, ReadRecord read, bool waits_for_use = false) {
     post(Edit{id, {}, std::move(read), waits_for_use});
   }
@@ -108,7 +108,7 @@ class SceneParam final : public RenderParam {
   /// Keeps pixels that a host may still have mapped when their buffer was destroyed until the delegate dies.
   void keep(std::shared_ptr<const void> mapped);
 
-  SyncClock clock;
+  BuildClock build_clock;
 
  private:
   struct Shard {

@@ -1,4 +1,4 @@
-// Common to all lights: the description that a scene gives, and the answers that every light gives.
+// Common to all lights: the parameters that a scene gives, and the samples and hits that every light returns.
 //
 // Units follow UsdLux: `intensity` is a radiance (nits when the scene is calibrated so) scaled by 2^exposure; see
 // emission(). Everything after construction is in render space; pdfs are per solid angle at the reference point.
@@ -22,23 +22,23 @@ class IesProfile;
 
 inline constexpr float kInfinity = std::numeric_limits<float>::infinity();
 
-/// Answer of sample(). Always finite and worth tracing: pdf > 0 and some radiance; otherwise sample() is empty.
+/// Result of sample(): finite, with pdf > 0 and some radiance. Else sample() returns none.
 struct LightSample {
   Vec3f wi{0, 0, 1};   // unit, from the reference point to the light
   float distance = 0;  // to the sampled point; infinity for distant and dome
   Rgb radiance{0.0f};  // arriving along wi; for a delta light: irradiance on a plane facing it (pdf = 1)
   float pdf = 0;       // per solid angle; 1 for delta lights
   bool delta = false;
-  bool on_mesh = false;        // the point lies on geometry
-  bool left_to_lobes = false;  // of a light that ConstantDomes::left_to_lobes leaves out
-  uint32_t shadow_link = 0;    // LightDescription::shadow_link
+  bool on_mesh = false;           // the point lies on geometry
+  bool of_constant_dome = false;  // of a light that ConstantDomes (light_set.h) may leave to BSDF sampling
+  uint32_t shadow_link = 0;       // LightParameters::shadow_link
 
   /// Length of a shadow ray along wi. It stops short of a point on a mesh, so that the light does not shade itself;
   /// lights that are no geometry need no such margin.
   float shadow_length() const { return on_mesh ? distance * (1 - 0x1p-12f) : distance; }
 };
 
-/// Answer of intersect(). ray.dir need not be unit; ray.tmax does not count (LightSet compares with it).
+/// Result of intersect(). ray.dir need not be unit. ray.tmax is ignored: LightSet compares with it.
 struct LightHit {
   float t = 0;         // along the ray, in units of |dir|; infinity for distant and dome
   Rgb radiance{0.0f};  // emitted towards the ray's origin
@@ -59,12 +59,13 @@ struct LightExtent {
 
 enum class LightType { rect, sphere, distant, dome, disk, cylinder };
 
-/// A light as the scene gives it (before placement in render space).
+/// A light as the scene gives it, before placement in render space. light_parameters() has the names of the members,
+/// which are those of UsdLux without "inputs:".
 ///
-/// Bad values never spread. A light gives no light and is never sampled if its transform is not finite, not affine or
+/// Bad values do not spread. A light gives no light and is never sampled if its transform is not finite, not affine or
 /// not invertible, if a size other than a sphere's is zero, or if its emission is not finite or not representable.
 /// Negative channels count as black. The sign of a size is ignored.
-struct LightDescription {
+struct LightParameters {
   LightType type = LightType::rect;
   Matrix4d light_to_world;  // lights emit down their local -z (rect, disk, distant); scale applies to sizes
   Rgb color{1.0f};
@@ -72,7 +73,7 @@ struct LightDescription {
   float exposure = 0;  // stops
   bool enable_color_temperature = false;
   float color_temperature = 6500;  // kelvin
-  Rgb color_of_temperature{1.0f};  // in the rendering space (blackbody.h); multiplies color where it is enabled
+  Rgb color_of_temperature{1.0f};  // that of blackbody(), in the rendering space; multiplies color where enabled
   /// Power independent of size, by UsdLux's size factors: the radiance is divided by the world-space area (rect
   /// w*h, disk pi r^2, sphere 4 pi r^2, cylinder 2 pi r l) or, distant, by pi sin^2(angle/2) (beyond a hemisphere
   /// pi (2 - sin^2)), which makes color*intensity the irradiance on a plane facing the light. A point light has the
@@ -94,20 +95,20 @@ struct LightDescription {
   std::shared_ptr<const IesProfile> ies;   // its candela multiply the radiance; 0 degrees is -z, the horizontal +x
   float ies_angle_scale = 0;               // of its vertical angles: stretches them about -z, negative: about +z
   bool ies_normalize = false;              // divides it by its mean, so that it keeps the power
-  std::shared_ptr<const Texture> texture;  // rect (plane_light.h); dome: lat-long, USD's orientation (dome_light.h)
+  std::shared_ptr<const Texture> texture;  // rect (rect_disk_light.h); dome: lat-long, USD's orientation (dome_light.h)
   bool visible_to_camera = false;
   // Categories of the scene (SceneDescription); 0: everything.
   uint32_t light_link = 0;   // it lights those that are in it alone
   uint32_t shadow_link = 0;  // those that are in it alone cast its shadows
   std::string name = {};     // prim path, for reports
-  bool operator==(const LightDescription&) const = default;
+  bool operator==(const LightParameters&) const = default;
 };
-/// schemas/lights.json, but for the names of files.
-std::span<const Parameter<LightDescription>> light_parameters();
+/// The rows of schemas/lights.json. Parameters that name files have theirs in delegate/host/open_fields.cpp.
+std::span<const Parameter<LightParameters>> light_parameters();
 
 /// color * colour of the temperature * intensity * 2^exposure, negative channels cut to zero; black if that is not
-/// finite.
-Rgb emission(const LightDescription& description);
+/// finite. `normalize` does not count here: the constructor of a light divides by the light's size.
+Rgb emission(const LightParameters& parameters);
 
 /// Light given as double to the float that is stored: black if any channel is not finite or beyond float, else at most
 /// 1e35.

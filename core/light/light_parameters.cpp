@@ -1,11 +1,11 @@
-#include "core/light/light_description.h"
+#include "core/light/light_parameters.h"
 
 #include <limits>
 
 namespace alabaster {
 
-std::span<const Parameter<LightDescription>> light_parameters() {
-  using P = LightDescription;
+std::span<const Parameter<LightParameters>> light_parameters() {
+  using P = LightParameters;
   constexpr auto bit = [](LightType type) { return 1u << static_cast<uint32_t>(type); };
   constexpr uint32_t kRect = bit(LightType::rect), kSphere = bit(LightType::sphere), kDisk = bit(LightType::disk);
   constexpr uint32_t kCylinder = bit(LightType::cylinder), kDistant = bit(LightType::distant);
@@ -83,10 +83,10 @@ Rgb finite_or_black(const Rgb& color, double scale) {
   return scaled;
 }
 
-Rgb emission(const LightDescription& description) {
-  const Rgb& color = description.color;
-  return finite_or_black(description.enable_color_temperature ? color * description.color_of_temperature : color,
-                         description.intensity * std::exp2(static_cast<double>(description.exposure)));
+Rgb emission(const LightParameters& parameters) {
+  const Rgb& color = parameters.color;
+  return finite_or_black(parameters.enable_color_temperature ? color * parameters.color_of_temperature : color,
+                         parameters.intensity * std::exp2(static_cast<double>(parameters.exposure)));
 }
 
 double representable_importance(const Rgb& radiance, double scale) {

@@ -1,4 +1,4 @@
-#include "core/light/plane_light.h"
+#include "core/light/rect_disk_light.h"
 
 namespace alabaster {
 namespace {
@@ -18,14 +18,14 @@ constexpr float kLeastCosine = 0.1f;
 
 }  // namespace
 
-PlaneLight::PlaneLight(const LightDescription& description, const Vec3d& render_origin, const LightImages& images)
-    : disk_(description.type == LightType::disk) {
-  const Matrix4d& m = description.light_to_world;
+RectDiskLight::RectDiskLight(const LightParameters& parameters, const Vec3d& render_origin, const LightImages& images)
+    : disk_(parameters.type == LightType::disk) {
+  const Matrix4d& m = parameters.light_to_world;
   if (!is_valid_affine(m)) return;
   const Vec3d x = transform_vector(Vec3d(1, 0, 0), m), y = transform_vector(Vec3d(0, 1, 0), m);
   const double x_length = length(x), y_length = length(y);
-  const double width = disk_ ? 2.0 * description.radius : description.width;
-  const double height = disk_ ? width : description.height;
+  const double width = disk_ ? 2.0 * parameters.radius : parameters.width;
+  const double height = disk_ ? width : parameters.height;
   half_width_ = 0.5 * x_length * std::abs(width);
   half_height_ = 0.5 * y_length * std::abs(height);
   center_ = transform_point(Vec3d(0, 0, 0), m) - render_origin;
@@ -43,10 +43,10 @@ PlaneLight::PlaneLight(const LightDescription& description, const Vec3d& render_
   area_ = (disk_ ? kPiDouble : 4) * half_width_ * half_height_ * sine;
   const double finite = dot(center_, n_) + area_ + dot(x_, y_);
   if (!std::isfinite(finite) || !(area_ > 0)) return;
-  radiance_ = finite_or_black(emission(description), description.normalize ? 1 / area_ : 1);
-  shaping_ = LightShaping::make(description);
+  radiance_ = finite_or_black(emission(parameters), parameters.normalize ? 1 / area_ : 1);
+  shaping_ = LightShaping::make(parameters);
   plain_ = !disk_ && skew_ == 0 && !shaping_;
-  const auto& texture = description.texture;
+  const auto& texture = parameters.texture;
   if (disk_ || is_black(radiance_) || !texture || texture->width() <= 0 || texture->height() <= 0) return;
   image_ = share_light_image(texture, radiance_, LightImage::Shape::flat, images);
   plain_ = false;
@@ -54,22 +54,22 @@ PlaneLight::PlaneLight(const LightDescription& description, const Vec3d& render_
   radiance_ = image_->mean(image_scale_);
 }
 
-bool PlaneLight::is_sampled_by_area(const Vec3d& to_center, double height) const {
+bool RectDiskLight::is_sampled_by_area(const Vec3d& to_center, double height) const {
   if (!disk_) return skew_ != 0 || image_;
   const double radius = std::max(half_width_, half_height_), distance = kNearDistance * radius;
   return skew_ != 0 || height > kNearHeight * radius || dot(to_center, to_center) > distance * distance;
 }
 
-inline SphericalRectangle PlaneLight::view_from(const Vec3d& to_center, double height) const {
+inline SphericalRectangle RectDiskLight::view_from(const Vec3d& to_center, double height) const {
   const double unit = 1 / height, x = dot(to_center, x_), y = dot(to_center, y_);
   return {(x - half_width_) * unit, (x + half_width_) * unit, (y - half_height_) * unit, (y + half_height_) * unit};
 }
 
-double PlaneLight::solid_angle(const Vec3d& to_center, double height) const {
+double RectDiskLight::solid_angle(const Vec3d& to_center, double height) const {
   return !plain_ && is_sampled_by_area(to_center, height) ? 0 : view_from(to_center, height).solid_angle();
 }
 
-std::optional<PlaneLight::Place> PlaneLight::place_of(const Vec3d& from_center) const {
+std::optional<RectDiskLight::Place> RectDiskLight::place_of(const Vec3d& from_center) const {
   // Coordinates along edges that need not be perpendicular.
   const double along_x = dot(from_center, x_), along_y = dot(from_center, y_), unskew = 1 / (1 - skew_ * skew_);
   const double x = (along_x - skew_ * along_y) * unskew, y = (along_y - skew_ * along_x) * unskew;
@@ -79,7 +79,7 @@ std::optional<PlaneLight::Place> PlaneLight::place_of(const Vec3d& from_center) 
   return place;
 }
 
-std::optional<LightSample> PlaneLight::sample(const Vec3f& p, const Vec2f& u, const Vec3f& n) const {
+std::optional<LightSample> RectDiskLight::sample(const Vec3f& p, const Vec2f& u, const Vec3f& n) const {
   if (is_black(radiance_)) return std::nullopt;
   const Vec3d to_center = center_ - Vec3d(p);
   const double height = -dot(to_center, n_);
@@ -89,7 +89,7 @@ std::optional<LightSample> PlaneLight::sample(const Vec3f& p, const Vec2f& u, co
 }
 
 // A place gives the irradiance L cos cos' dA / d^2 = L (n . d) (n' . d) dA / d^4, and n' . d is the same for all.
-std::optional<BilinearDensity> PlaneLight::corner_irradiances(const View& from) const {
+std::optional<BilinearDensity> RectDiskLight::corner_irradiances(const View& from) const {
   if (disk_ || skew_ != 0 || image_) return std::nullopt;
   const double distance2 = dot(from.to_center, from.to_center);
   const double half_diagonal2 = half_width_ * half_width_ + half_height_ * half_height_;
@@ -115,7 +115,7 @@ std::optional<BilinearDensity> PlaneLight::corner_irradiances(const View& from) 
 }
 
 template <bool kPlain>
-std::optional<LightSample> PlaneLight::sample_as(const View& from, const Vec2f& u) const {
+std::optional<LightSample> RectDiskLight::sample_as(const View& from, const Vec2f& u) const {
   const auto& [to_center, height, n] = from;
   const bool shows = !kPlain && image_;
   const bool disk = !kPlain && disk_;
@@ -163,7 +163,7 @@ std::optional<LightSample> PlaneLight::sample_as(const View& from, const Vec2f& 
   return s;
 }
 
-double PlaneLight::pdf_of(const View& from, const Place& place, double density, double distance) const {
+double RectDiskLight::pdf_of(const View& from, const Place& place, double density, double distance) const {
   if (const auto corners = corner_irradiances(from)) {
     const auto in_square = [](double x) { return static_cast<float>(0.5 + 0.5 * x); };
     return pdf_by_area(corners->pdf({in_square(place.x), in_square(place.y)}), distance, from.height);
@@ -172,7 +172,7 @@ double PlaneLight::pdf_of(const View& from, const Place& place, double density, 
   return angle > 0 ? 1 / angle : pdf_by_area(density, distance, from.height);
 }
 
-std::optional<LightHit> PlaneLight::intersect(const Ray& ray, const Vec3f& n) const {
+std::optional<LightHit> RectDiskLight::intersect(const Ray& ray, const Vec3f& n) const {
   if (is_black(radiance_)) return std::nullopt;
   const Vec3d origin(ray.org), direction(ray.dir);
   const double towards = -dot(direction, n_), height = dot(origin - center_, n_);
@@ -192,7 +192,7 @@ std::optional<LightHit> PlaneLight::intersect(const Ray& ray, const Vec3f& n) co
   return hit;
 }
 
-bool PlaneLight::is_below(const Vec3f& p, const Vec3f& n) const {
+bool RectDiskLight::is_below(const Vec3f& p, const Vec3f& n) const {
   const Vec3d d = center_ - Vec3d(p), normal(n);
   return is_wholly_below(dot(d, normal),
                          half_width_ * std::abs(dot(x_, normal)) + half_height_ * std::abs(dot(y_, normal)),
@@ -202,7 +202,7 @@ bool PlaneLight::is_below(const Vec3f& p, const Vec3f& n) const {
 // Irradiance from a disk of the same area on its axis at the distance of the centre, L A / (d^2 + A / pi), times the
 // cosine at the light. The cosine is softened by the light's size: near the plane, the nearest part of the rectangle is
 // still overhead.
-double PlaneLight::importance(const Vec3f& p) const {
+double RectDiskLight::importance(const Vec3f& p) const {
   const Vec3d d = center_ - Vec3d(p);
   const double z = -dot(d, n_);
   if (!(z > 0)) return 0;
@@ -212,7 +212,7 @@ double PlaneLight::importance(const Vec3f& p) const {
   return representable_importance(radiance_, spot * area_ * cosine / (d2 + area_ * static_cast<double>(kInvPi)));
 }
 
-LightExtent PlaneLight::extent() const {
+LightExtent RectDiskLight::extent() const {
   LightExtent extent{{}, representable_importance(radiance_, area_)};
   for (const double x : {-half_width_, half_width_})
     for (const double y : {-half_height_, half_height_}) extent.box.extend(center_ + x_ * x + y_ * y);

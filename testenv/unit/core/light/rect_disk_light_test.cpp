@@ -1,4 +1,4 @@
-#include "core/light/plane_light.h"
+#include "core/light/rect_disk_light.h"
 
 #include <gtest/gtest.h>
 
@@ -7,10 +7,10 @@
 namespace alabaster {
 namespace {
 
-TEST(PlaneLight, EmitsDownLocalMinusZOnly) {
-  LightDescription d;
+TEST(RectDiskLight, EmitsDownLocalMinusZOnly) {
+  LightParameters d;
   d.intensity = 2;
-  const PlaneLight light(d, Vec3d(0, 0, 0));
+  const RectDiskLight light(d, Vec3d(0, 0, 0));
   EXPECT_TRUE(light.sample({0, 0, -1}, {0.5f, 0.5f}));
   EXPECT_FALSE(light.sample({0, 0, 1}, {0.5f, 0.5f}));
   EXPECT_FALSE(light.sample({3, 0, 0}, {0.5f, 0.5f})) << "in its plane";
@@ -23,40 +23,40 @@ TEST(PlaneLight, EmitsDownLocalMinusZOnly) {
   EXPECT_FALSE(light.intersect({{0.6f, 0.3f, -2}, {0, 0, 1}})) << "beside";
 }
 
-TEST(PlaneLight, MirroringKeepsTheEmittingSideLocal) {
-  LightDescription d;
+TEST(RectDiskLight, MirroringKeepsTheEmittingSideLocal) {
+  LightParameters d;
   d.light_to_world = Matrix4d(-1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1);  // mirrors x
-  EXPECT_TRUE(PlaneLight(d, Vec3d(0, 0, 0)).sample({0, 0, -1}, {0.5f, 0.5f}));
+  EXPECT_TRUE(RectDiskLight(d, Vec3d(0, 0, 0)).sample({0, 0, -1}, {0.5f, 0.5f}));
   d.light_to_world = Matrix4d(1, 0, 0, 0, 0, 1, 0, 0, 0, 0, -1, 0, 0, 0, 0, 1);  // mirrors z
-  EXPECT_TRUE(PlaneLight(d, Vec3d(0, 0, 0)).sample({0, 0, 1}, {0.5f, 0.5f}));
+  EXPECT_TRUE(RectDiskLight(d, Vec3d(0, 0, 0)).sample({0, 0, 1}, {0.5f, 0.5f}));
 }
 
 // A cube's face seen from its centre is a sixth of the sphere.
-TEST(PlaneLight, PdfIsOneOverTheSolidAngle) {
-  LightDescription d;
+TEST(RectDiskLight, PdfIsOneOverTheSolidAngle) {
+  LightParameters d;
   d.width = d.height = 2;
-  const auto s = PlaneLight(d, Vec3d(0, 0, 1)).sample({0, 0, -2}, {0.3f, 0.8f});
+  const auto s = RectDiskLight(d, Vec3d(0, 0, 1)).sample({0, 0, -2}, {0.3f, 0.8f});
   ASSERT_TRUE(s);
   EXPECT_NEAR(s->pdf, 6 / (4 * kPi), 1e-6f);
 }
 
-TEST(PlaneLight, SizesTimesScaleAndNormalize) {
-  LightDescription d;
+TEST(RectDiskLight, SizesTimesScaleAndNormalize) {
+  LightParameters d;
   d.width = 3;
   d.height = 0.5f;
   d.light_to_world = Matrix4d(2, 0, 0, 0, 0, 4, 0, 0, 0, 0, 7, 0, 0, 0, 0, 1);
-  const PlaneLight light(d, Vec3d(0, 0, 0));
+  const RectDiskLight light(d, Vec3d(0, 0, 0));
   EXPECT_TRUE(light.intersect({{2.9f, 0.9f, -1}, {0, 0, 1}}));
   EXPECT_FALSE(light.intersect({{3.1f, 0.9f, -1}, {0, 0, 1}}));
   EXPECT_FALSE(light.intersect({{2.9f, 1.1f, -1}, {0, 0, 1}}));
   d.normalize = true;
-  const PlaneLight normalized(d, Vec3d(0, 0, 0));
+  const RectDiskLight normalized(d, Vec3d(0, 0, 0));
   EXPECT_NEAR(normalized.intersect({{0, 0, -1}, {0, 0, 1}})->radiance.r, 1.0f / 12, 1e-7f);
 }
 
 // Estimates solid angles of squares seen straight on, 4 asin(a^2 / (a^2 + z^2)) for half edge a.
-TEST(PlaneLight, ImportanceFollowsTheSolidAngleInFrontAndIsZeroBehind) {
-  const PlaneLight light({}, Vec3d(0, 0, 0));
+TEST(RectDiskLight, ImportanceFollowsTheSolidAngleInFrontAndIsZeroBehind) {
+  const RectDiskLight light({}, Vec3d(0, 0, 0));
   for (double z : {0.01, 0.3, 1.0, 30.0, 1e4}) {
     const double solid_angle = 4 * std::asin(0.25 / (0.25 + z * z));
     const double importance = light.importance({0, 0, static_cast<float>(-z)});
@@ -71,8 +71,8 @@ TEST(PlaneLight, ImportanceFollowsTheSolidAngleInFrontAndIsZeroBehind) {
 }
 
 // The random numbers' square covers the rectangle without folding: corners go to corners, from near and far.
-TEST(PlaneLight, SamplesSpanTheRectangle) {
-  const PlaneLight light({}, Vec3d(0, 0, 0));
+TEST(RectDiskLight, SamplesSpanTheRectangle) {
+  const RectDiskLight light({}, Vec3d(0, 0, 0));
   for (const Vec3f& p : {Vec3f(0.1f, 0.2f, -0.01f), Vec3f(2, -1, -0.5f), Vec3f(100, 100, -100), Vec3f(0, 0, -300)})
     for (float x : {0.0f, kOneMinusEpsilon})
       for (float y : {0.0f, kOneMinusEpsilon}) {
@@ -87,13 +87,13 @@ TEST(PlaneLight, SamplesSpanTheRectangle) {
 }
 
 // Upright for who looks at the emitting side with +y up: its first texel lies at (+x, +y).
-TEST(PlaneLight, ImagesAreUprightFromInFront) {
-  LightDescription d;
+TEST(RectDiskLight, ImagesAreUprightFromInFront) {
+  LightParameters d;
   d.width = 2;
   d.intensity = 3;
   const std::vector<Rgb> texels = {Rgb(1.0f), Rgb(2.0f), Rgb(3.0f), Rgb(4.0f)};  // two rows from the top
   d.texture = std::make_shared<testing::MemoryTexture>(2, texels);
-  const PlaneLight light(d, Vec3d(0, 0, 0));
+  const RectDiskLight light(d, Vec3d(0, 0, 0));
   const auto at = [&](float x, float y) { return light.intersect({{x, y, -1}, {0, 0, 1}})->radiance.g; };
   EXPECT_FLOAT_EQ(at(0.9f, 0.4f), 3);
   EXPECT_FLOAT_EQ(at(-0.9f, 0.4f), 6);
@@ -103,18 +103,18 @@ TEST(PlaneLight, ImagesAreUprightFromInFront) {
   EXPECT_NEAR(light.importance({0, 0, -100}) * 1e4, 7.5 * 2, 0.1) << "of the mean";
 }
 
-LightDescription disk(float radius) {
-  LightDescription d;
+LightParameters disk(float radius) {
+  LightParameters d;
   d.type = LightType::disk;
   d.radius = radius;
   return d;
 }
 
-TEST(PlaneLight, DisksAreRoundAndBecomeEllipses) {
-  LightDescription d = disk(2);
+TEST(RectDiskLight, DisksAreRoundAndBecomeEllipses) {
+  LightParameters d = disk(2);
   d.normalize = true;
   d.light_to_world = Matrix4d(3, 0, 0, 0, 0, -1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1);  // mirrors y
-  const PlaneLight light(d, Vec3d(0, 0, 0));
+  const RectDiskLight light(d, Vec3d(0, 0, 0));
   const auto at = [&](double x, double y) {
     return light.intersect({{static_cast<float>(x), static_cast<float>(y), -1}, {0, 0, 1}});
   };
@@ -127,9 +127,9 @@ TEST(PlaneLight, DisksAreRoundAndBecomeEllipses) {
 
 // Seen on its axis, E = pi L sin^2. Near points sample the square around the disk, others its area; the samples of both
 // are the disk's.
-TEST(PlaneLight, DisksAreSampledFromNearAndFar) {
+TEST(RectDiskLight, DisksAreSampledFromNearAndFar) {
   for (double z : {0.01, 0.7, 0.8, 100.0}) {
-    const PlaneLight light(disk(1), Vec3d(0, 0, 0));
+    const RectDiskLight light(disk(1), Vec3d(0, 0, 0));
     const Vec3f p(0, 0, static_cast<float>(-z));
     double irradiance = 0;
     constexpr int kSide = 200;

@@ -1,4 +1,4 @@
-#include "delegate/prims/render_param.h"
+#include "delegate/prims/scene_param.h"
 
 #include <tbb/global_control.h>
 

@@ -1,15 +1,15 @@
-#include "delegate/prims/sync_clock.h"
+#include "delegate/prims/build_clock.h"
 
 #include "delegate/support/process_usage.h"
 
 namespace alabaster::hd::prims {
 
-SyncClock::Seconds SyncClock::seconds(SyncPhase phase) const {
+BuildClock::Seconds BuildClock::seconds(BuildPhase phase) const {
   const std::lock_guard lock(mutex_);
   return seconds_[static_cast<size_t>(phase)];
 }
 
-void SyncClock::change(SyncPhase phase, int by) {
+void BuildClock::change(BuildPhase phase, int by) {
   const std::lock_guard lock(mutex_);
   const auto wall = std::chrono::steady_clock::now();
   const double cpu = support::process_cpu_seconds();

@@ -1,0 +1,33 @@
+// The inputs of a render: scene, camera, windows, AOVs and settings.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+#include "core/camera/camera.h"
+#include "core/denoise/denoiser.h"
+#include "core/film/film.h"
+#include "core/scene/scene.h"
+#include "core/session/render_settings.h"
+#include "core/session/render_state.h"
+
+namespace alabaster {
+
+/// All inputs of a render. Requests that differ in settings of setting_use::kContinues alone, or lack AOVs, may share
+/// samples (RenderSession::can_continue).
+struct RenderRequest {
+  std::shared_ptr<const SceneSnapshot> scene;
+  CameraParameters camera;
+  int width = 0, height = 0;  // display window: the camera is framed to it
+  PixelRect data_window;      // pixels to render; may be a crop of, or larger than (overscan), the display window
+  uint32_t aovs = aov_bit(Aov::color);
+  RenderSettings settings;
+  std::vector<UvSetName> primvars = {};      // those that AOVs from primvar_aov(0) on show, kMostPrimvarAovs at most
+  std::shared_ptr<const Denoiser> denoiser;  // makes AOV `denoised`, which is color without it
+  /// A render of the same scene, view and settings, which this one continues and whose film it takes. Null: none.
+  /// Without a scene its film is shown, and nothing is rendered.
+  std::shared_ptr<RenderState> resumed = {};
+};
+
+}  // namespace alabaster
