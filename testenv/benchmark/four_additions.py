@@ -87,6 +87,23 @@ def names(commits):
         print(f"| {name} | " + " | ".join(f"{len(files_of(found))}, {len(found)}" for found in lines) + " |")
 
 
+def rooms(commits):
+    """Lines of delegate's rooms, and those that are neither empty nor a comment, an include or a bracket alone."""
+    counts = []
+    for commit in commits:
+        count = {"all": [0, 0]}
+        listed = git(TOP, "ls-tree", "-r", "--name-only", commit, "delegate").splitlines()
+        for file in (name for name in listed if name.endswith((".cpp", ".h", ".hpp", ".py", ".cmake"))):
+            lines = [line.strip() for line in git(TOP, "show", f"{commit}:{file}").splitlines()]
+            statements = [line for line in lines if line.strip("{}()[],;") and not line.startswith(("//", "/*", "*", "# ", "#include", "#pragma"))]
+            for room in ("all", file.split("/")[1]):
+                count[room] = [a + b for a, b in zip(count.get(room, [0, 0]), (len(lines), len(statements)))]
+        counts.append(count)
+    print("| room | " + " | ".join(f"{commit}: lines, statements" for commit in commits) + " |\n| --- |" + " --- |" * len(commits))
+    for room in sorted(set().union(*counts), key=lambda room: -counts[-1].get(room, [0, 0])[0]):
+        print(f"| {room} | " + " | ".join("{}, {}".format(*count[room]) if room in count else "-" for count in counts) + " |")
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("folder", type=pathlib.Path)
@@ -96,6 +113,7 @@ def main():
     by_hand(options.folder.resolve())
     written()
     names(options.commits)
+    rooms(options.commits)
 
 
 if __name__ == "__main__":
