@@ -43,7 +43,7 @@ class LatLongImage final : public ImageInput {
         cube.faces[(size_t(y) + i / cube.size) / cube.size].push_back(color(rows, i));
       y += count;
     }
-    for (const size_t face : {2, 3}) std::reverse(cube.faces[face].begin(), cube.faces[face].end());
+    for (const size_t face : {size_t(2), size_t(3)}) std::reverse(cube.faces[face].begin(), cube.faces[face].end());
     texels_ = to_lat_long(cube);
     return true;
   }
