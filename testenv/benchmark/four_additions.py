@@ -6,7 +6,8 @@
 Makes a worktree of HEAD in FOLDER with the four additions, each a commit, and prints the files and lines that each changes by hand. The
 additions have names, ranges and sentences and travel as far as core's descriptions; no integrator reads them. Then it prints the files
 and lines of an existing row of each kind that `alabaster schema --write .` writes, and those of each COMMIT that name four properties
-of meshes. try_additions.py tries the additions once they are built, and `git worktree remove --force FOLDER` throws them away.
+of meshes, and the lines of delegate's rooms. try_additions.py tries the additions once they are built, and `git worktree remove --force
+FOLDER` throws them away.
 """
 import argparse
 import pathlib
