@@ -140,7 +140,8 @@ class PrimitiveDecoder {
   bool copy_rounded(const draco::PointAttribute& stored, const draco::AttributeQuantizationTransform& grid,
                     uint8_t* out) {
     draco::PointAttribute floats;
-    floats.Init(draco::GeometryAttribute::POSITION, int8_t(stored.num_components()), draco::DT_FLOAT32, false, stored.size());
+    floats.Init(draco::GeometryAttribute::POSITION, int8_t(stored.num_components()), draco::DT_FLOAT32, false,
+                stored.size());
     draco::AttributeQuantizationTransform transform = grid;
     if (!transform.InverseTransformAttribute(stored, &floats)) return false;
     const size_t element = size_t(stored.num_components()) * sizeof(float);
