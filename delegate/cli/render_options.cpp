@@ -47,7 +47,8 @@ double seconds_at(const RenderArguments& a, uint32_t frame) {
 }
 
 uint32_t frame_number(const hd::RenderSettingsDescription& settings) {
-  return static_cast<uint32_t>(std::clamp(settings.frame, 0.0, double(std::numeric_limits<uint32_t>::max())));
+  constexpr double kMost = std::numeric_limits<uint32_t>::max();
+  return settings.frame > 0 ? static_cast<uint32_t>(std::min(settings.frame, kMost)) : 0;  // 0 where it is no number
 }
 
 hd::description::LoadOptions load_options(const RenderArguments& a) {
