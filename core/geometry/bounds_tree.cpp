@@ -8,7 +8,7 @@ namespace {
 class EmbreeBoundsTree final : public BoundsTree {
  public:
   EmbreeBoundsTree(std::shared_ptr<TraceDevice> device, std::vector<Bounds> boxes)
-      : boxes_(std::move(boxes)), scene_(std::move(device)) {}
+      : boxes_(std::move(boxes)), scene_(std::move(device), "a hierarchy of the meshes of a subsurfaceSet") {}
 
   bool build(const std::function<bool()>& cancelled) {
     return scene_.get() && attach(scene_, {&boxes_, boxes_.size(), &bound, nullptr, nullptr}) &&

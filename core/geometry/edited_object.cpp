@@ -65,8 +65,9 @@ std::shared_ptr<const ObjectScene> EditedObject::build(const std::shared_ptr<Tra
     ready = made->scene.get() && made->scene.attach(mesh);
   }
   made->whole = false;
-  made->whole = ready && commit(made->scene.get(), cancelled) && !made->scene.take_error();
+  const bool committed = ready && commit(made->scene.get(), cancelled);
   cancel.check();
+  made->whole = !made->scene.take_error() && committed;
   if (!made->whole) return nullptr;
   // The way back.
   Refitted* const held = made.release();

@@ -63,10 +63,15 @@ class SceneHandle {
  public:
   // A dynamic scene has a hierarchy for each mesh, below one that is built in no time, and keeps what it takes to fit
   // it to other points.
-  explicit SceneHandle(std::shared_ptr<TraceDevice> device, bool dynamic = false) : device_(std::move(device)) {
-    device_->take_error();  // an earlier error is not ours
+  // `what` it is, in refusals of memory: a literal.
+  SceneHandle(std::shared_ptr<TraceDevice> device, const char* what, bool dynamic = false)
+      : device_(std::move(device)), what_(what) {
+    device_->forget_error();  // an earlier error is not ours
     scene_ = rtcNewScene(device_->get());
-    if (!scene_) return;
+    if (!scene_) {
+      take_error();
+      return;
+    }
     // ROBUST: neighbouring triangles leave no gap. COMPACT would halve the peak memory of the build, but its indexed
     // triangles trace a quarter slower. The filter function collects all hits of a ray; single rays trace as fast with
     // the flag as without.
@@ -82,10 +87,13 @@ class SceneHandle {
 
   RTCScene get() const { return scene_; }
   RTCDevice device() const { return device_->get(); }
-  bool take_error() const { return !scene_ || device_->take_error(); }
+  // True: Embree refused something (reported). Throws where memory ran out.
+  bool take_error() const { return device_->take_error(what_) || !scene_; }
+  void forget_error() const { device_->forget_error(); }
 
  private:
   std::shared_ptr<TraceDevice> device_;
+  const char* what_;
   RTCScene scene_ = nullptr;
 };
 
@@ -97,10 +105,13 @@ struct UserGeometry {
   RTCIntersectFunctionN intersect;
   RTCOccludedFunctionN occluded;
 };
-// False: Embree refuses.
+// False: Embree refuses. Throws where memory runs out.
 inline bool attach(const SceneHandle& scene, const UserGeometry& from) {
   RTCGeometry geometry = rtcNewGeometry(scene.device(), RTC_GEOMETRY_TYPE_USER);
-  if (!geometry) return false;
+  if (!geometry) {
+    scene.take_error();
+    return false;
+  }
   rtcSetGeometryUserPrimitiveCount(geometry, static_cast<unsigned>(from.count));
   rtcSetGeometryUserData(geometry, from.data);
   rtcSetGeometryBoundsFunction(geometry, from.bounds, nullptr);

@@ -105,7 +105,7 @@ bool EmbreeObjectScene::attach(const Mesh& mesh) {
     rtcAttachGeometryByID(scene_.get(), geometry, quads_ ? kQuads : kTriangles);
   }
   rtcReleaseGeometry(geometry);
-  return filled;
+  return !scene_.take_error() && filled;
 }
 
 RTCGeometry EmbreeObjectScene::geometry() const {
@@ -132,7 +132,7 @@ bool EmbreeObjectScene::has_triangles_of(const Mesh& mesh) const {
 }
 
 bool EmbreeObjectScene::replace_points(const Mesh& mesh) {
-  scene_.take_error();  // an earlier error is not ours
+  scene_.forget_error();  // an earlier error is not ours
   void* const points = rtcGetGeometryBufferData(geometry(), RTC_BUFFER_TYPE_VERTEX, 0);
   if (!points) return false;
   std::memcpy(points, mesh.points.data(), points_ * sizeof(Vec3f));
@@ -162,10 +162,9 @@ void EmbreeObjectScene::intersect_all(const Ray& ray, std::pmr::vector<TriangleH
 std::shared_ptr<const ObjectScene> build_object_scene(const std::shared_ptr<TraceDevice>& device, const Mesh& mesh,
                                                       const std::function<bool()>& cancelled) {
   auto object = std::make_shared<EmbreeObjectScene>(device, mesh);
-  if (!object->get()) return nullptr;
-  if (!mesh.triangles.empty() && !object->attach(mesh)) return nullptr;
-  if (!commit(object->get(), cancelled) || object->take_error()) return nullptr;
-  return object;
+  const bool attached = object->get() && (mesh.triangles.empty() || object->attach(mesh));
+  if (attached && !commit(object->get(), cancelled)) return nullptr;
+  return object->take_error() || !attached ? nullptr : object;
 }
 
 }  // namespace alabaster

@@ -10,14 +10,15 @@ class EmbreeObjectScene final : public ObjectScene {
  public:
   enum class Use { traced, refitted };  // refitted: its points will be replaced
   EmbreeObjectScene(std::shared_ptr<TraceDevice> device, const Mesh& mesh, Use use = Use::traced)
-      : scene_(std::move(device), use == Use::refitted),
+      : scene_(std::move(device), "a hierarchy of triangles", use == Use::refitted),
         use_(use),
         quads_(are_pairs(mesh.triangles)),
         points_(mesh.points.size()),
         triangles_(mesh.triangles.size()),
         poses_(1 + mesh.later_poses.size()) {}
 
-  /// Copies the mesh into buffers that Embree allocates (and pads: it reads 16 bytes at each 12-byte vertex).
+  /// Copies the mesh into buffers that Embree allocates (and pads: it reads 16 bytes at each 12-byte vertex). False:
+  /// Embree refuses. Throws where memory runs out.
   bool attach(const Mesh& mesh);
   /// True if the mesh has these triangles of as many points, and none deforms.
   bool has_triangles_of(const Mesh& mesh) const;

@@ -13,7 +13,7 @@ class EmbreeInstancedScene final : public InstancedScene {
  public:
   EmbreeInstancedScene(std::shared_ptr<TraceDevice> device, const std::vector<InstancePlacement>& instances,
                        const std::vector<InstanceCells>& arrays, const std::function<bool()>& cancelled)
-      : scene_(std::move(device)) {
+      : scene_(std::move(device), "the hierarchy of instances") {
     if (!scene_.get()) return;
     objects_.resize(instances.size());
     size_ = instances.size();

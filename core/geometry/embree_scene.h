@@ -19,7 +19,7 @@ namespace alabaster {
 /// Owns the Embree device. One per delegate; outlives what is built with it (held by shared_ptr inside).
 class TraceDevice;
 /// Null if Embree has none to give (reported). All memory that Embree takes for it is counted in the budget, which may
-/// be null: a build that would exceed it stops, with the same report as one that runs out of memory.
+/// be null. Builds that would exceed it throw MemoryRefused, and those for which memory runs out std::bad_alloc.
 std::shared_ptr<TraceDevice> make_trace_device(const DiagnosticSink& sink,
                                                std::shared_ptr<MemoryBudget> memory = nullptr);
 /// The budget of the device; may be null.
@@ -48,7 +48,8 @@ class ObjectScene {
 };
 /// `cancelled` (may be empty) is asked while building, from any of its threads and not always at a time; when it
 /// returns true the build stops and null is returned. The mesh is copied. Builds with the threads of the caller's task
-/// arena. Null also when memory runs out or Embree refuses (reported). A mesh without triangles is never hit.
+/// arena. Null also when Embree refuses for another reason than memory (reported). A mesh without triangles is never
+/// hit.
 std::shared_ptr<const ObjectScene> build_object_scene(const std::shared_ptr<TraceDevice>& device, const Mesh& mesh,
                                                       const std::function<bool()>& cancelled);
 
@@ -78,8 +79,8 @@ class InstancedScene {
 };
 /// A placement without an object, and one that is not traceable, is never hit; the others keep their indices. Rays that
 /// a placement would carry beyond what Embree takes miss everything: leave out what is not traceable from afar.
-/// Null when memory runs out or Embree refuses (reported), and when `cancelled` says so, as above. The instances of
-/// `arrays` have the indices that follow.
+/// Null when Embree refuses (reported) and when `cancelled` says so, as above. The instances of `arrays` have the
+/// indices that follow.
 std::shared_ptr<const InstancedScene> build_instanced_scene(const std::shared_ptr<TraceDevice>& device,
                                                             const std::vector<InstancePlacement>& instances,
                                                             const std::function<bool()>& cancelled = {},

@@ -50,7 +50,9 @@ class InstanceScope {
 
 EmbreeInstanceCell::EmbreeInstanceCell(std::shared_ptr<TraceDevice> device, std::shared_ptr<const ObjectScene> object,
                                        CellInstances instances)
-    : InstanceCell(std::move(instances)), object_(std::move(object)), scene_(std::move(device)) {
+    : InstanceCell(std::move(instances)),
+      object_(std::move(object)),
+      scene_(std::move(device), "a hierarchy of instances") {
   for (size_t i = 0; i < instances_.placements.size(); ++i)
     if (!instances_.hidden[i]) growth_.include(RayGrowth::of(instances_.placements[i].object_to_world));
 }

@@ -38,8 +38,8 @@ class InstanceCell {
   CellInstances instances_;
 };
 
-/// All that is not hidden must be traceable, see is_traceable(). `object` does not deform. Null when memory runs out or
-/// Embree refuses (reported), and when `cancelled` says so, as for build_instanced_scene().
+/// All that is not hidden must be traceable, see is_traceable(). `object` does not deform. Null and exceptions as
+/// those of build_instanced_scene().
 std::shared_ptr<const InstanceCell> build_instance_cell(const std::shared_ptr<TraceDevice>& device,
                                                         std::shared_ptr<const ObjectScene> object,
                                                         CellInstances instances,

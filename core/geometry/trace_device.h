@@ -7,8 +7,10 @@
 #include <embree3/rtcore.h>
 #endif
 
+#include <atomic>
+#include <cstring>
 #include <memory>
-#include <mutex>
+#include <new>
 #include <string>
 #include <utility>
 
@@ -39,23 +41,37 @@ class TraceDevice {
 
   RTCDevice get() const { return device_; }
   const std::shared_ptr<MemoryBudget>& memory() const { return memory_; }
-  /// True if Embree refused anything that this thread asked of it since the last call, which the call forgets. The
-  /// refusal itself has been reported. Embree keeps one error per thread; work that the thread takes up while it waits
-  /// for a build asks for its own.
-  bool take_error() const { return rtcGetDeviceError(device_) != RTC_ERROR_NONE; }
+  /// True if Embree refused anything that this thread asked of it since the last call, which the call forgets. That has
+  /// been reported. Where memory ran out it throws MemoryRefused, by the budget, or std::bad_alloc, with no report:
+  /// `what` needed it. Embree keeps one error per thread; work that the thread takes up while it waits for a build asks
+  /// for its own.
+  bool take_error(const char* what) const {
+    const RTCError error = rtcGetDeviceError(device_);
+    if (error != RTC_ERROR_OUT_OF_MEMORY) return error != RTC_ERROR_NONE;
+    if (!is_by_limit()) throw std::bad_alloc();
+    throw MemoryRefused(memory_->refusal(MemoryUse::tracing, refused_bytes_, what));
+  }
+  void forget_error() const { rtcGetDeviceError(device_); }
 
  private:
-  // Called from within Embree, which no exception may cross.
+  /// The memory that this thread's last build lacked was refused by the budget.
+  static bool& is_by_limit() {
+    static thread_local bool by_limit = false;
+    return by_limit;
+  }
+
+  // Called from within Embree, which no exception may cross, on the thread that asked Embree for something.
   static void on_error(void* self, RTCError code, const char* text) noexcept {
     // A build that its caller stopped is not a fault.
     if (code == RTC_ERROR_CANCELLED) return;
+    if (code == RTC_ERROR_OUT_OF_MEMORY) {
+      is_by_limit() = text && std::strstr(text, "memory monitor");
+      return;  // take_error() throws
+    }
     try {
       auto& device = *static_cast<TraceDevice*>(self);
-      std::string reason = code == RTC_ERROR_OUT_OF_MEMORY ? device.take_refusal() : std::string();
-      if (reason.empty())
-        reason = std::string(text ? text : "unknown error") + " (code " + std::to_string(static_cast<int>(code)) + ")";
-      report(device.sink_, Severity::error, code == RTC_ERROR_OUT_OF_MEMORY ? "trace.memory" : "trace.embree", "Embree",
-             std::move(reason));
+      report(device.sink_, Severity::error, "trace.embree", "Embree",
+             std::string(text ? text : "unknown error") + " (code " + std::to_string(static_cast<int>(code)) + ")");
     } catch (...) {
       // Memory has run out altogether; the build still ends in null.
     }
@@ -70,24 +86,13 @@ class TraceDevice {
     if (bytes <= 0) return memory.give_back(MemoryUse::tracing, size), true;
     if (memory.take(MemoryUse::tracing, size)) return true;
     if (post) memory.add(MemoryUse::tracing, size);
-    try {
-      const std::scoped_lock lock(device.mutex_);
-      if (device.refusal_.empty())
-        device.refusal_ = memory.refusal(MemoryUse::tracing, size, "a hierarchy of triangles");
-    } catch (...) {
-      // The build ends with Embree's own text.
-    }
+    device.refused_bytes_ = size;
     return false;
-  }
-  std::string take_refusal() {
-    const std::scoped_lock lock(mutex_);
-    return std::exchange(refusal_, {});
   }
 
   DiagnosticSink sink_;
   std::shared_ptr<MemoryBudget> memory_;  // null: not counted
-  std::mutex mutex_;
-  std::string refusal_;  // why the budget refused, not reported yet
+  std::atomic<size_t> refused_bytes_{0};  // of the last refusal by the budget
   RTCDevice device_;
 };
 

@@ -1,5 +1,7 @@
 #include "core/light/mesh_light.h"
 
+#include <algorithm>
+
 #include "core/math/bounds.h"
 #include "core/sampling/warp.h"
 
@@ -47,9 +49,9 @@ void MeshLight::Emitter::measure(const CancelToken& cancel) {
 
 void MeshLight::Emitter::index(const std::vector<uint32_t>& ids, const CancelToken& cancel) {
   const size_t known = std::min(ids.size(), triangles.size());
+  if (known > 0) index_of_triangle.resize(*std::max_element(ids.begin(), ids.end()) + size_t(1), ~0u);
   for (size_t i = 0; i < known; ++i) {
     cancel.check();
-    if (ids[i] >= index_of_triangle.size()) index_of_triangle.resize(ids[i] + size_t(1), ~0u);
     index_of_triangle[ids[i]] = static_cast<uint32_t>(i);
   }
 }
@@ -113,6 +115,18 @@ size_t MeshLight::memory_bytes() const {
   return e.triangles.capacity() * sizeof(Triangle) +
          (e.index_of_triangle.capacity() + e.triangle_ids.capacity()) * sizeof(uint32_t) +
          e.distribution.memory_bytes();
+}
+
+// A triangle, its id and a copy of it, its power and weight, its cumulative number and its share of the guide. The
+// index is of the mesh.
+size_t MeshLight::build_bytes(size_t triangles, size_t of_mesh) {
+  constexpr size_t kEach = sizeof(Triangle) + 2 * sizeof(uint32_t) + sizeof(double) + 2 * sizeof(float) + 2;
+  return (triangles + 1) * kEach + of_mesh * sizeof(uint32_t);
+}
+
+void MeshLight::hold(MemoryReservation memory) {
+  memory.shrink(memory_bytes());
+  memory_ = std::make_shared<const MemoryReservation>(std::move(memory));
 }
 
 // The whole power at distance sqrt(d^2 + r^2), d to the centre and r the radius of the bounding sphere, with the mean

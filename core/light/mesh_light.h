@@ -8,6 +8,7 @@
 
 #include "core/diagnostics/cancel.h"
 #include "core/light/light_parameters.h"
+#include "core/memory/memory_budget.h"
 #include "core/sampling/distribution.h"
 
 namespace alabaster {
@@ -42,6 +43,10 @@ class MeshLight {
   }
   /// On the heap.
   size_t memory_bytes() const;
+  /// Bytes that making a light takes at most: of so many triangles, in a mesh of so many.
+  static size_t build_bytes(size_t triangles, size_t of_mesh);
+  /// Keeps what counts its memory; copies share it.
+  void hold(MemoryReservation memory);
 
  private:
   struct Emitter {
@@ -61,6 +66,7 @@ class MeshLight {
 
   uint32_t instance_;
   std::shared_ptr<const Emitter> emitter_;
+  std::shared_ptr<const MemoryReservation> memory_;
 };
 
 }  // namespace alabaster

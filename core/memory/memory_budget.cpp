@@ -11,7 +11,7 @@ constexpr UseText kUses[] = {
     {"meshes", "lower refineLevel, or raise refineEdgeLength"},
     {"tracing", "lower refineLevel, or raise refineEdgeLength"},
     {"subsurface", "lower refineLevel of the meshes that scatter"},
-    {"lights", "make their images smaller"},
+    {"lights", "make their images smaller, or lower refineLevel of meshes that emit"},
     {"textures", "make the image smaller"},
     {"frames", "choose a smaller size or fewer AOVs, or render it in parts with a data window (crop)"},
 };

@@ -14,10 +14,22 @@ struct DrawnInstances {
 /// True if each instance of an array with this look is a body by itself, which needs no BVH of its own, or no body.
 bool scatter_separately(const InstanceDescription& look, const CancelToken& cancel);
 
+struct BodySources {
+  const DrawnInstances drawn;
+  const std::shared_ptr<TraceDevice>& device;
+  const SceneSnapshot* last;  // unions that it has as well share its BVHs; may be null
+  const CancelToken& cancel;
+};
+
+struct PlannedBodies {
+  bool is_refused = false;                  // by Embree (reported)
+  std::vector<uint32_t> instances, arrays;  // members of bodies for which memory ran out, in order
+  bool are_whole() const { return instances.empty() && arrays.empty(); }
+};
+
 /// Makes the bodies of the instances that scatter, with their media and the shortcuts that pay, and counts the bodies'
-/// memory, but for the interiors of meshes. Unions that `last` (may be null) has as well share its BVHs. False when
-/// memory runs out or Embree refuses (reported). Throws BuildCancelled.
-bool plan_bodies(const DrawnInstances& drawn, const std::shared_ptr<TraceDevice>& device, const SceneSnapshot* last,
-                 SceneSnapshot* snapshot, const CancelToken& cancel);
+/// memory, but for the interiors of meshes. Adds bodies and shortcuts for which memory runs out to `lacks`. Members of
+/// such bodies are to be left out, and the bodies planned again. Throws BuildCancelled and std::bad_alloc.
+PlannedBodies plan_bodies(const BodySources& sources, SceneSnapshot* snapshot, MemoryLacks* lacks);
 
 }  // namespace alabaster

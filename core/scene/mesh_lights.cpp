@@ -39,6 +39,12 @@ Rgb mean_emission(const Instance& instance, uint32_t triangle) {
   return sum * (step * step);
 }
 
+size_t emissive_triangles(const Instance& instance) {
+  size_t count = 0;
+  for (uint32_t i = 0; i < instance.prototype->mesh.triangles.size(); ++i) count += instance.material(i).emits();
+  return count;
+}
+
 }  // namespace
 
 bool emits(const Instance& instance) {
@@ -49,14 +55,17 @@ bool emits(const Instance& instance) {
   return false;
 }
 
-MeshLight make_mesh_light(const Instance& instance, uint32_t index, const CancelToken& cancel) {
+MeshLight make_mesh_light(const Instance& instance, uint32_t index, const std::shared_ptr<MemoryBudget>& budget,
+                          const CancelToken& cancel) {
   const Mesh& mesh = instance.prototype->mesh;
+  const size_t count = emissive_triangles(instance);
+  MemoryReservation memory(budget, MemoryUse::lights, MeshLight::build_bytes(count, mesh.triangles.size()),
+                           "the light of a mesh of " + std::to_string(count) + " triangles that emit");
   std::vector<MeshLight::Triangle> triangles;
   std::vector<uint32_t> ids;
   bool varies = false;
-  const bool all = instance.materials.size() == 1;
-  triangles.reserve(all ? mesh.triangles.size() : 0);
-  ids.reserve(triangles.capacity());
+  triangles.reserve(count);
+  ids.reserve(count);
   for (size_t i = 0; i < mesh.triangles.size(); ++i) {
     cancel.check();
     const DisneyMaterial& material = instance.material(static_cast<uint32_t>(i));
@@ -67,10 +76,12 @@ MeshLight make_mesh_light(const Instance& instance, uint32_t index, const Cancel
     ids.push_back(static_cast<uint32_t>(i));
     varies |= has_varying_emission(material);
   }
-  if (!varies) return MeshLight(index, std::move(triangles), ids, {}, cancel);
   // A copy, since later snapshots may share the light. They keep what it points to.
-  const auto emission = [instance](uint32_t triangle, const Vec2f& b) { return emission_at(instance, triangle, b); };
-  return MeshLight(index, std::move(triangles), ids, emission, cancel);
+  MeshLight::Emission emission;
+  if (varies) emission = [instance](uint32_t triangle, const Vec2f& b) { return emission_at(instance, triangle, b); };
+  MeshLight light(index, std::move(triangles), ids, std::move(emission), cancel);
+  light.hold(std::move(memory));
+  return light;
 }
 
 KnownMeshLights::KnownMeshLights(const SceneSnapshot* snapshot) : snapshot_(snapshot) {

@@ -11,9 +11,10 @@ namespace alabaster {
 /// True if some triangle has a material that emits.
 bool emits(const Instance& instance);
 
-/// The emissive triangles of an instance that emits and stands still, in render space. `index`: of the instance. Throws
-/// BuildCancelled.
-MeshLight make_mesh_light(const Instance& instance, uint32_t index, const CancelToken& cancel);
+/// The emissive triangles of an instance that emits and stands still, in render space. `index`: of the instance.
+/// `budget` counts the light and may be null. Throws BuildCancelled and MemoryRefused.
+MeshLight make_mesh_light(const Instance& instance, uint32_t index, const std::shared_ptr<MemoryBudget>& budget,
+                          const CancelToken& cancel);
 
 /// The emissive meshes of a snapshot, which must outlive it.
 class KnownMeshLights {

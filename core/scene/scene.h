@@ -2,7 +2,9 @@
 // render threads see nothing else. Parts are shared by pointer, so a new snapshot costs what changed.
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
@@ -16,6 +18,7 @@
 #include "core/light/light_set.h"
 #include "core/material/disney_material.h"
 #include "core/scene/instance_array.h"
+#include "core/scene/memory_lacks.h"
 #include "core/scene/mesh_options.h"
 #include "core/subsurface/mesh_interior.h"
 
@@ -111,7 +114,7 @@ struct Instance : Placement {
   std::vector<uint8_t> single_sided_slots;  // those whose back rays pass are not 0; empty: not single_sided
   uint32_t category_set = 0;                // of SceneSnapshot
   TangentCache::Tangents tangents;          // for normal maps
-  /// Normal maps whose coordinates differ from those of `tangents` have their own.
+  /// Normal maps whose coordinates differ from those of `tangents` have their own. By address.
   std::vector<std::pair<const NormalMap*, TangentCache::Tangents>> own_tangents;
   const InstanceArray* array = nullptr;  // this is the look of all its instances; null: of one alone
 
@@ -132,9 +135,9 @@ struct Instance : Placement {
   const DisneyMaterial& material(uint32_t triangle) const { return *materials[slot(triangle)]; }
   /// For a map of one of the materials; null: the mesh has none.
   const MeshAttribute<Vec4f>* tangents_for(const NormalMap& map) const {
-    for (const auto& [other, of] : own_tangents)
-      if (other == &map) return of.get();
-    return tangents.get();
+    const auto is_before = [](const auto& own, const NormalMap* wanted) { return std::less<>()(own.first, wanted); };
+    const auto own = std::lower_bound(own_tangents.begin(), own_tangents.end(), &map, is_before);
+    return own != own_tangents.end() && own->first == &map ? own->second.get() : tangents.get();
   }
   /// Rays pass the back of the slot's triangles.
   bool is_single_sided(size_t slot) const { return single_sided && single_sided_slots[slot] != 0; }
@@ -165,9 +168,8 @@ struct SceneSnapshot {
   LightSet lights;                                             // all
   std::vector<std::shared_ptr<const LightSet>> linked_lights;  // by category set; empty: all light everything
   std::vector<std::vector<bool>> shadow_casters;               // by shadow link, less 1, and category set
-  std::vector<std::string> left_out;  // names of instances and lights that are too far away, too large or not finite,
-                                      // and of meshes for which memory ran out
-  bool lacks_memory = false;          // Meshes were left out because memory ran out.
+  std::vector<std::string> left_out;  // names of instances and lights that are too far away, too large or not finite
+  std::vector<MemoryLack> lacks;      // parts that it is without because memory ran out
   std::vector<std::string> faults;    // of the scale, and of sets of images that lack one that is needed
   size_t memory_bytes = 0;            // of meshes, their interiors, trees, lights and textures, each counted once
   std::shared_ptr<MemoryReservation> memory;  // of instances and lights; other parts hold their own

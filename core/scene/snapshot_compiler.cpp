@@ -93,6 +93,7 @@ Instance look_of(const InstanceDescription& d) {
       if (of != instance.tangents) instance.own_tangents.emplace_back(&**map, of);
     }
   }
+  std::sort(instance.own_tangents.begin(), instance.own_tangents.end());
   instance.options = d.options;
   if (!d.options.visible_to_camera) instance.options.camera_cull = CameraCull::all;
   instance.see_through |= instance.options.camera_cull != CameraCull::none;
@@ -179,6 +180,13 @@ size_t texture_bytes(const SceneSnapshot& snapshot) {
                          [](size_t sum, const auto& one) { return sum + one.second; });
 }
 
+// `indices` in order.
+template <class T>
+void erase_at(const std::vector<uint32_t>& indices, std::vector<T>* list) {
+  size_t i = 0;
+  std::erase_if(*list, [&](const T&) { return std::binary_search(indices.begin(), indices.end(), i++); });
+}
+
 bool stands_alike(const Instance& a, const Instance& b) {
   return a.prototype->object == b.prototype->object && a.object_to_world == b.object_to_world && a.poses == b.poses;
 }
@@ -195,13 +203,7 @@ struct SnapshotCompiler::Compilation {
   std::deque<InstanceDescription> taken_apart = {};    // arrays that cannot be traced as such
   std::vector<ArrayPlan> plans = {};                   // of the arrays
   std::vector<const InstanceDescription*> looks = {};  // theirs
-  // Meshes that are left out for want of memory.
-  struct Lack {
-    std::string first, reason;  // of the first instance
-    size_t count = 0;
-  };
-  std::vector<Lack> lacks = {};  // in the order in which they are found
-  std::map<const MeshPrototype*, size_t> lack_of = {};
+  MemoryLacks lacks = {};
 
   // In world space, then beside the scene's size.
   void choose_drawn() {
@@ -213,10 +215,12 @@ struct SnapshotCompiler::Compilation {
       }
     for (const InstanceArrayDescription& array : description.arrays) {
       if (!has_shape(array.look)) continue;
-      if (stays_array(array.look))
+      bool stays = false;
+      if (!has_memory_for(array.look, array.places->size(), [&] { stays = stays_array(array.look); })) continue;
+      if (stays)
         plan(array, &bounds);
       else
-        take_apart(array, &bounds);
+        try_take_apart(array, &bounds);
     }
     choose_space(bounds);
     std::erase_if(drawn, [&](const InstanceDescription* d) {
@@ -232,6 +236,17 @@ struct SnapshotCompiler::Compilation {
     const auto emits = [](const auto& material) { return material->emits(); };
     return !look.prototype->mesh.deforms() && std::none_of(look.materials.begin(), look.materials.end(), emits) &&
            scatter_separately(look, cancel);
+  }
+
+  void try_take_apart(const InstanceArrayDescription& array, BoundsDouble* bounds) {
+    const size_t before = drawn.size(), apart = taken_apart.size();
+    BoundsDouble extended = *bounds;
+    if (has_memory_for(array.look, array.places->size(), [&] { take_apart(array, &extended); })) {
+      *bounds = extended;
+      return;
+    }
+    drawn.resize(before);
+    taken_apart.erase(taken_apart.begin() + std::ptrdiff_t(apart), taken_apart.end());
   }
 
   void take_apart(const InstanceArrayDescription& array, BoundsDouble* bounds) {
@@ -260,34 +275,7 @@ struct SnapshotCompiler::Compilation {
   // them, and compiled again at the next commit.
   template <class Step>
   bool has_memory_for(const InstanceDescription& d, size_t count, const Step& step) {
-    try {
-      step();
-      return true;
-    } catch (const MemoryRefused& e) {
-      lack_memory_for(d, count, e.what());
-    } catch (const std::bad_alloc&) {
-      lack_memory_for(d, count, "not enough memory");
-    }
-    return false;
-  }
-  // Instances of one prim come one after the other.
-  void lack_memory_for(const InstanceDescription& d, size_t count, const std::string& reason) {
-    snapshot->lacks_memory = true;
-    std::vector<std::string>& names = snapshot->left_out;
-    if (names.empty() || names.back() != d.name) names.push_back(d.name);
-    const auto [at, is_new] = lack_of.try_emplace(d.prototype.get(), lacks.size());
-    if (is_new) lacks.push_back({d.name, reason});
-    lacks[at->second].count += count;
-  }
-  std::vector<Diagnostic> reports_of_lacks() const {
-    std::vector<Diagnostic> reports;
-    for (const Lack& lack : lacks) {
-      const std::string instances =
-          lack.count == 1 ? "the instance is" : std::to_string(lack.count) + " instances of this mesh are";
-      reports.push_back({Severity::error, "instance.memory", lack.first,
-                         lack.reason + ": " + instances + " left out; the next commit tries again"});
-    }
-    return reports;
+    return lacks.has_memory_for({LackKind::instance, d.name, d.prototype.get(), count}, step);
   }
 
   // Meshes of equal geometry have one prototype.
@@ -437,6 +425,35 @@ struct SnapshotCompiler::Compilation {
     return true;
   }
 
+  // Without those for which memory runs out. The others' indices then change, and they are planned again.
+  bool plan_all_bodies() {
+    const size_t bytes = snapshot->memory_bytes;
+    for (;;) {
+      const PlannedBodies planned =
+          plan_bodies({{drawn, looks}, compiler.device_, last, cancel}, snapshot.get(), &lacks);
+      if (planned.is_refused || planned.are_whole()) return !planned.is_refused;
+      snapshot->memory_bytes = bytes;
+      leave_out_bodies(planned);
+    }
+  }
+
+  void leave_out_bodies(const PlannedBodies& planned) {
+    erase_at(planned.instances, &drawn);
+    erase_at(planned.instances, &snapshot->instances);
+    erase_at(planned.arrays, &looks);
+    erase_at(planned.arrays, &snapshot->arrays);
+    snapshot->bodies.clear();
+    snapshot->features.subsurface = false;
+    for (Instance& instance : snapshot->instances) instance.body = nullptr;
+    auto first = static_cast<uint32_t>(snapshot->instances.size());
+    for (InstanceArray& array : snapshot->arrays) {
+      array.look.body = nullptr;
+      array.look.array = &array;
+      array.first = first;
+      first += static_cast<uint32_t>(array.placed->size());
+    }
+  }
+
   bool build_top() {
     const auto& instances = snapshot->instances;
     if (last &&
@@ -464,10 +481,13 @@ struct SnapshotCompiler::Compilation {
     const bool described_alike =
         description.lights == compiler.last_lights_ && description.category_sets == compiler.last_category_sets_;
     const bool same =
-        add_lights({description, last, described_alike, compiler.device_, compiler.sink_, cancel}, snapshot.get());
-    size_t bytes = snapshot->lights.memory_bytes();
-    for (const Light& light : snapshot->lights.lights())
+        add_lights({description, {drawn, looks}, last, described_alike, compiler.device_, compiler.sink_, cancel},
+                   snapshot.get(), &lacks);
+    size_t bytes = snapshot->lights.memory_bytes();  // without what has reservations of its own
+    for (const Light& light : snapshot->lights.lights()) {
       if (const auto image = image_of(light)) bytes -= image->memory_bytes();
+      if (const auto* mesh = std::get_if<MeshLight>(&light)) bytes -= mesh->memory_bytes();
+    }
     hold(bytes);
     return same;
   }
@@ -481,15 +501,21 @@ struct SnapshotCompiler::Compilation {
                       same_looks);
   }
 
-  // Reports faults of bodies and meshes that are left out where they are found first, and again only if they were gone
-  // in between. The numbers in a refusal of memory differ from one try to the next.
+  // Reports faults of bodies and lacks of memory where they are found first, and again only if they were gone in
+  // between. The numbers in a refusal of memory differ from one try to the next. The search for faults of bodies takes
+  // memory itself; where it runs out, they are found with the next snapshot.
   void report_new_faults() {
-    std::vector<Diagnostic> found = reports_of_lacks();
+    snapshot->lacks = lacks.take();
+    std::vector<Diagnostic> found = lacks.reports();
     const DiagnosticSink keep = [&](const Diagnostic& d) { found.push_back(d); };
-    if (snapshot->features.subsurface) report_bodies({description, {drawn, looks}, *snapshot, keep, cancel});
+    try {
+      if (snapshot->features.subsurface) report_bodies({description, {drawn, looks}, *snapshot, keep, cancel});
+    } catch (const std::bad_alloc&) {
+      // Those found so far are reported.
+    }
     const auto is_known = [&](const Diagnostic& d) {
       return std::any_of(compiler.reported_.begin(), compiler.reported_.end(), [&](const Diagnostic& t) {
-        return t.code == d.code && t.where == d.where && (t.text == d.text || d.code == "instance.memory");
+        return t.code == d.code && t.where == d.where && (t.text == d.text || d.code.ends_with(".memory"));
       });
     };
     for (const Diagnostic& d : found)
@@ -503,9 +529,9 @@ struct SnapshotCompiler::Compilation {
     cancel.check();
     if (!place_all()) return false;
     cancel.check();
-    if (!build_top()) return false;
+    if (!plan_all_bodies()) return false;
     cancel.check();
-    if (!plan_bodies({drawn, looks}, compiler.device_, last, snapshot.get(), cancel)) return false;
+    if (!build_top()) return false;
     cancel.check();
     keep_alive({drawn, looks}, snapshot.get());
     const bool same_lights = light();

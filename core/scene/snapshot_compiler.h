@@ -21,10 +21,10 @@ class SnapshotCompiler {
 
   /// Shares with the last snapshot: the top level, where all shapes and places are equal; the BVHs of bodies of several
   /// members; the densities of images of lights; emissive meshes that stand where they stood; and where light falls on
-  /// bodies, if shapes, places, lights and links are all equal. Null when Embree refuses (reported), also for want of
-  /// memory. A mesh for which memory runs out while it is placed is left out (SceneSnapshot::lacks_memory; reported,
-  /// unless the last snapshot lacked it, too). Throws MemoryRefused, by the budget of the device, std::bad_alloc and
-  /// BuildCancelled; the next snapshot then shares as this one would have.
+  /// bodies, if shapes, places, lights and links are all equal. Null when Embree refuses (reported). Meshes, bodies and
+  /// lights for which memory runs out are left out (SceneSnapshot::lacks; reported, unless the last snapshot lacked
+  /// them, too). Where it runs out for the scene as a whole, throws MemoryRefused, by the budget of the device, or
+  /// std::bad_alloc. Throws BuildCancelled. After an exception the next snapshot shares as this one would have.
   std::shared_ptr<const SceneSnapshot> compile(const SceneDescription& description, uint64_t number,
                                                const CancelToken& cancel = {});
 

@@ -3,12 +3,14 @@
 #pragma once
 
 #include "core/diagnostics/cancel.h"
+#include "core/scene/bodies.h"
 #include "core/scene/scene.h"
 
 namespace alabaster {
 
 struct LightSources {
   const SceneDescription& description;
+  const DrawnInstances drawn;
   const SceneSnapshot* last;  // densities of images and emissive meshes that it has as well are shared; may be null
   bool described_alike;       // the description's lights and categories are those of `last`
   const std::shared_ptr<TraceDevice>& device;
@@ -17,7 +19,8 @@ struct LightSources {
 };
 
 /// Fills in the lights, their links and the features that they make, once the instances are placed. True if all lights
-/// are those of `last`. Throws BuildCancelled and MemoryRefused.
-bool add_lights(const LightSources& sources, SceneSnapshot* snapshot);
+/// are those of `last`. A light for which memory runs out is left out, and a mesh light not sampled (`lacks`). Throws
+/// BuildCancelled and std::bad_alloc.
+bool add_lights(const LightSources& sources, SceneSnapshot* snapshot, MemoryLacks* lacks);
 
 }  // namespace alabaster

@@ -3,6 +3,7 @@
 
 #include "delegate/c_api/handles.h"
 #include "delegate/host/display_transform.h"
+#include "delegate/support/size_text.h"
 
 struct AlabasterDisplay final : alabaster::hd::c_api::Handle {
   explicit AlabasterDisplay(std::unique_ptr<alabaster::hd::host::DisplayTransform> made) : transform(std::move(made)) {}
@@ -54,8 +55,7 @@ AlabasterStatus buffer_show(AlabasterBuffer* handle, AlabasterMemory* out) {
     in.width = memory.size.x, in.height = memory.size.y, in.shown = memory.shown;
     answer(out, in, "memory");
     if (differs)
-      throw Failure(ALABASTER_NOT_FOUND,
-                    "the buffer has " + std::to_string(in.width) + " x " + std::to_string(in.height) + " pixels");
+      throw Failure(ALABASTER_NOT_FOUND, "the buffer has " + support::size_text(in.width, in.height) + " pixels");
     if (shown) return;
     if (!in.pixels || in.row_bytes < size_t(in.width) * FormatSize(memory.format))
       throw bad_argument("the memory is null, or row_bytes is less than a row takes");

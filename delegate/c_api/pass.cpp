@@ -4,6 +4,7 @@
 #include "delegate/c_api/values.h"
 #include "delegate/host/picker.h"
 #include "delegate/host/snapshot.h"
+#include "delegate/support/size_text.h"
 
 namespace alabaster::hd::c_api {
 namespace {
@@ -26,16 +27,12 @@ AlabasterPixels map_pixels(BufferData& data) {
   return pixels;
 }
 
-std::string size_text(const Vec2i& size) {
-  return std::to_string(size.x) + " x " + std::to_string(size.y);
-}
-
 void allocate(BufferData& data, int32_t width, int32_t height, int32_t format) {
   if (format <= ALABASTER_FORMAT_NONE || format > ALABASTER_INT32)
     throw bad_argument("there is no format " + std::to_string(format));
   const Vec2i size(width, height);
   if (width < 1 || height < 1 || !data.buffer->Allocate({{width, height, 1}, Format(format)}))
-    throw bad_argument("a buffer of " + size_text(size) + " pixels cannot be allocated");
+    throw bad_argument("a buffer of " + support::size_text(width, height) + " pixels cannot be allocated");
   data.size = size;
 }
 
@@ -45,7 +42,7 @@ Path frame_pass(const AlabasterFrame& in, const host::RetainedSceneDelegate& sce
   if (in.settings || !scene.GetAllRenderSettings().empty()) path = settings_path(scene, in.settings);
   const auto settings = path.empty() ? RenderSettingsDescription() : scene.GetAllRenderSettings().at(path);
   if (in.width < 0 || in.height < 0)
-    throw bad_argument("a frame of " + size_text({in.width, in.height}) +
+    throw bad_argument("a frame of " + support::size_text(in.width, in.height) +
                        " pixels: width and height must be at least 1, or 0 for those of the render settings");
   const int width = in.width > 0 ? in.width : settings.width, height = in.height > 0 ? in.height : settings.height;
   Rect2i window = {in.window.min_x, in.window.min_y, in.window.max_x, in.window.max_y};
@@ -88,7 +85,8 @@ void check_sizes(const RenderPassState& state, const std::vector<std::shared_ptr
   for (size_t i = 0; i < bound.size(); ++i)
     if (bound[i]->size != window)
       throw bad_argument("the buffer of AOV '" + state.aovBindings[i].aovName.str() + "' has " +
-                         size_text(bound[i]->size) + " pixels, but the frame has " + size_text(window) +
+                         support::size_text(bound[i]->size.x, bound[i]->size.y) + " pixels, but the frame has " +
+                         support::size_text(window.x, window.y) +
                          ": buffer_resize it, or change the frame's width, height or window (frame_size)");
 }
 

@@ -14,6 +14,7 @@
 #include "delegate/cli/stopwatch.h"
 #include "delegate/host/product_limits.h"
 #include "delegate/support/output_file.h"
+#include "delegate/support/size_text.h"
 
 namespace alabaster::cli {
 namespace {
@@ -239,7 +240,7 @@ class RenderCommand {
     std::string sizes;
     for (const hd::Path& path : paths) {
       hd::RenderSettingsDescription settings = session_.scene.GetAllRenderSettings().at(path);
-      const std::string size = std::to_string(settings.width) + "x" + std::to_string(settings.height);
+      const std::string size = hd::support::size_option(settings.width, settings.height);
       sizes += (sizes.empty() ? "" : " and of ") + size;
       const bool overscan = settings.window().contains(pixel.x, pixel.y);
       if (!overscan && !settings.frame_window().contains(pixel.x, pixel.y)) continue;

@@ -9,18 +9,16 @@
 #include "delegate/host/denoiser_library.h"
 #include "delegate/support/lookup.h"
 #include "delegate/support/process_usage.h"
+#include "delegate/support/size_text.h"
 
 namespace alabaster::cli {
 namespace {
 
 using hd::support::number_in;
+using hd::support::size_option;
 
-std::string size_text(int width, int height) {
-  return std::to_string(width) + "x" + std::to_string(height);
-}
-
-std::string size_text(const hd::Rect2i& window) {
-  return size_text(window.width(), window.height());
+std::string size_of(const hd::Rect2i& window) {
+  return size_option(window.width(), window.height());
 }
 
 std::string number_text(const char* pattern, double number) {
@@ -45,8 +43,8 @@ double present_noise_in(const hd::Dictionary& stats) {
 std::string product_size(const hd::RenderSettingsDescription& frame, const std::string& file) {
   for (const hd::RenderProduct& product : frame.products)
     if (product.file == file && product.width > 0 && product.height > 0 && !frame.crop)
-      return size_text(product.width, product.height);
-  return size_text(frame.window());
+      return size_option(product.width, product.height);
+  return size_of(frame.window());
 }
 
 // Relative RMSE above which a picture looks grainy, and above which its denoised one lacks detail.
@@ -122,8 +120,8 @@ void RenderMessages::begin(const hd::RenderSettingsDescription& frame, const hd:
   begun_ = true;
   warned_ = console_.warnings() > 0;
   const double target = number_in(frame.settings, "targetError"), limit = number_in(frame.settings, "timeLimit");
-  std::string text = "rendering " + size_text(frame.window());
-  if (frame.crop) text += " of " + size_text(frame.width, frame.height);
+  std::string text = "rendering " + size_of(frame.window());
+  if (frame.crop) text += " of " + size_option(frame.width, frame.height);
   if (target > 0) text += number_text(" to %.3g %% noise", 100 * target);
   if (limit > 0) text += number_text(target > 0 ? ", for %g s at most" : " for %g s", limit);
   if (!(target > 0) && !(limit > 0)) text += ", " + std::to_string(progress.samples_total) + " samples per pixel";
@@ -153,7 +151,7 @@ std::string RenderMessages::shorter(const hd::RenderSettingsDescription& frame) 
   const auto is_preset = [](const hd::description::Override& one) { return one.place == "quality"; };
   const bool preset = std::any_of(a_.settings.begin(), a_.settings.end(), is_preset);
   return std::string(". Shorter: ") + (preset ? "" : "--quality preview, ") + "--size " +
-         size_text(std::max(frame.width / 2, 1), std::max(frame.height / 2, 1)) + ", --time-limit 20";
+         size_option(std::max(frame.width / 2, 1), std::max(frame.height / 2, 1)) + ", --time-limit 20";
 }
 
 void RenderMessages::add(const hd::RenderSettingsDescription& frame, const hd::host::RecordResult& result) {

@@ -8,6 +8,7 @@
 #include "delegate/cli/interrupt.h"
 #include "delegate/cli/outputs.h"
 #include "delegate/cli/shell_word.h"
+#include "delegate/support/size_text.h"
 #include "delegate/tradeoff/display_error.h"
 #include "delegate/tradeoff/name_pattern.h"
 #include "delegate/tradeoff/report.h"
@@ -152,8 +153,8 @@ class TradeoffCommand {
             folder_.string(),
             "The folder holds a study of another scene, or of an earlier version of " + stored.scene + remedy);
       if (asked && (asked->x != stored.width || asked->y != stored.height))
-        console_.usage_error("--size", "The folder holds a study at " + std::to_string(stored.width) + "x" +
-                                           std::to_string(stored.height) + remedy);
+        console_.usage_error(
+            "--size", "The folder holds a study at " + hd::support::size_option(stored.width, stored.height) + remedy);
       console_.note("resuming with " + std::to_string(store_.renders().size()) + " renders from an earlier run");
       identity.width = stored.width;
       identity.height = stored.height;
@@ -180,8 +181,8 @@ class TradeoffCommand {
     const double seconds = frame->cost.wall_seconds / (double(kSamples) * size.x * size.y);
     const hd::Vec2i chosen = tradeoff::affordable_size(scene_size_, seconds, list_.measured.size(), budget_);
     if (chosen != scene_size_)
-      console_.note("measuring at " + std::to_string(chosen.x) + "x" + std::to_string(chosen.y) + " instead of " +
-                    std::to_string(scene_size_.x) + "x" + std::to_string(scene_size_.y) +
+      console_.note("measuring at " + hd::support::size_option(chosen.x, chosen.y) + " instead of " +
+                    hd::support::size_option(scene_size_.x, scene_size_.y) +
                     " to fit the budget; --size overrides this");
     return chosen;
   }

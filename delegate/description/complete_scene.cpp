@@ -6,6 +6,7 @@
 #include "delegate/description/placement.h"
 #include "delegate/description/studio.h"
 #include "delegate/support/lookup.h"
+#include "delegate/support/size_text.h"
 #include "delegate/support/window_policy.h"
 
 namespace alabaster::hd::description {
@@ -179,8 +180,8 @@ std::vector<Render> plan_renders(LoadState* state) {
   }
   for (const auto& [frame, settings, crop_place] : renders)
     if (!settings.window().overlaps(settings.frame_window()))
-      state->fail(crop_place, "The crop lies wholly outside the frame of " + std::to_string(settings.width) + "x" +
-                                  std::to_string(settings.height) + ".");
+      state->fail(crop_place, "The crop lies wholly outside the frame of " +
+                                  support::size_option(settings.width, settings.height) + ".");
   return renders;
 }
 

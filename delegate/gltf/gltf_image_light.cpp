@@ -9,6 +9,7 @@
 #include "core/texture/texture.h"
 #include "delegate/gltf/gltf_nodes.h"
 #include "delegate/gltf/gltf_translation.h"
+#include "delegate/support/size_text.h"
 
 namespace alabaster::hd::gltf {
 namespace {
@@ -99,9 +100,8 @@ class ImageLightTranslator {
       return fail(element, "cannot be a face of " + light_.element + ": " + reason, {asset.authored, "", nullptr});
     if (size_t(image->width()) != light_.face_size || image->height() != image->width())
       return fail(element,
-                  "has " + std::to_string(image->width()) + " x " + std::to_string(image->height()) +
-                      " pixels, but specularImageSize is " + std::to_string(light_.face_size) +
-                      "; correct the size, or scale the image",
+                  "has " + support::size_text(image->width(), image->height()) + " pixels, but specularImageSize is " +
+                      std::to_string(light_.face_size) + "; correct the size, or scale the image",
                   {name_, "", nullptr});
     *texels = decode_face(*image);
     return true;

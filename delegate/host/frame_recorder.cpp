@@ -16,6 +16,7 @@
 #include "delegate/host/recorded_checkpoints.h"
 #include "delegate/support/lookup.h"
 #include "delegate/support/process_usage.h"
+#include "delegate/support/size_text.h"
 
 namespace alabaster::hd::host {
 namespace {
@@ -245,8 +246,8 @@ class Recording {
       if (!held) return refuse(RecordStatus::render_failed, "record.memory", "memory ran out");
       if (Vec2i(held->GetWidth(), held->GetHeight()) != size())
         return refuse(RecordStatus::input_failed, "record.buffer",
-                      "the render buffer of AOV '" + aov + "' cannot hold " + std::to_string(size().x) + " x " +
-                          std::to_string(size().y) + " pixels; lower the resolution or render a crop");
+                      "the render buffer of AOV '" + aov + "' cannot hold " + support::size_text(size().x, size().y) +
+                          " pixels; lower the resolution or render a crop");
     }
     return true;
   }

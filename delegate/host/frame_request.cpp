@@ -8,6 +8,7 @@
 #include "delegate/host/product_limits.h"
 #include "delegate/host/product_plan.h"
 #include "delegate/support/nearest_name.h"
+#include "delegate/support/size_text.h"
 
 namespace alabaster::hd::host {
 namespace {
@@ -27,8 +28,8 @@ Fault request_fault(const RenderSettingsDescription& d) {
     return {"record.framing",
             "the crop must be 1 to 65536 pixels wide and high, and pixelAspectRatio from 1e-6 to 1e6"};
   if (!window.overlaps(d.frame_window()))
-    return {"record.crop", "the crop lies wholly outside the frame of " + std::to_string(d.width) + " x " +
-                               std::to_string(d.height) + " pixels"};
+    return {"record.crop",
+            "the crop lies wholly outside the frame of " + support::size_text(d.width, d.height) + " pixels"};
   return {};
 }
 

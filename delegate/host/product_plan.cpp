@@ -7,6 +7,7 @@
 #include "core/images/format_limits.h"
 #include "delegate/host/product_writer.h"
 #include "delegate/support/extension.h"
+#include "delegate/support/size_text.h"
 
 namespace alabaster::hd::host {
 namespace {
@@ -159,14 +160,13 @@ RenderVar UsualRenderVar(const std::string& aov) {
 
 std::string window_fault(const ProductPlan& plan, const Rect2i& window) {
   const int64_t width = int64_t(window.maxX) - window.minX, height = int64_t(window.maxY) - window.minY;
-  const std::string size = std::to_string(width) + " x " + std::to_string(height);
+  const std::string size = support::size_text(width, height);
   if (width > kMostPixels || height > kMostPixels)
-    return "a picture has " + std::to_string(kMostPixels) + " x " + std::to_string(kMostPixels) +
-           " pixels at most, and this one has " + size + "; render it smaller or in crops";
+    return "a picture has " + support::size_text(kMostPixels, kMostPixels) + " pixels at most, and this one has " +
+           size + "; render it smaller or in crops";
   const int64_t most = most_pixels(plan.kind);
   if (width <= most && height <= most) return {};
-  return "this kind of file holds " + std::to_string(most) + " x " + std::to_string(most) +
-         " pixels at most, and the picture has " + size +
+  return "this kind of file holds " + support::size_text(most, most) + " pixels at most, and the picture has " + size +
          "; write an .exr or .tif file, or render it smaller or in crops";
 }
 

@@ -17,6 +17,7 @@
 #include "delegate/host/product_metadata.h"
 #include "delegate/host/product_pixels.h"
 #include "delegate/support/output_file.h"
+#include "delegate/support/size_text.h"
 
 namespace alabaster::hd::host {
 namespace {
@@ -189,8 +190,9 @@ bool check_image(const RenderProduct& product, const ProductImage& image, Produc
     const bool fits = channel.component < pixels.components && values == count * size_t(pixels.components);
     if (!fits)
       return fail(sink, "product.aov.size", product.file,
-                  "AOV '" + channel.aov.str() + "' does not fill the data window of " + std::to_string(window.width()) +
-                      " x " + std::to_string(window.height()) + "; resolve it in the format the delegate proposes");
+                  "AOV '" + channel.aov.str() + "' does not fill the data window of " +
+                      support::size_text(window.width(), window.height()) +
+                      "; resolve it in the format the delegate proposes");
   }
   return true;
 }

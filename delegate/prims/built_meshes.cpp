@@ -80,6 +80,23 @@ SceneFaults BuiltMeshes::faults(const Records& records, const support::Selection
   return faults;
 }
 
+// Meshes taken out of a map. They go back to it where memory runs out before replace().
+template <class Map, class Dropped>
+struct Taken {
+  Map* from;
+  Map meshes = {};
+  ~Taken() {
+    if (from) from->merge(meshes);
+  }
+  // The map has these alone from now on. Those that are left in it are dropped.
+  void replace(Dropped* dropped) {
+    dropped->reserve(dropped->size() + from->size());
+    for (auto& [path, held] : *from) dropped->push_back(std::move(held));
+    *from = std::move(meshes);
+    from = nullptr;
+  }
+};
+
 // Makes `held_` the meshes of the records, moves those that are gone or hidden to `dropped_`, and returns those to
 // build. A mesh that has not been edited for kMostUnedited builds gives up what would make an edit of its points quick.
 std::vector<BuiltMeshes::Entry*> BuiltMeshes::collect(const Scene& scene, const std::shared_ptr<MemoryBudget>& budget) {
@@ -87,7 +104,7 @@ std::vector<BuiltMeshes::Entry*> BuiltMeshes::collect(const Scene& scene, const 
   support::Placements placements(
       [&held = scene.records](const Path& path) { return find_record<InstancerRecord>(held, path); },
       [](const char*, const Path&, const std::string&) {}, hold_placements_in(budget));
-  std::map<Path, Held> needed;
+  Taken<std::map<Path, Held>, std::vector<Held>> needed{&held_};
   std::vector<Entry*> to_build;
   for (const auto& [path, record] : records) {
     const auto* mesh = std::get_if<MeshRecord>(&record);
@@ -99,7 +116,7 @@ std::vector<BuiltMeshes::Entry*> BuiltMeshes::collect(const Scene& scene, const 
     if (same_shape && held->second.job->slots == job.slots && held->second.done) {
       constexpr int kMostUnedited = 16;
       if (held->second.edits && ++held->second.unedited_builds == kMostUnedited) held->second.edits->rest();
-      needed.insert(held_.extract(held));
+      needed.meshes.insert(held_.extract(held));
       continue;
     }
     if (std::none_of(selections.begin(), selections.end(),
@@ -116,10 +133,9 @@ std::vector<BuiltMeshes::Entry*> BuiltMeshes::collect(const Scene& scene, const 
       made.has_shape = true;
     }
     made.job = std::make_shared<const MeshJob>(std::move(job));
-    to_build.push_back(&*needed.emplace(path, std::move(made)).first);
+    to_build.push_back(&*needed.meshes.emplace(path, std::move(made)).first);
   }
-  for (auto& [path, held] : held_) dropped_.push_back(std::move(held));
-  held_ = std::move(needed);
+  needed.replace(&dropped_);
   view_ = view;
   return to_build;
 }

@@ -30,7 +30,7 @@ void report_exception(const alabaster::DiagnosticSink& sink, std::string_view wh
                       const char* outcome) noexcept;
 
 /// The faults of something that is looked at again and again. Each is reported where it is found first, and again only
-/// if it was gone in between. One thread at a time.
+/// if it was gone in between. The numbers in a refusal of memory may differ. One thread at a time.
 class KnownFaults {
  public:
   void report(const alabaster::DiagnosticSink& sink, std::vector<alabaster::Diagnostic> found);

@@ -217,9 +217,8 @@ class MeshBuilder {
     cancel_.check();
     out->deformation = nullptr;
     out->fault = SceneFault{
-        false, "not enough memory to trace " + std::to_string(prototype->mesh.triangles.size()) + " triangles"};
-    sink_({alabaster::Severity::error, "mesh.memory", where_,
-           out->fault->text + "; raise memoryLimit, lower its refineLevel, or render on a machine with more memory"});
+        false, "Embree built no hierarchy of its " + std::to_string(prototype->mesh.triangles.size()) + " triangles"};
+    sink_({alabaster::Severity::error, "trace.embree", where_, out->fault->text + "; lower its refineLevel"});
   }
 
   const MeshJob& job_;

@@ -4,6 +4,7 @@
 #include "delegate/prims/parameters.h"
 #include "delegate/prims/prims.h"
 #include "delegate/prims/scene_translation.h"
+#include "delegate/support/size_text.h"
 
 namespace alabaster::hd::prims {
 namespace {
@@ -21,7 +22,7 @@ std::string parameter_lines(std::span<const Row> table, const T& object) {
 }
 
 std::string texture_text(const std::shared_ptr<const Texture>& texture) {
-  return texture ? std::to_string(texture->width()) + "x" + std::to_string(texture->height()) : std::string("none");
+  return texture ? support::size_option(texture->width(), texture->height()) : std::string("none");
 }
 
 std::string lookup_text(const TextureLookup& lookup, Channel channel) {

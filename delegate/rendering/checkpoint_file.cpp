@@ -11,6 +11,7 @@
 #include "delegate/prims/scene_digest.h"
 #include "delegate/support/output_file.h"
 #include "delegate/support/retired_settings.h"
+#include "delegate/support/size_text.h"
 
 namespace alabaster::hd::rendering {
 namespace {
@@ -40,10 +41,6 @@ json library_versions() {
   }
   versions["sampling"] = std::to_string(kSamplingVersion);
   return versions;
-}
-
-std::string size_text(int width, int height) {
-  return std::to_string(width) + " x " + std::to_string(height);
 }
 
 std::string aov_names(const RenderRequest& request) {
@@ -188,7 +185,7 @@ CheckpointHeader checkpoint_header(const RenderRequest& request, const std::map<
   header["scene"] = scene;
   header["scene"]["the camera"] = prims::digest_camera(request.camera);
   const PixelRect& window = request.data_window;
-  header["frame"] = {{"size", size_text(request.width, request.height)},
+  header["frame"] = {{"size", support::size_text(request.width, request.height)},
                      {"data window", std::to_string(window.x0) + "," + std::to_string(window.y0) + "," +
                                          std::to_string(window.x1) + "," + std::to_string(window.y1)}};
   header["aovs"] = aov_names(request);

@@ -322,7 +322,7 @@ std::vector<std::string> DelegateState::scene_faults(bool* input) const {
     *input = *input && fault.input;
   }
   // The builder fails, too, where memory does not hold what a line names.
-  const bool is_named = !*input || (built && built->snapshot && built->snapshot->lacks_memory);
+  const bool is_named = !*input || (built && built->snapshot && !built->snapshot->lacks.empty());
   if (const int failed = param->failed() + (builder_.has_failed() && !is_named); failed > 0) {
     texts.push_back(std::to_string(failed) + " prims or commits failed, for want of memory or by the host's scene");
     *input = false;
@@ -334,7 +334,8 @@ std::vector<std::string> DelegateState::scene_faults(bool* input) const {
   if (built && built->snapshot) {
     const SceneSnapshot* const held = built->snapshot.get();
     for (const std::string& name : held->left_out) texts.push_back(name + ": could not be placed");
-    *input = *input && !held->lacks_memory;
+    for (const MemoryLack& lack : held->lacks) texts.push_back(text_of(lack));
+    *input = *input && held->lacks.empty();
     texts.insert(texts.end(), held->faults.begin(), held->faults.end());
   }
   return texts;

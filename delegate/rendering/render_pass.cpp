@@ -10,6 +10,7 @@
 #include "delegate/prims/prims.h"
 #include "delegate/rendering/pixel_format.h"
 #include "delegate/support/nearest_name.h"
+#include "delegate/support/size_text.h"
 
 namespace alabaster::hd::rendering {
 
@@ -33,8 +34,7 @@ size_t bytes_of(const PassInputs& in, uint32_t more = 0) {
 }
 
 std::string frame_text(const PassInputs& in) {
-  return "a frame of " + std::to_string(in.framed.data_window.width()) + " x " +
-         std::to_string(in.framed.data_window.height()) + " pixels";
+  return "a frame of " + support::size_text(in.framed.data_window.width(), in.framed.data_window.height()) + " pixels";
 }
 
 RenderRequest request_of(const PassInputs& in) {
@@ -93,9 +93,9 @@ std::string size_fault(const Framing& framing, const RenderBufferDescriptor& buf
   const Vec3i& size = buffer.dimensions;
   if (window.empty() || (window.minX >= 0 && window.minY >= 0 && window.maxX <= size.x && window.maxY <= size.y))
     return {};
-  const auto text = [](int x, int y) { return std::to_string(x) + " x " + std::to_string(y); };
   const bool is_moved = window.minX != 0 || window.minY != 0;
-  return "has " + text(size.x, size.y) + " pixels, but the frame has " + text(window.width(), window.height()) +
+  return "has " + support::size_text(size.x, size.y) + " pixels, but the frame has " +
+         support::size_text(window.width(), window.height()) +
          (is_moved ? " from pixel (" + std::to_string(window.minX) + ", " + std::to_string(window.minY) + ")" : "") +
          ": the part outside of the buffer is not shown; allocate the buffer in the size of the frame";
 }

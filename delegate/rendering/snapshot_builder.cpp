@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <utility>
 
 #include "core/math/float_environment.h"
 
@@ -14,6 +15,7 @@ namespace {
 constexpr std::chrono::seconds kEditsEnd(2);         // without an edit for so long, the next one may be slower
 constexpr std::chrono::microseconds kHostTurn(300);  // longer than most calls of Execute
 constexpr const char* kNotDrawn = "; the scene is not drawn, and the next commit builds it again";
+constexpr const char* kStays = "; the scene stays as it is, and the next commit builds it again";
 
 }  // namespace
 
@@ -119,6 +121,7 @@ bool SnapshotBuilder::take_work() {
       lock.lock();
       continue;
     }
+    changed_ |= !posted_.empty() || !view_ || *view_ != *posted_view_;
     edits_.splice(edits_.end(), posted_);
     view_ = posted_view_;
     requested_ = false;
@@ -138,14 +141,17 @@ void SnapshotBuilder::build() {
       cancelled = true;
     }
   };
-  const bool done = prims::guarded(param_->sink(), "CommitResources", build_it, kNotDrawn);
+  const bool done = prims::guarded(param_->sink(), "CommitResources", build_it, changed_ ? kNotDrawn : kStays);
   if (!done)  // for want of memory, mostly
     for (Variant& variant : variants_) variant.compiler.forget();
   {
     const std::lock_guard lock(mutex_);
-    // After a failure no scene is given: the earlier one would be taken for the new one.
-    lost_ = !done || (cancelled && lost_);
-    failed_ = lost_ || (!cancelled && (meshes_.incomplete() || deformations_.incomplete() || lacks_snapshots()));
+    // After a failure no scene is given: the earlier one would be taken for the new one. A scene that lacks parts stays
+    // while no try to add them succeeds.
+    lost_ = (lost_ && (cancelled || !done)) || (!done && changed_);
+    failed_ = lost_ || !done || in_vain_ ||
+              (!cancelled && (meshes_.incomplete() || deformations_.incomplete() || lacks_snapshots()));
+    changed_ &= cancelled || !done;
     cancelled_before_ = cancelled && requested_;
     if (cancelled) requested_ = true;
     pending_ = requested_;
@@ -224,6 +230,7 @@ void SnapshotBuilder::apply_edits() {
 
 void SnapshotBuilder::update(const CancelToken& cancel) {
   replaced_.clear();
+  in_vain_ = false;
   read_files(cancel);
   apply_edits();
   const View& view = *view_;
@@ -243,7 +250,7 @@ void SnapshotBuilder::update(const CancelToken& cancel) {
     translator_.report();
     {
       const std::lock_guard lock(mutex_);
-      stale_ = lacks_snapshots();
+      stale_ = in_vain_ || lacks_snapshots();
     }
     const std::chrono::duration<double> spent = std::chrono::steady_clock::now() - start;
     compile_seconds_ = compile_seconds_ + spent.count();
@@ -257,7 +264,7 @@ void SnapshotBuilder::choose_variants(const std::vector<support::Selection>& sel
   std::vector<Variant> chosen;
   chosen.reserve(selections.size());
   for (const support::Selection& selection : selections)
-    chosen.push_back({selection, SnapshotCompiler(param_->device(), param_->sink())});
+    chosen.push_back({selection, SnapshotCompiler(param_->device(), param_->sink()), false});
   const auto find = [](std::vector<Variant>& in, const support::Selection& selection) {
     return std::find_if(in.begin(), in.end(), [&](const Variant& v) { return v.selection == selection; });
   };
@@ -270,6 +277,7 @@ void SnapshotBuilder::choose_variants(const std::vector<support::Selection>& sel
       from = unused++;
     }
     std::swap(now.compiler, from->compiler);
+    std::swap(now.has_failed, from->has_failed);
   }
   variants_ = std::move(chosen);
 }
@@ -280,6 +288,10 @@ void SnapshotBuilder::translate(Variant* variant, const prims::DeformedMeshes& d
     translation = translator_.translate(
         {records_, variant->selection, view_->shutter, meshes_, deformed, param_->memory(), edits_});
   });
+  if (lacks_more_than_before(variant->selection, translation)) {
+    in_vain_ = true;
+    return;
+  }
   prims::SceneFaults faults = this->faults(variant->selection);
   faults.insert(translation.faults.begin(), translation.faults.end());
   if (auto same = snapshot_of(translation.scene))  // faults and paths may still differ
@@ -287,6 +299,14 @@ void SnapshotBuilder::translate(Variant* variant, const prims::DeformedMeshes& d
         BuiltScene{variant->selection, std::move(translation), std::move(same), std::move(faults)}));
   else
     compile(variant, {variant->selection, std::move(translation), nullptr, std::move(faults)}, cancel);
+}
+
+// True if nothing has been edited, and memory did not suffice for the translation of a scene that is drawn.
+bool SnapshotBuilder::lacks_more_than_before(const support::Selection& selection,
+                                             const prims::Translation& translation) const {
+  if (changed_ || !translation.lacks_memory) return false;
+  const auto held = built(selection);
+  return held && held->snapshot && !held->translation.lacks_memory;
 }
 
 // The snapshot of a scene that is the same to the bit, or null.
@@ -304,16 +324,16 @@ std::shared_ptr<const SceneSnapshot> SnapshotBuilder::find_held(const SceneDescr
 }
 
 std::shared_ptr<const SceneSnapshot> SnapshotBuilder::snapshot_of(const SceneDescription& scene) const {
-  return find_held(scene, [](const SceneSnapshot& held) { return !held.lacks_memory; });
+  return find_held(scene, [](const SceneSnapshot& held) { return held.lacks.empty(); });
 }
 
-// Null, or the held snapshot that lacks the same meshes. A new one would start its renders again at the first sample.
+// Null, or a held snapshot that lacks no more than the new one, which may be null. The new one would start its renders
+// again at the first sample.
 std::shared_ptr<const SceneSnapshot> SnapshotBuilder::as_incomplete(const BuiltScene& scene) const {
   const SceneSnapshot* const now = scene.snapshot.get();
-  if (!now || !now->lacks_memory) return nullptr;
-  return find_held(scene.translation.scene, [now](const SceneSnapshot& held) {
-    return held.lacks_memory && held.left_out == now->left_out && held.instance_count() == now->instance_count();
-  });
+  if (now && now->lacks.empty()) return nullptr;
+  return find_held(scene.translation.scene,
+                   [now](const SceneSnapshot& held) { return !now || lacks_all_of(now->lacks, held.lacks); });
 }
 
 void SnapshotBuilder::compile(Variant* variant, BuiltScene scene, const CancelToken& cancel) {
@@ -329,10 +349,16 @@ void SnapshotBuilder::compile(Variant* variant, BuiltScene scene, const CancelTo
       cancelled = true;
     }
   };
-  prims::guarded(param_->sink(), "CommitResources", compile_it, kNotDrawn);
+  alabaster::Diagnostic failure;
+  const bool done = prims::guarded([&](const alabaster::Diagnostic& d) { failure = d; }, "CommitResources", compile_it);
   if (cancelled) throw BuildCancelled();
   if (!scene.snapshot) variant->compiler.forget();
-  if (auto held = as_incomplete(scene)) {
+  auto held = as_incomplete(scene);
+  const bool is_known = std::exchange(variant->has_failed, !done);
+  if (!done && (changed_ || !is_known))
+    alabaster::report(param_->sink(), failure.severity, failure.code, failure.where,
+                      failure.text + (held ? kStays : kNotDrawn));
+  if (held) {
     variant->compiler.continue_from(held);
     scene.snapshot = std::move(held);
   } else {
@@ -375,7 +401,7 @@ void SnapshotBuilder::retire_unselected() {
 bool SnapshotBuilder::lacks_snapshots() const {
   return !std::all_of(variants_.begin(), variants_.end(), [&](const Variant& variant) {
     return std::any_of(built_.begin(), built_.end(), [&](const auto& scene) {
-      return scene->selection == variant.selection && scene->snapshot && !scene->snapshot->lacks_memory &&
+      return scene->selection == variant.selection && scene->snapshot && scene->snapshot->lacks.empty() &&
              !scene->translation.lacks_memory;
     });
   });

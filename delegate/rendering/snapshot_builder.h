@@ -80,10 +80,12 @@ class SnapshotBuilder {
   struct Variant {
     support::Selection selection;
     SnapshotCompiler compiler;
+    bool has_failed;  // the last time, which has been reported
   };
   void update(const CancelToken& cancel);
   void choose_variants(const std::vector<support::Selection>& selections);
   void translate(Variant* variant, const prims::DeformedMeshes& deformed, const CancelToken& cancel);
+  bool lacks_more_than_before(const support::Selection& selection, const prims::Translation& translation) const;
   void compile(Variant* variant, BuiltScene scene, const CancelToken& cancel);
   template <class IsSame>
   std::shared_ptr<const SceneSnapshot> find_held(const SceneDescription& scene, const IsSame& is_same) const;
@@ -119,7 +121,9 @@ class SnapshotBuilder {
   prims::SceneTranslator translator_;
   std::vector<Variant> variants_;
   uint64_t scene_number_ = 0;
-  bool stale_ = true;  // the scenes do not show records_ as they are
+  bool stale_ = true;     // the scenes do not show records_ as they are
+  bool changed_ = true;   // edits or views have come since the scenes were made
+  bool in_vain_ = false;  // a scene stays that lacks parts, and the try to add them lacked more
 
   std::thread thread_;
 };

@@ -10,6 +10,7 @@
 #include <thread>
 
 #include "delegate/support/output_file.h"
+#include "delegate/support/size_text.h"
 #include "delegate/tradeoff/advice.h"
 #include "delegate/tradeoff/pareto.h"
 #include "delegate/tradeoff/plot.h"
@@ -73,10 +74,6 @@ double root(double square) {
 std::string percent(double value) {
   if (!std::isfinite(value)) return "-";
   return format(std::abs(value) < 0.001 ? "%.3f %%" : "%.2f %%", 100 * value);
-}
-
-std::string size_text(int width, int height) {
-  return std::to_string(width) + "x" + std::to_string(height);
 }
 
 // A name is the user's text: as UTF-8, since JSON and plots hold nothing else.
@@ -239,8 +236,8 @@ std::string advice_text(const StudyResult& result, const ConfigurationList& list
             ": " + percent(advice.error.value) + " (" + format("%.3g", 100 * advice.error.low) + " to " +
             format("%.3g", 100 * advice.error.high) + "), " + as_code(advice.command) + "\n";
   if (text.empty()) return "";
-  return "\n## What to choose\nFor a frame of " + size_text(context.scene_width, context.scene_height) + " on " +
-         std::to_string(threads) + (threads == 1 ? " thread" : " threads") +
+  return "\n## What to choose\nFor a frame of " + hd::support::size_option(context.scene_width, context.scene_height) +
+         " on " + std::to_string(threads) + (threads == 1 ? " thread" : " threads") +
          ", the error that is expected in the time, and its command. The base is left for what errs less beyond both "
          "intervals, even if a bias that may be 0 is at its end:\n\n" +
          text;
@@ -284,7 +281,7 @@ std::vector<std::string> plotted(const StudyResult& result) {
 Plot plot_of(const StudyResult& result, const ReportContext& context) {
   Plot plot;
   plot.title = as_utf8(std::filesystem::path(context.identity.scene).filename()) + ", " +
-               size_text(context.identity.width, context.identity.height);
+               hd::support::size_option(context.identity.width, context.identity.height);
   plot.error_label = "relative RMSE (noise and bias)";
   const std::vector<std::string> shown = plotted(result);
   for (const Row& row : result.rows) {
@@ -372,9 +369,9 @@ std::string markdown_text(const StudyResult& result, const ConfigurationList& li
   const StudyIdentity& identity = context.identity;
   const std::string scene = std::filesystem::path(identity.scene).filename();
   std::string text = "# Speed against accuracy: " + in_markdown(scene) + "\n\n";
-  text += as_code(context.command) + ", " + size_text(identity.width, identity.height);
+  text += as_code(context.command) + ", " + hd::support::size_option(identity.width, identity.height);
   if (identity.width != context.scene_width || identity.height != context.scene_height)
-    text += " (the scene asks for " + size_text(context.scene_width, context.scene_height) + ")";
+    text += " (the scene asks for " + hd::support::size_option(context.scene_width, context.scene_height) + ")";
   text += ", " + machine_name() + ", " + format("%.1f", context.spent_seconds / 60) + " minutes of rendering" +
           (context.complete ? "" : ", INTERRUPTED: results so far") + ".\n\n";
   text += reference_text(result.reference);

@@ -3,11 +3,13 @@
 
 #include <algorithm>
 #include <cstring>
+#include <map>
 #include <mutex>
 #include <string>
 #include <vector>
 
 #include "delegate/host/retained_scene_delegate.h"
+#include "testenv/support/cages.h"
 
 namespace alabaster::hd {
 
@@ -42,6 +44,25 @@ class Stage {
     mesh.topology.faceVertexIndices = {0, 1, 2, 3};
     mesh.primvars["points"].value = Array<Vec3f>{{-1, -1, 0}, {1, -1, 0}, {1, 1, 0}, {-1, 1, 0}};
     return mesh;
+  }
+
+  /// A closed mesh of 12 * 4^level triangles.
+  static host::MeshDescription cube(int level) {
+    const Cage cage = test::cube_cage();
+    host::MeshDescription mesh;
+    mesh.topology.faceVertexCounts = Array<int32_t>(cage.face_vertex_counts);
+    mesh.topology.faceVertexIndices = Array<int32_t>(cage.face_vertex_indices);
+    mesh.topology.scheme = "catmullClark";
+    mesh.displayStyle.refineLevel = level;
+    mesh.primvars["points"].value = Array<Vec3f>(cage.points);
+    return mesh;
+  }
+
+  void set_surface(const Path& path, const std::map<Token, Value>& parameters) {
+    MaterialNetwork network;
+    network.nodes["/m/surface"] = {"AlabasterDisney", parameters, {}};
+    network.terminals["surface"] = {"/m/surface", "surface"};
+    scene.SetMaterial(path, network);
   }
 
   /// A camera at z = 4 that sees a square of side 4 about the origin; a white dome; the quad at the origin.

@@ -64,6 +64,35 @@ TEST(MappedNormal, FollowsMirroredCoordinatesAndTransforms) {
   expect_near(MappedPlane({0, 0.6f, 0.8f}, mirror).from({0, 1, 0}), {0, 0.8f, 0.6f});
 }
 
+// Each turns its image by another angle, and so has tangents of its own.
+TEST(MappedNormal, TurnsWithEachOfManyMapsOfOneMesh) {
+  testing::SceneBuilder b;
+  Mesh mesh = testing::plane_mesh(2);
+  mesh.uv_sets.push_back({{}, "st"});
+  for (const Vec3f& p : mesh.points) mesh.uv_sets[0].values.emplace_back(p.x, -p.z);
+  b.add(b.prototype(std::move(mesh)), b.material({}));
+  auto& materials = b.description.instances[0].materials;
+  for (int i = 0; i < 40; ++i) {
+    auto material = std::make_shared<DisneyMaterial>();
+    material->normal_map.emplace();
+    material->normal_map->image = std::make_shared<testing::MemoryTexture>(1, std::vector<Rgb>{{0.6f, 0, 0.8f}});
+    material->normal_map->transform = UvTransform({0, 0}, 0.15f * static_cast<float>(i), {1, 1});
+    materials.push_back(material);
+    if (i % 4 == 0) materials.push_back(material);  // in another slot
+  }
+  const auto snapshot = b.snapshot();
+  const Instance& instance = snapshot->instances[0];
+  TriangleHit hit;
+  hit.u = hit.v = 0.25f;
+  const SurfaceHit at = surface_on_side(instance, instance, hit, {0, 1, 0});
+  for (size_t slot = 1; slot < materials.size(); ++slot) {
+    const NormalMap& map = *materials[slot]->normal_map;
+    const auto own = instance.prototype->tangents.of(instance.prototype->mesh, map.uv_set, map.transform.axes());
+    const Vec4f& along = own->values[0];
+    expect_near(mapped_normal(instance, instance, hit, at, map), {0.6f * along.x, 0.8f, 0.6f * along.z});
+  }
+}
+
 TEST(MappedNormal, IsTheSurfacesWhereTheMapSaysNothing) {
   expect_near(MappedPlane(Rgb(0.0f)).from({0, 1, 0}), {0, 1, 0});
   expect_near(MappedPlane(Rgb(std::numeric_limits<float>::quiet_NaN())).from({0, 1, 0}), {0, 1, 0});

@@ -330,9 +330,10 @@ TEST_F(InstanceArrayTest, AnArrayThatMemoryDoesNotHoldIsLeftOutByName) {
   memory_->set_limit(20 * kCount);  // less than one cell
   const auto without = compile();
   ASSERT_TRUE(without);
-  EXPECT_TRUE(without->lacks_memory);
   EXPECT_TRUE(without->arrays.empty());
-  EXPECT_EQ(without->left_out.size(), 1u);
+  ASSERT_EQ(without->lacks.size(), 1u);
+  EXPECT_EQ(without->lacks[0].name, "/leaf");
+  EXPECT_EQ(without->lacks[0].count, 5000u);
   ASSERT_EQ(sink_.all().size(), 1u);
   EXPECT_EQ(sink_.all()[0].code, "instance.memory");
   EXPECT_NE(sink_.all()[0].text.find("an array of 5000 instances"), std::string::npos) << sink_.all()[0].text;
@@ -342,8 +343,38 @@ TEST_F(InstanceArrayTest, AnArrayThatMemoryDoesNotHoldIsLeftOutByName) {
   memory_->set_limit(MemoryBudget::kUnlimited);
   const auto whole = compile();
   ASSERT_TRUE(whole);
-  EXPECT_FALSE(whole->lacks_memory);
+  EXPECT_TRUE(whole->lacks.empty());
   EXPECT_EQ(whole->arrays.size(), 1u);
+}
+
+// The shells of a mesh decide if its instances are an array.
+TEST_F(InstanceArrayTest, AnArrayOfBodiesThatMemoryDoesNotHoldIsLeftOut) {
+  auto fine = std::make_shared<MeshPrototype>();
+  fine->mesh = testing::sphere_mesh(1, 64, true);
+  fine->object = b_.prototype(fine->mesh)->object;
+  fine->interior.count_in(memory_);
+  DisneyParameters wax;
+  wax.scatter_distance = Rgb(10.0f);
+  compile();
+  const InstanceDescription look{fine, Matrix4d(), {}, {b_.material(wax)}, 4, 0, "/grains"};
+  const std::vector<std::optional<Matrix4d>> places(places_.begin(), places_.begin() + 100);
+  b_.description.arrays.push_back({look, std::make_shared<ListedPlaces>(places)});
+  memory_->set_limit(memory_->in_use() + (size_t(1) << 20));  // of 84 bytes for each of 16128 triangles
+  const auto without = compile();
+  ASSERT_TRUE(without);
+  ASSERT_EQ(without->arrays.size(), 1u);
+  EXPECT_EQ(without->arrays[0].look.array, &without->arrays[0]);
+  ASSERT_EQ(without->lacks.size(), 1u);
+  EXPECT_EQ(without->lacks[0].name, "/grains");
+  EXPECT_EQ(without->lacks[0].count, 100u);
+  ASSERT_EQ(sink_.all().size(), 1u);
+  EXPECT_NE(sink_.all()[0].text.find("the interior of a mesh of 16128 triangles"), std::string::npos)
+      << sink_.all()[0].text;
+  memory_->set_limit(MemoryBudget::kUnlimited);
+  const auto whole = compile();
+  ASSERT_TRUE(whole);
+  EXPECT_TRUE(whole->lacks.empty());
+  EXPECT_EQ(whole->arrays.size(), 2u);
 }
 
 TEST_F(InstanceArrayTest, ACancelledBuildThrows) {

@@ -7,6 +7,7 @@
 
 #include "core/geometry/mesh.h"
 #include "testenv/support/cages.h"
+#include "testenv/support/drawing.h"
 #include "testenv/support/failing_memory.h"
 #include "testenv/support/stage.h"
 
@@ -22,30 +23,6 @@ host::MeshDescription refined_quad(int level) {
   mesh.displayStyle.refineLevel = level;
   return mesh;
 }
-
-/// A pass over the basic scene.
-struct Drawing {
-  explicit Drawing(int mib) : stage({{"memoryLimit", mib}, {"samples", 1}}) {
-    stage.add_basic_scene();
-    RenderBuffer* const buffer = stage.add_buffer("/color", 8, 8, Format::float32vec4);
-    state = Stage::state_for(8, 8, "color", buffer);
-    stage.index->SyncAll();
-    pass = stage.delegate->CreateRenderPass();
-  }
-  bool draw() {
-    stage.index->SyncAll();
-    return Stage::finish(*pass, state) && pass->GetState() == PassState::converged;
-  }
-  std::string errors() {
-    std::string all;
-    for (const Diagnostic& d : stage.take_diagnostics())
-      if (d.severity == Severity::error) all += d.where + ": " + d.text + "\n";
-    return all;
-  }
-  Stage stage;
-  RenderPassState state;
-  std::unique_ptr<RenderPass> pass;
-};
 
 // promise: pipeline.memory.meshes, pipeline.memory.refusal
 TEST(MemoryLimit, AMeshThatItDoesNotHoldIsNamedAndTheDelegateGoesOnWithoutIt) {

@@ -1,0 +1,121 @@
+// Parts of a scene that the memory limit refuses: one report each, a render that goes on, and the last picture.
+#include <gtest/gtest.h>
+
+#include <chrono>
+#include <numeric>
+#include <thread>
+
+#include "testenv/support/drawing.h"
+
+namespace alabaster::hd {
+namespace {
+
+constexpr double kOneMiB = 1 << 20;
+
+// promise: pipeline.memory.refusal
+TEST(MemoryRefusals, ARenderGoesOnWhileEachCommitLacksTheSameBody) {
+  Drawing drawing(256);
+  Stage& stage = drawing.stage;
+  host::MeshDescription mesh = Stage::cube(6);
+  mesh.material = "/wax";
+  stage.scene.SetMesh("/cube", mesh);
+  stage.set_surface("/wax", {});
+  ASSERT_TRUE(drawing.draw());
+  ASSERT_EQ(drawing.errors(), "");
+  // Too little for the shells of a mesh that scatters.
+  stage.delegate->SetRenderSetting("memoryLimit", static_cast<int64_t>(stage.stat("memoryInUse") / kOneMiB + 2));
+  stage.set_surface("/wax", {{"scatterDistance", Vec3f(9, 9, 9)}});
+  ASSERT_TRUE(drawing.draw()) << "the rest of the scene";
+  EXPECT_EQ(stage.text_stat("scene.faults"), "/cube: memory ran out: the instance is left out");
+  EXPECT_EQ(stage.stat("scene.outOfMemory"), 1);
+  const std::string errors = drawing.errors();
+  EXPECT_EQ(errors.find("/cube: the interior of a mesh of "), 0u) << errors;
+  EXPECT_NE(errors.find("raise memoryLimit, or lower refineLevel"), std::string::npos) << errors;
+  EXPECT_EQ(std::count(errors.begin(), errors.end(), '\n'), 1) << errors;
+  const double number = stage.stat("sceneNumber");
+  for (int i = 0; i < 3; ++i) {
+    ASSERT_TRUE(drawing.draw());
+    EXPECT_EQ(stage.stat("sceneNumber"), number) << "the pass keeps its snapshot";
+    EXPECT_EQ(drawing.errors(), "");
+  }
+  stage.delegate->SetRenderSetting("memoryLimit", 256);
+  ASSERT_TRUE(drawing.draw());
+  EXPECT_GT(stage.stat("sceneNumber"), number);
+  EXPECT_EQ(stage.stat("scene.faultCount"), -1) << stage.text_stat("scene.faults");
+  EXPECT_EQ(drawing.errors(), "");
+}
+
+// The numbers in a refusal differ from one commit to the next.
+TEST(MemoryRefusals, AMeshHasOneReportOverAllCommits) {
+  Drawing drawing(256);
+  Stage& stage = drawing.stage;
+  ASSERT_TRUE(drawing.draw());
+  const double before = stage.stat("memoryInUse");
+  stage.scene.SetMesh("/cube", Stage::cube(6));
+  ASSERT_TRUE(drawing.draw());
+  const double taken = stage.stat("memoryInUse") - before;
+  int refused = 0;
+  for (double mib = 1; mib < taken / kOneMiB; ++mib) {
+    stage.scene.Remove("/cube");
+    stage.delegate->SetRenderSetting("memoryLimit", 256);
+    ASSERT_TRUE(drawing.draw());
+    // The builder lets go of the scene before on its own thread.
+    for (int i = 0; i < 500 && stage.stat("memoryInUse") > before + kOneMiB / 4; ++i)
+      std::this_thread::sleep_for(std::chrono::milliseconds(10));
+    stage.delegate->SetRenderSetting("memoryLimit", static_cast<int64_t>(before / kOneMiB + mib));
+    stage.scene.SetMesh("/cube", Stage::cube(6));
+    std::string errors;
+    for (int i = 0; i < 3; ++i) {
+      ASSERT_TRUE(drawing.draw());
+      errors += drawing.errors();
+    }
+    if (errors.empty()) continue;
+    EXPECT_EQ(std::count(errors.begin(), errors.end(), '\n'), 1) << errors;
+    EXPECT_EQ(errors.find("/cube: "), 0u) << errors;
+    ++refused;
+  }
+  EXPECT_GE(refused, 1);
+}
+
+// Without the hierarchy of its instances no scene is drawn: the picture before stays.
+// promise: pipeline.memory.refusal
+TEST(MemoryRefusals, TheLastPictureStaysWhileTheSceneAsAWholeIsRefused) {
+  Drawing drawing(256);
+  Stage& stage = drawing.stage;
+  auto* const buffer = static_cast<RenderBuffer*>(stage.index->GetBprim("/color"));
+  ASSERT_TRUE(drawing.draw());
+  const std::vector<float> picture = Stage::pixels<float>(buffer);
+  host::InstancerDescription instancer;
+  std::vector<Vec3f> places;
+  for (int i = 0; i < 20000; ++i) places.emplace_back(0, 0, -float(i));
+  instancer.primvars = {{"hydra:instanceTranslations", Array<Vec3f>(places)}};
+  std::vector<int32_t> indices(places.size());
+  std::iota(indices.begin(), indices.end(), 0);
+  instancer.indices["/many"] = indices;
+  host::MeshDescription mesh = Stage::quad();
+  mesh.instancer = "/instancer";
+  mesh.material = "/glow";  // instances that emit are not an array
+  stage.set_surface("/glow", {{"emission", Vec3f(1, 1, 1)}});
+  stage.scene.SetInstancer("/instancer", instancer);
+  stage.scene.SetMesh("/many", mesh);
+  int refused = 0;
+  for (int mib = 2; mib < 64 && refused < 2; ++mib) {
+    stage.delegate->SetRenderSetting("memoryLimit", mib);
+    drawing.draw();
+    if (drawing.pass->GetState() != PassState::failed) continue;
+    ++refused;
+    EXPECT_EQ(Stage::pixels<float>(buffer), picture);
+    EXPECT_EQ(stage.stat("scene.outOfMemory"), 1);
+  }
+  EXPECT_EQ(refused, 2);
+  const std::string errors = drawing.errors();
+  EXPECT_NE(errors.find("the next commit builds it again"), std::string::npos) << errors;
+  EXPECT_NE(errors.find("raise memoryLimit"), std::string::npos) << errors;
+  stage.delegate->SetRenderSetting("memoryLimit", 256);
+  EXPECT_TRUE(drawing.draw());
+  EXPECT_EQ(stage.stat("scene.faultCount"), -1) << stage.text_stat("scene.faults");
+  EXPECT_NE(Stage::pixels<float>(buffer), picture);
+}
+
+}  // namespace
+}  // namespace alabaster::hd
