@@ -65,9 +65,6 @@ std::string option_name(const CLI::Option& option);
 /// The engines of command farm.
 const Words& farm_engines();
 
-/// " Did you mean 'slurm'?"; empty if none of `known` is near.
-std::string did_you_mean(const std::string& name, const Words& known);
-
 /// "slurm, openjd, script"
 std::string joined(const Words& names);
 

@@ -18,12 +18,10 @@ struct ViewStatus {
   std::string state_name;
   uint32_t samples = 0, samples_total = 0;  // per pixel
   double seconds = 0;                       // of rendering
-  bool covered = false;                     // the picture covers the frame
   /// Relative RMSE of the picture as rendered, and its 95 % interval; below 0: not known yet.
   double noise = -1, noise_low = -1, noise_high = -1;
   double noise_samples = 0;  // per pixel, when the noise was measured
   double denoised = -1;      // share of the denoising that is done; below 0: not begun
-  std::string denoiser;      // name and version, once its picture is there
   std::string fault;         // of a render or denoiser that failed
   int scene_faults = 0;
 };
