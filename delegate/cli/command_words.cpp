@@ -308,9 +308,9 @@ const Words& farm_engines() {
   return kEngines;
 }
 
-std::string joined(const Words& names) {
+std::string joined(const Words& names, const std::string& between) {
   std::string text;
-  for (const std::string& name : names) text += (text.empty() ? "" : ", ") + name;
+  for (const std::string& name : names) text += (text.empty() ? "" : between) + name;
   return text;
 }
 

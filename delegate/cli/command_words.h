@@ -66,7 +66,7 @@ std::string option_name(const CLI::Option& option);
 const Words& farm_engines();
 
 /// "slurm, openjd, script"
-std::string joined(const Words& names);
+std::string joined(const Words& names, const std::string& between = ", ");
 
 /// `words` without the options `left_out`, each of which has a value, and with `added`.
 Words with_options(const Words& words, const Words& left_out, const Words& added);
