@@ -1,8 +1,6 @@
 #include "delegate/archive/tensors.h"
 
 #include <algorithm>
-#include <cstring>
-#include <span>
 
 #include "delegate/support/json_bounds.h"
 

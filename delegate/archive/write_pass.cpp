@@ -3,7 +3,6 @@
 #include <stdexcept>
 
 #include "delegate/archive/archive.h"
-#include "delegate/host/scene_fields.h"
 #include "delegate/support/selection.h"
 
 namespace alabaster::hd::archive {

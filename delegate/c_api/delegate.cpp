@@ -1,9 +1,12 @@
 #include <optional>
 
 #include "delegate/c_api/values.h"
+#include "delegate/support/lookup.h"
 
 namespace alabaster::hd::c_api {
 namespace {
+
+using support::number_in;
 
 template <class Call>
 AlabasterStatus on_delegate(AlabasterDelegate* handle, const Call& call) {
@@ -116,10 +119,6 @@ AlabasterStatus delegate_create(const AlabasterDelegateOptions* given, Alabaster
   });
 }
 
-void delegate_destroy(AlabasterDelegate* handle) {
-  destroy(handle);
-}
-
 AlabasterStatus show(AlabasterDelegate* handle, AlabasterScene* scene) {
   return on_delegate(handle, [&](DelegateData& data) {
     refuse_while_recording(data, "show");
@@ -203,13 +202,10 @@ AlabasterStatus stats(AlabasterDelegate* handle, AlabasterVisit visit, void* use
 AlabasterStatus progress(AlabasterDelegate* handle, AlabasterProgress* out) {
   return at_any_time(handle, [&](RenderDelegate& delegate) {
     const Dictionary stats = delegate.GetRenderStats();
-    const auto stat = [&](const char* key) {
-      const auto found = stats.find(key);
-      return found == stats.end() ? 0 : found->second.number_or(0);
-    };
     answer(out,
-           AlabasterProgress{0, stat("fractionDone"), stat("totalClockTime"), uint64_t(stat("numCompletedSamples")),
-                             uint64_t(stat("samplesTotal"))},
+           AlabasterProgress{0, number_in(stats, "fractionDone"), number_in(stats, "totalClockTime"),
+                             uint64_t(number_in(stats, "numCompletedSamples")),
+                             uint64_t(number_in(stats, "samplesTotal"))},
            "progress");
   });
 }
@@ -249,17 +245,9 @@ AlabasterStatus command(AlabasterDelegate* handle, const char* name, const Alaba
   });
 }
 
-AlabasterStatus stop(AlabasterDelegate* handle) {
-  return at_any_time(handle, [](RenderDelegate& delegate) { delegate.Stop(); });
-}
-AlabasterStatus restart(AlabasterDelegate* handle) {
-  return at_any_time(handle, [](RenderDelegate& delegate) { delegate.Restart(); });
-}
-AlabasterStatus pause(AlabasterDelegate* handle) {
-  return at_any_time(handle, [](RenderDelegate& delegate) { delegate.Pause(); });
-}
-AlabasterStatus resume(AlabasterDelegate* handle) {
-  return at_any_time(handle, [](RenderDelegate& delegate) { delegate.Resume(); });
+template <void (RenderDelegate::*kControl)()>
+AlabasterStatus control(AlabasterDelegate* handle) {
+  return at_any_time(handle, [](RenderDelegate& delegate) { (delegate.*kControl)(); });
 }
 
 AlabasterStatus record(AlabasterDelegate* handle, const AlabasterRecordOptions* given, AlabasterVisit visit,
@@ -301,7 +289,7 @@ AlabasterStatus record(AlabasterDelegate* handle, const AlabasterRecordOptions* 
 
 void add_delegate_functions(AlabasterApi* api) {
   api->delegate_create = delegate_create;
-  api->delegate_destroy = delegate_destroy;
+  api->delegate_destroy = destroy_handle;
   api->show = show;
   api->set_setting = set_setting;
   api->set_settings = set_settings;
@@ -311,10 +299,10 @@ void add_delegate_functions(AlabasterApi* api) {
   api->stats = stats;
   api->progress = progress;
   api->command = command;
-  api->stop = stop;
-  api->restart = restart;
-  api->pause = pause;
-  api->resume = resume;
+  api->stop = control<&RenderDelegate::Stop>;
+  api->restart = control<&RenderDelegate::Restart>;
+  api->pause = control<&RenderDelegate::Pause>;
+  api->resume = control<&RenderDelegate::Resume>;
   api->record = record;
 }
 

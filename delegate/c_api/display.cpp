@@ -27,10 +27,6 @@ AlabasterStatus display_create(const AlabasterDisplayOptions* options, Alabaster
   });
 }
 
-void display_destroy(AlabasterDisplay* display) {
-  destroy(display);
-}
-
 AlabasterStatus display_set_exposure(AlabasterDisplay* display, double stops) {
   return guarded([&] {
     if (!required(display, "display").transform->SetExposure(float(stops)))
@@ -67,7 +63,7 @@ AlabasterStatus buffer_show(AlabasterBuffer* handle, AlabasterMemory* out) {
 
 void add_display_functions(AlabasterApi* api) {
   api->display_create = display_create;
-  api->display_destroy = display_destroy;
+  api->display_destroy = destroy_handle;
   api->display_set_exposure = display_set_exposure;
   api->buffer_show = buffer_show;
 }

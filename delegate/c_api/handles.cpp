@@ -1,7 +1,5 @@
 #include "delegate/c_api/handles.h"
 
-#include <atomic>
-
 #include "delegate/support/nearest_name.h"
 
 namespace alabaster::hd::c_api {

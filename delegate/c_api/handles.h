@@ -76,6 +76,10 @@ struct HandleTo : Handle {
 };
 void destroy(Handle* handle) noexcept;
 void destroy_put_off() noexcept;
+template <class AnyHandle>
+void destroy_handle(AnyHandle* handle) {
+  destroy(handle);
+}
 
 /// Runs a call that may come at any time and waits for no other; no exception leaves it.
 template <class Call>

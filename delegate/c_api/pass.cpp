@@ -4,6 +4,7 @@
 #include "delegate/c_api/values.h"
 #include "delegate/host/picker.h"
 #include "delegate/host/snapshot.h"
+#include "delegate/support/lookup.h"
 #include "delegate/support/size_text.h"
 
 namespace alabaster::hd::c_api {
@@ -125,10 +126,6 @@ AlabasterStatus pass_create(AlabasterDelegate* handle, AlabasterPass** out) {
   });
 }
 
-void pass_destroy(AlabasterPass* pass) {
-  destroy(pass);
-}
-
 AlabasterStatus pass_start(AlabasterPass* handle, const AlabasterFrame* frame) {
   return guarded([&] {
     ValueReader reader(frame);
@@ -150,8 +147,8 @@ AlabasterStatus pass_wait(AlabasterPass* handle, double seconds, int32_t* over) 
     if (over) *over = ended;
     if (!ended || data->pass->GetState() != PassState::failed) return;
     const Dictionary stats = data->owner->delegate->GetRenderStats();
-    const auto error = stats.find("error");
-    throw Failure(ALABASTER_RENDER_FAILED, error == stats.end() ? "the render failed" : error->second.text_or(""));
+    const Value* error = support::find_in(stats, "error");
+    throw Failure(ALABASTER_RENDER_FAILED, error ? error->text_or("") : "the render failed");
   });
 }
 
@@ -224,10 +221,6 @@ AlabasterStatus buffer_create(AlabasterDelegate* handle, int32_t width, int32_t 
     allocate(*data, width, height, format);
     made = new AlabasterBuffer{std::move(data)};
   });
-}
-
-void buffer_destroy(AlabasterBuffer* buffer) {
-  destroy(buffer);
 }
 
 AlabasterStatus buffer_resize(AlabasterBuffer* handle, int32_t width, int32_t height, int32_t format) {
@@ -315,14 +308,14 @@ AlabasterStatus snapshot(AlabasterPass* handle, const char* file) {
 
 void add_pass_functions(AlabasterApi* api) {
   api->pass_create = pass_create;
-  api->pass_destroy = pass_destroy;
+  api->pass_destroy = destroy_handle;
   api->pass_start = pass_start;
   api->pass_wait = pass_wait;
   api->pass_state = pass_state;
   api->frame_size = frame_size;
   api->scene_write = scene_write;
   api->buffer_create = buffer_create;
-  api->buffer_destroy = buffer_destroy;
+  api->buffer_destroy = destroy_handle;
   api->buffer_resize = buffer_resize;
   api->buffer_map = buffer_map;
   api->pixels_unmap = pixels_unmap;

@@ -5,8 +5,6 @@
 namespace alabaster::hd::c_api {
 namespace {
 
-using host::RetainedSceneDelegate;
-
 Path prim_path(const char* path) {
   if (required(path, "path") == '\0') throw bad_argument("the path is empty");
   return path;
@@ -31,23 +29,6 @@ description::LoadOptions read_options(const AlabasterLoadOptions* given) {
   return options;
 }
 
-/// Calls visit(path, type) for every prim.
-template <class Visit>
-void for_each_prim(const RetainedSceneDelegate& scene, const Visit& visit) {
-  for (const auto& entry : scene.GetMeshes()) visit(entry.first, Token("mesh"));
-  for (const auto& entry : scene.GetInstancers()) visit(entry.first, Token("instancer"));
-  for (const auto& entry : scene.GetMaterials()) visit(entry.first, Token("material"));
-  for (const auto& entry : scene.GetLights()) visit(entry.first, entry.second.type);
-  for (const auto& entry : scene.GetCameras()) visit(entry.first, Token("camera"));
-  for (const auto& entry : scene.GetAllRenderSettings()) visit(entry.first, Token("renderSettings"));
-}
-
-std::vector<std::pair<Path, Token>> all_prims(const RetainedSceneDelegate& scene) {
-  std::vector<std::pair<Path, Token>> prims;
-  for_each_prim(scene, [&](const Path& path, const Token& type) { prims.emplace_back(path, type); });
-  return prims;
-}
-
 AlabasterStatus scene_create(AlabasterReport report, void* user, AlabasterScene** scene) {
   return guarded([&] {
     auto& out = required(scene, "scene");
@@ -55,10 +36,6 @@ AlabasterStatus scene_create(AlabasterReport report, void* user, AlabasterScene*
     data->reports = std::make_shared<Reports>(report, user);
     out = new AlabasterScene{std::move(data)};
   });
-}
-
-void scene_destroy(AlabasterScene* scene) {
-  destroy(scene);
 }
 
 AlabasterStatus scene_load(AlabasterScene* handle, const char* file, const AlabasterLoadOptions* options,
@@ -84,7 +61,7 @@ AlabasterStatus scene_load(AlabasterScene* handle, const char* file, const Alaba
 AlabasterStatus scene_clear(AlabasterScene* handle) {
   return with_data(handle, "scene", [](SceneData& data) {
     const SceneLock lock(data);
-    for (const auto& prim : all_prims(data.scene)) data.scene.Remove(prim.first);
+    for (const auto& prim : host::ListPrims(data.scene)) data.scene.Remove(prim.first);
   });
 }
 
@@ -171,7 +148,7 @@ AlabasterStatus get_prims(AlabasterScene* handle, AlabasterVisit visit, void* us
     if (!visit) throw bad_argument("visit is null");
     const auto prims = [&] {  // `visit` may call the library, so it is called without the lock
       const SceneLock lock(data);
-      return all_prims(data.scene);
+      return host::ListPrims(data.scene);
     }();
     for (const auto& [path, type] : prims) {
       visit_value(path.str().c_str(), type, visit, user);
@@ -191,7 +168,7 @@ AlabasterStatus field_type(const char* kind, const char* name, int32_t* type, in
 
 void add_scene_functions(AlabasterApi* api) {
   api->scene_create = scene_create;
-  api->scene_destroy = scene_destroy;
+  api->scene_destroy = destroy_handle;
   api->scene_load = scene_load;
   api->scene_clear = scene_clear;
   api->remove = remove_prim;

@@ -308,14 +308,9 @@ const Words& farm_engines() {
   return kEngines;
 }
 
-std::string did_you_mean(const std::string& name, const Words& known) {
-  const std::string nearest = hd::support::NearestName(name, known);
-  return nearest.empty() ? std::string() : " Did you mean '" + nearest + "'?";
-}
-
-std::string joined(const Words& names) {
+std::string joined(const Words& names, const std::string& between) {
   std::string text;
-  for (const std::string& name : names) text += (text.empty() ? "" : ", ") + name;
+  for (const std::string& name : names) text += (text.empty() ? "" : between) + name;
   return text;
 }
 

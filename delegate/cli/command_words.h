@@ -65,11 +65,8 @@ std::string option_name(const CLI::Option& option);
 /// The engines of command farm.
 const Words& farm_engines();
 
-/// " Did you mean 'slurm'?"; empty if none of `known` is near.
-std::string did_you_mean(const std::string& name, const Words& known);
-
 /// "slurm, openjd, script"
-std::string joined(const Words& names);
+std::string joined(const Words& names, const std::string& between = ", ");
 
 /// `words` without the options `left_out`, each of which has a value, and with `added`.
 Words with_options(const Words& words, const Words& left_out, const Words& added);

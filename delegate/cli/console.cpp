@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdarg>
 #include <cstdio>
 
 #include "delegate/cli/exit_codes.h"
@@ -15,22 +16,16 @@ namespace {
 
 using hd::host::RecordProgress;
 
-std::string format(const char* pattern, double value) {
-  char text[64];
-  std::snprintf(text, sizeof text, pattern, value);
-  return text;
-}
-
 bool is_denoising(const RecordProgress& p) {
   return p.denoised >= 0 && p.denoised < 1;
 }
 
 std::string progress_text(const RecordProgress& p, double noise) {
-  if (is_denoising(p)) return format("denoising %.0f %%", p.denoised * 100);
+  if (is_denoising(p)) return formatted("denoising %.0f %%", p.denoised * 100);
   // At its end a render has some samples, though less than one per pixel where the time limit cut it short.
   const std::string done = p.samples_done == 0 && p.fraction >= 1 ? "<1" : std::to_string(p.samples_done);
-  return format("%3.0f %%", std::clamp(p.fraction, 0.0, 1.0) * 100) + "  " + done + "/" +
-         std::to_string(p.samples_total) + " samples" + (noise < 0 ? "" : "  noise " + format("%.3g %%", 100 * noise)) +
+  return formatted("%3.0f %%", std::clamp(p.fraction, 0.0, 1.0) * 100) + "  " + done + "/" +
+         std::to_string(p.samples_total) + " samples" + (noise < 0 ? "" : formatted("  noise %.3g %%", 100 * noise)) +
          "  " + (p.fraction < 1 ? time_text(p.seconds_left) + " left" : time_text(p.seconds));
 }
 
@@ -44,16 +39,20 @@ constexpr size_t kMostMessages = 100, kMostLike = 3;
 
 }  // namespace
 
+std::string formatted(const char* pattern, ...) {
+  char text[400];
+  va_list values;
+  va_start(values, pattern);
+  std::vsnprintf(text, sizeof text, pattern, values);
+  va_end(values);
+  return text;
+}
+
 std::string time_text(double seconds) {
   if (!(seconds >= 0) || seconds > 1e7) return "--:--";
   const auto whole = static_cast<long>(std::lround(seconds));
-  char text[32];
-  if (whole >= 3600) {
-    std::snprintf(text, sizeof text, "%ld:%02ld:%02ld", whole / 3600, whole / 60 % 60, whole % 60);
-  } else {
-    std::snprintf(text, sizeof text, "%ld:%02ld", whole / 60, whole % 60);
-  }
-  return text;
+  if (whole < 3600) return formatted("%ld:%02ld", whole / 60, whole % 60);
+  return formatted("%ld:%02ld:%02ld", whole / 3600, whole / 60 % 60, whole % 60);
 }
 
 std::string printable(const std::string& text) {

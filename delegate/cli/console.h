@@ -68,6 +68,9 @@ class Console {
   double seconds_shown_ = 0;
 };
 
+/// The text that printf would print.
+[[gnu::format(printf, 1, 2)]] std::string formatted(const char* pattern, ...);
+
 /// "1:02:03" or "2:03"; "--:--" of a time that is not known.
 std::string time_text(double seconds);
 

@@ -10,7 +10,8 @@
 #include "delegate/cli/scene_session.h"
 #include "delegate/cli/shell_word.h"
 #include "delegate/host/product_limits.h"
-#include "delegate/support/output_file.h"
+#include "delegate/support/lookup.h"
+#include "delegate/support/nearest_name.h"
 
 namespace alabaster::cli {
 namespace {
@@ -35,7 +36,7 @@ class FarmCommand {
   void check_arguments() {
     if (const Words& known = farm_engines(); std::find(known.begin(), known.end(), a_.engine) == known.end())
       console_.usage_error("--engine", "'" + a_.engine + "' is not an engine: choose from " + joined(known) + "." +
-                                           did_you_mean(a_.engine, known));
+                                           hd::support::Suggestion(a_.engine, known));
     if (a_.render.outputs.empty()) console_.usage_error("farm", "There is nothing to write: add -o FILE.");
     for (const auto& [flag, given] :
          {std::pair{"--frames", !a_.render.frames.empty()}, std::pair{"--pixel", a_.render.pixel.has_value()},
@@ -80,9 +81,7 @@ class FarmCommand {
 
   bool is_denoised() const {
     const auto all = session_.scene.GetAllRenderSettings();
-    const auto& settings = all.at(session_.file.settings).settings;
-    const auto denoise = settings.find("denoise");
-    return denoise != settings.end() && denoise->second.number_or(0) != 0;
+    return hd::support::number_in(all.at(session_.file.settings).settings, "denoise") != 0;
   }
 
   // The configuration goes by its variable, because a merge does not read the scene, which may name it.

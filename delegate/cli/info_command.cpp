@@ -1,5 +1,4 @@
 #include <algorithm>
-#include <cmath>
 #include <cstdio>
 #include <cstring>
 #include <nlohmann/json.hpp>
@@ -16,6 +15,7 @@
 #include "delegate/description/scene_names.h"
 #include "delegate/host/schemas.h"
 #include "delegate/support/json_values.h"
+#include "delegate/support/nearest_name.h"
 #include "delegate/support/process_usage.h"
 
 namespace alabaster::cli {
@@ -183,12 +183,9 @@ std::string title(const Json& prim) {
 std::string box_text(const Json& box) {
   if (box.is_null()) return "none";
   std::string text;
-  for (const auto& [name, v] : box.items()) {
-    char part[120];
-    std::snprintf(part, sizeof part, "%s%s (%.6g, %.6g, %.6g)", text.empty() ? "" : ", ", name.c_str(),
-                  v[0].get<double>() + 0.0, v[1].get<double>() + 0.0, v[2].get<double>() + 0.0);
-    text += part;
-  }
+  for (const auto& [name, v] : box.items())
+    text += formatted("%s%s (%.6g, %.6g, %.6g)", text.empty() ? "" : ", ", name.c_str(), v[0].get<double>() + 0.0,
+                      v[1].get<double>() + 0.0, v[2].get<double>() + 0.0);
   return text;
 }
 
@@ -403,7 +400,7 @@ int run_schema(const SchemaArguments& arguments) {
   const char* const text = hd::description::SchemaText(arguments.name);
   if (!text)
     console.usage_error("schema", "There is no schema '" + arguments.name + "': choose from " + joined(kSchemas) + "." +
-                                      did_you_mean(arguments.name, kSchemas));
+                                      hd::support::Suggestion(arguments.name, kSchemas));
   std::fputs(text, stdout);
   return kDone;
 }

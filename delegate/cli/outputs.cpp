@@ -8,6 +8,7 @@
 #include "delegate/cli/exit_codes.h"
 #include "delegate/host/product_limits.h"
 #include "delegate/support/extension.h"
+#include "delegate/support/nearest_name.h"
 
 namespace alabaster::cli {
 namespace {
@@ -31,7 +32,7 @@ std::string unknown_aov(const std::vector<std::string>& aovs) {
     if (std::find(known.begin(), known.end(), aov) != known.end()) continue;
     if (const std::string primvars = "primvars:"; aov.starts_with(primvars) && aov != primvars) continue;
     return "--aov: there is no '" + aov + "'; choose from " + joined(known) + ", primvars:NAME." +
-           did_you_mean(aov, known);
+           hd::support::Suggestion(aov, known);
   }
   return "";
 }

@@ -41,12 +41,6 @@ bool names_files(const Flag& flag) {
   return false;
 }
 
-std::string joined_words(const std::vector<std::string>& words, const std::string& between) {
-  std::string text;
-  for (const std::string& word : words) text += (text.empty() ? "" : between) + word;
-  return text;
-}
-
 /// `text` with a `mark` before each character that `special` holds.
 std::string marked(const std::string& text, const std::string& special, const std::string& mark) {
   std::string out;
@@ -87,7 +81,7 @@ void add_flags(const CLI::App& command, std::string* page) {
     std::vector<std::string> names;
     for (const std::string& name : flag.names) names.push_back("\\fB" + roff(name) + "\\fR");
     const std::string value = flag.type.empty() ? "" : " \\fI" + roff(flag.type) + "\\fR";
-    *page += ".TP\n" + joined_words(names, ", ") + value + "\n" + roff(flag.help) + ".\n";
+    *page += ".TP\n" + joined(names) + value + "\n" + roff(flag.help) + ".\n";
   }
 }
 
@@ -109,8 +103,8 @@ std::string bash_script(const CLI::App& app) {
       if (!flag.type.empty()) takers.insert(takers.end(), flag.names.begin(), flag.names.end());
     }
     commands += command->get_name() + " ";
-    cases += "    " + command->get_name() + ")\n      flags=\"" + joined_words(flags, " ") + "\"\n      files=\"" +
-             joined_words(files, " ") + "\"\n      values=\"" + joined_words(values, " ") + "\" ;;\n";
+    cases += "    " + command->get_name() + ")\n      flags=\"" + joined(flags, " ") + "\"\n      files=\"" +
+             joined(files, " ") + "\"\n      values=\"" + joined(values, " ") + "\" ;;\n";
   }
   return "# Completion of bash for alabaster, made by `alabaster completion bash`.\n_alabaster() {\n"
          "  local word=${COMP_WORDS[COMP_CWORD]} before=${COMP_WORDS[COMP_CWORD-1]} command= flags files values i\n"

@@ -7,6 +7,7 @@
 #include "core/files/input_file.h"
 #include "delegate/cli/exit_codes.h"
 #include "delegate/host/denoiser_library.h"
+#include "delegate/support/lookup.h"
 
 namespace alabaster::cli {
 namespace {
@@ -134,15 +135,11 @@ PictureInputs parse_inputs(const std::string& text) {
 }
 
 InputDifference input_difference(const PictureInputs& farm, const PictureInputs& here, bool with_files) {
-  const auto value_in = [](const PictureInputs& all, const PictureInputs::key_type& key) {
-    const auto found = all.find(key);
-    return found == all.end() ? nullptr : &found->second;
-  };
   PictureInputs both = farm;
   both.insert(here.begin(), here.end());
   for (const auto& [key, unused] : both) {
     if (key.first == InputKind::file && !with_files) continue;
-    const std::string *const theirs = value_in(farm, key), *const ours = value_in(here, key);
+    const std::string *const theirs = hd::support::find_in(farm, key), *const ours = hd::support::find_in(here, key);
     if (!theirs || !ours || *theirs != *ours) return describe(key.first, key.second, theirs, ours);
   }
   return {};

@@ -190,9 +190,7 @@ class ProbeRenders {
 };
 
 std::string amount_text(double value) {
-  char text[32];
-  std::snprintf(text, sizeof text, value >= 100 ? "%.0f" : value >= 1 ? "%.3g" : "%.2g", value);
-  return text;
+  return formatted(value >= 100 ? "%.0f" : value >= 1 ? "%.3g" : "%.2g", value);
 }
 
 // Adds a cost that was measured once; the next time it will be a little different.

@@ -1,5 +1,4 @@
 #include <algorithm>
-#include <cmath>
 #include <cstdio>
 #include <filesystem>
 
@@ -12,7 +11,6 @@
 #include "delegate/cli/render_options.h"
 #include "delegate/cli/stats_file.h"
 #include "delegate/cli/stopwatch.h"
-#include "delegate/host/product_limits.h"
 #include "delegate/support/output_file.h"
 #include "delegate/support/size_text.h"
 
@@ -20,7 +18,6 @@ namespace alabaster::cli {
 namespace {
 
 using hd::host::RecordResult;
-using hd::host::RecordStatus;
 
 class RenderCommand {
  public:
@@ -192,9 +189,7 @@ class RenderCommand {
         for (hd::RenderProduct& product : settings.products) product.file = frame_file(product.file, frame);
         session_.scene.SetRenderSettings(path, std::move(settings));
       }
-      char text[120];
-      std::snprintf(text, sizeof text, "frame %u at %.4g s (%zu of %zu)", frame, seconds, i + 1, a_.frames.size());
-      console_.note(text);
+      console_.note(formatted("frame %u at %.4g s (%zu of %zu)", frame, seconds, i + 1, a_.frames.size()));
       const int one = render_frame();
       if (one != kDone) code = one;
       if (one != kDone && one != kDegraded) break;

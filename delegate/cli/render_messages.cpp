@@ -2,8 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
-#include <filesystem>
 
 #include "delegate/cli/render_options.h"
 #include "delegate/host/denoiser_library.h"
@@ -19,12 +17,6 @@ using hd::support::size_option;
 
 std::string size_of(const hd::Rect2i& window) {
   return size_option(window.width(), window.height());
-}
-
-std::string number_text(const char* pattern, double number) {
-  char text[80];
-  std::snprintf(text, sizeof text, pattern, number);
-  return text;
 }
 
 /// The relative RMSE of statistics; negative: not known.
@@ -122,8 +114,8 @@ void RenderMessages::begin(const hd::RenderSettingsDescription& frame, const hd:
   const double target = number_in(frame.settings, "targetError"), limit = number_in(frame.settings, "timeLimit");
   std::string text = "rendering " + size_of(frame.window());
   if (frame.crop) text += " of " + size_option(frame.width, frame.height);
-  if (target > 0) text += number_text(" to %.3g %% noise", 100 * target);
-  if (limit > 0) text += number_text(target > 0 ? ", for %g s at most" : " for %g s", limit);
+  if (target > 0) text += formatted(" to %.3g %% noise", 100 * target);
+  if (limit > 0) text += formatted(target > 0 ? ", for %g s at most" : " for %g s", limit);
   if (!(target > 0) && !(limit > 0)) text += ", " + std::to_string(progress.samples_total) + " samples per pixel";
   console_.note(text);
 }
@@ -142,7 +134,7 @@ void RenderMessages::estimate(const hd::RenderSettingsDescription& frame, const 
       number_in(frame.settings, "timeLimit") > 0 && !(number_in(frame.settings, "targetError") > 0);
   if (one * frames < kLong || by_time_alone) return;
   std::string text = "expected time: " + time_text(one);
-  if (frames > 1) text += number_text(" a frame, %.0f frames: ", frames) + time_text(one * frames);
+  if (frames > 1) text += formatted(" a frame, %.0f frames: ", frames) + time_text(one * frames);
   console_.note(text + shorter(frame));
 }
 
@@ -166,13 +158,11 @@ void RenderMessages::summarize(const RunStats& stats, bool degraded) {
       stats.total("rays.camera") + stats.total("rays.bounce") + stats.total("rays.shadow") + stats.total("rays.walk");
   const double load = stats.load_wall(), sync = stats.total("phase.sync.wall"),
                render = stats.total("phase.render.wall"), write = stats.total("phase.write.wall");
-  char text[250];
-  std::snprintf(text, sizeof text,
-                "time: %.2f s (load %.2f s, sync %.2f s, render %.2f s, write %.2f s); %.1f Mrays; peak memory %.0f MB",
-                load + sync + render + write, load, sync, render, write, rays / 1e6,
-                double(hd::support::peak_memory_bytes()) / 1e6);
   for (const auto& [file, size] : written_) console_.note("wrote " + file + ", " + size + " pixels");
-  console_.note(text);
+  console_.note(
+      formatted("time: %.2f s (load %.2f s, sync %.2f s, render %.2f s, write %.2f s); %.1f Mrays; peak memory %.0f MB",
+                load + sync + render + write, load, sync, render, write, rays / 1e6,
+                double(hd::support::peak_memory_bytes()) / 1e6));
   if (a_.samples || a_.quiet) return;
   RenderFindings found;
   found.degraded = degraded;

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <filesystem>
 #include <limits>
 
@@ -78,17 +77,14 @@ std::string noise_text(const hd::Dictionary& stats) {
   const double error = percent("error.relativeRmse");
   if (!(error >= 0) || std::isinf(error)) return {};
   const double low = percent("error.low"), high = percent("error.high");
-  char noise[120], after[80];
+  std::string noise = "noise: not known (no sample differs from another)";
   if (hd::support::number_in(stats, "error.isKnown", 1) != 0)
-    std::snprintf(noise, sizeof noise, "%.2f %% relative RMSE (95 %%: %.2f to %.2f, a factor of %.2f)", error, low,
-                  high, high / low);
+    noise =
+        formatted("noise: %.2f %% relative RMSE (95 %%: %.2f to %.2f, a factor of %.2f)", error, low, high, high / low);
   else if (low > 0)
-    std::snprintf(noise, sizeof noise, "not known, at least %.2f %% relative RMSE (few samples found much light)", low);
-  else
-    std::snprintf(noise, sizeof noise, "not known (no sample differs from another)");
-  std::snprintf(after, sizeof after, " after %.0f samples per pixel%s", stats.at("numCompletedSamples").number_or(0),
-                stats.contains("denoiser") ? ", before denoising" : "");
-  return std::string("noise: ") + noise + after;
+    noise = formatted("noise: not known, at least %.2f %% relative RMSE (few samples found much light)", low);
+  return noise + formatted(" after %.0f samples per pixel%s", stats.at("numCompletedSamples").number_or(0),
+                           stats.contains("denoiser") ? ", before denoising" : "");
 }
 
 void check_checkpoint_files(const RenderArguments& a, Console& console) {

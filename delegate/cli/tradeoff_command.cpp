@@ -1,15 +1,12 @@
 #include <cmath>
-#include <cstdio>
 #include <filesystem>
 
 #include "core/files/input_file.h"
 #include "delegate/cli/commands.h"
 #include "delegate/cli/exit_codes.h"
 #include "delegate/cli/interrupt.h"
-#include "delegate/cli/outputs.h"
 #include "delegate/cli/shell_word.h"
 #include "delegate/support/size_text.h"
-#include "delegate/tradeoff/display_error.h"
 #include "delegate/tradeoff/name_pattern.h"
 #include "delegate/tradeoff/report.h"
 #include "delegate/tradeoff/study.h"
@@ -202,15 +199,12 @@ class TradeoffCommand {
       set_writing(false);
     };
     hooks.progress = [this](const tradeoff::StudyProgress& p) {
-      char text[200];
       const auto samples = static_cast<unsigned long long>(p.job.samples);
       const auto left = static_cast<long>(std::lround(p.seconds_left));
-      if (p.total == 0)
-        std::snprintf(text, sizeof text, "[%zu] %s, 1 sample, to measure its cost", p.number, p.configuration.c_str());
-      else
-        std::snprintf(text, sizeof text, "[%zu/%zu] %s, %llu samples; %ld:%02ld left", p.number, p.total,
-                      p.configuration.c_str(), samples, left / 60, left % 60);
-      console_.note(text);
+      const char* const name = p.configuration.c_str();
+      console_.note(p.total == 0 ? formatted("[%zu] %s, 1 sample, to measure its cost", p.number, name)
+                                 : formatted("[%zu/%zu] %s, %llu samples; %ld:%02ld left", p.number, p.total, name,
+                                             samples, left / 60, left % 60));
     };
     return hooks;
   }
@@ -252,10 +246,9 @@ class TradeoffCommand {
   /// Reports a study that has a reference, but no two replicas of any other configuration.
   int nothing_measured(StudyOutcome outcome) {
     const double minutes = 1.2 * tradeoff::least_budget(list_, store_) / 60;
-    char text[32];
-    std::snprintf(text, sizeof text, minutes < 10 ? "%.2g" : "%.0f", minutes);
     const std::string problem = "The budget was too short to render anything but the reference twice. Give it " +
-                                std::string(text) + " minutes or more; the renders so far are kept.";
+                                formatted(minutes < 10 ? "%.2g" : "%.0f", minutes) +
+                                " minutes or more; the renders so far are kept.";
     if (outcome == StudyOutcome::finished) console_.usage_error("--budget", problem);
     console_.note("nothing to report yet; run the same command again to resume");
     return kInput;

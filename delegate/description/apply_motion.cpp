@@ -1,6 +1,5 @@
 #include "delegate/description/apply_motion.h"
 
-#include <algorithm>
 #include <set>
 
 #include "core/math/motion.h"

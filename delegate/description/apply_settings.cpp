@@ -1,4 +1,3 @@
-#include <algorithm>
 #include <cmath>
 
 #include "delegate/description/load_state.h"

@@ -1,5 +1,4 @@
 #include <algorithm>
-#include <cmath>
 
 #include "delegate/description/layers.h"
 #include "delegate/description/load_state.h"
@@ -70,8 +69,7 @@ void complete_camera(LoadState* state) {
     state->fail("/camera/shutterClose",
                 "The shutter closes before it opens: shutterClose must not be less than shutterOpen.");
   if (base.empty() && !plan.transform) {
-    const auto projection = camera.parameters.find("projection");
-    if (projection != camera.parameters.end() && projection->second.text_or("") == "orthographic")
+    if (support::text_in(camera.parameters, "projection") == "orthographic")
       state->fail("/camera/projection",
                   "An orthographic camera cannot frame the scene by itself; add a lookAt or a transform.");
     const Framed framed = frame_points(enclosing_points(*state->scene), visible_frustum(camera, state->settings));

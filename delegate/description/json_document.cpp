@@ -173,17 +173,9 @@ bool parse_json(const std::string& text, const std::string& origin, JsonDocument
 }
 
 std::string pointer_append(const std::string& parent, const std::string& step) {
-  std::string out = parent + "/";
-  for (const char c : step) {
-    if (c == '~') {
-      out += "~0";
-    } else if (c == '/') {
-      out += "~1";
-    } else {
-      out += c;
-    }
-  }
-  return out;
+  json::json_pointer pointer;
+  pointer.push_back(step);
+  return parent + pointer.to_string();
 }
 
 }  // namespace alabaster::hd::description

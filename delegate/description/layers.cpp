@@ -5,7 +5,6 @@
 #include <filesystem>
 #include <sstream>
 
-#include "delegate/description/name_match.h"
 #include "delegate/description/quality_presets.h"
 #include "delegate/description/schema_check.h"
 #include "delegate/support/extension.h"

@@ -5,7 +5,6 @@
 #include <algorithm>
 
 #include "delegate/description/scene_names.h"
-#include "delegate/support/nearest_name.h"
 
 namespace alabaster::hd::description {
 namespace {
@@ -24,11 +23,6 @@ std::string without_index(const std::string& name) {
 }
 
 }  // namespace
-
-std::string suggestion(const std::string& name, const std::vector<std::string>& candidates) {
-  const std::string nearest = support::NearestName(name, candidates);
-  return nearest.empty() ? "" : " Did you mean '" + nearest + "'?";
-}
 
 std::string AuthoredName(const Path& path, bool is_mesh) {
   return without_index(component(path.str(), is_mesh));

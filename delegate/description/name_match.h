@@ -1,4 +1,4 @@
-// Names as people type them: globs over prims, and suggestions for wrong names.
+// Names as people type them: globs over prims.
 #pragma once
 
 #include <string>
@@ -7,9 +7,6 @@
 #include "delegate/api/scene_types.h"
 
 namespace alabaster::hd::description {
-
-/// " Did you mean 'roughness'?", or nothing if no name is near enough.
-std::string suggestion(const std::string& name, const std::vector<std::string>& candidates);
 
 /// True if `pattern` (a glob with * and ?) matches the prim's path, its last component, or its authored name.
 bool matches(const std::string& pattern, const Path& path, bool is_mesh);

@@ -1,7 +1,6 @@
 #include "delegate/description/placement.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <limits>
 #include <numbers>
@@ -13,6 +12,7 @@
 #include "delegate/description/scene_names.h"
 #include "delegate/support/float_values.h"
 #include "delegate/support/instancing.h"
+#include "delegate/support/lookup.h"
 
 namespace alabaster::hd::description {
 namespace {
@@ -147,12 +147,8 @@ void for_each_placed_mesh(host::RetainedSceneDelegate& scene, const Takes& takes
   std::map<Path, support::InstancerRecord> instancers;
   for (const auto& [path, description] : scene.GetInstancers())
     instancers[path] = support::pull_instancer(scene, path, {});
-  support::Placements placements(
-      [&](const Path& path) {
-        const auto found = instancers.find(path);
-        return found == instancers.end() ? nullptr : &found->second;
-      },
-      {});  // Sync reports what is wrong
+  support::Placements placements([&](const Path& path) { return support::find_in(instancers, path); },
+                                 {});  // Sync reports what is wrong
   for (const auto& [path, mesh] : scene.GetMeshes()) {
     if (!takes(mesh)) continue;
     std::vector<Matrix4d> instances;

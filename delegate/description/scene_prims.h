@@ -1,10 +1,11 @@
 // The prims of a scene, whatever their kinds. Internal to this room.
 #pragma once
 
+#include <type_traits>
 #include <utility>
 #include <vector>
 
-#include "delegate/host/retained_scene_delegate.h"
+#include "delegate/host/scene_fields.h"
 
 namespace alabaster::hd::description {
 
@@ -15,20 +16,12 @@ std::vector<typename Map::key_type> keys_of(const Map& map) {
   return keys;
 }
 
-inline void put(host::RetainedSceneDelegate* scene, const Path& path, host::MeshDescription prim) {
-  scene->SetMesh(path, std::move(prim));
-}
-inline void put(host::RetainedSceneDelegate* scene, const Path& path, host::InstancerDescription prim) {
-  scene->SetInstancer(path, std::move(prim));
-}
-inline void put(host::RetainedSceneDelegate* scene, const Path& path, MaterialNetwork prim) {
-  scene->SetMaterial(path, std::move(prim));
-}
-inline void put(host::RetainedSceneDelegate* scene, const Path& path, host::LightDescription prim) {
-  scene->SetLight(path, std::move(prim));
-}
-inline void put(host::RetainedSceneDelegate* scene, const Path& path, host::CameraDescription prim) {
-  scene->SetCamera(path, std::move(prim));
+template <class T>
+void put(host::RetainedSceneDelegate* scene, const Path& path, T prim) {
+  host::for_each_kind([&](auto, auto set) {
+    if constexpr (std::is_invocable_v<decltype(set), host::RetainedSceneDelegate*, const Path&, T>)
+      (scene->*set)(path, std::move(prim));
+  });
 }
 
 /// Calls visit(path, prim) for all prims but settings, kind by kind. It may put prims of the same paths and kinds.

@@ -4,9 +4,9 @@
 #include <limits>
 #include <map>
 
-#include "delegate/description/name_match.h"
 #include "delegate/description/render_description.h"
 #include "delegate/host/schemas.h"
+#include "delegate/support/nearest_name.h"
 #include "delegate/support/retired_settings.h"
 #include "delegate/support/schema_text.h"
 
@@ -146,7 +146,7 @@ std::string near_choice(const json& value, const json& schema) {
   std::vector<std::string> words;
   for (const json* part : alternatives(schema))
     for (const json& word : part->value("enum", json::array())) words.push_back(word);
-  return value.is_string() ? suggestion(value.get<std::string>(), words) : std::string();
+  return value.is_string() ? support::Suggestion(value.get<std::string>(), words) : std::string();
 }
 
 std::string shortened(const std::string& text) {
@@ -252,7 +252,7 @@ class Checker {
   }
 
   std::string right_key(const std::string& key, const std::vector<std::string>& known, const json& schema) const {
-    const std::string near = suggestion(key, known);
+    const std::string near = support::Suggestion(key, known);
     std::string home = near.empty() ? home_of(key, schema, 1) : "";
     if (near.empty() && home.empty()) home = home_of(key, schema_, 2);
     return home.empty() ? near : " '" + home + "' has a key of this name.";

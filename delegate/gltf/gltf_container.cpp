@@ -1,7 +1,5 @@
 #include "delegate/gltf/gltf_container.h"
 
-#include <cstring>
-
 #include "core/files/input_file.h"
 #include "delegate/support/json_bounds.h"
 

@@ -1,6 +1,7 @@
 #include "delegate/gltf/gltf_material_builder.h"
 
 #include "delegate/gltf/gltf_material.h"
+#include "delegate/support/lookup.h"
 
 namespace alabaster::hd::gltf {
 namespace {
@@ -104,13 +105,11 @@ void MaterialBuilder::emit(std::string_view of_layer) {
 }
 
 Vec3f MaterialBuilder::color_set(const char* name) const {
-  const auto found = surface_.parameters.find(name);
-  return found == surface_.parameters.end() ? Vec3f(1) : found->second.get_or(Vec3f(1));
+  return support::value_in(surface_.parameters, name).get_or(Vec3f(1));
 }
 
 double MaterialBuilder::number_set(const char* name, double fallback) const {
-  const auto found = surface_.parameters.find(name);
-  return found == surface_.parameters.end() ? fallback : found->second.number_or(fallback);
+  return support::number_in(surface_.parameters, name, fallback);
 }
 
 MaterialNode MaterialBuilder::texture_node(const TextureUse& use, const Reading& reading) const {

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 #include <array>
-#include <cstring>
+#include <bit>
 #include <map>
 #include <span>
 
@@ -36,10 +36,7 @@ bool is_convex(const std::vector<Imath::V3d>& polygon) {
 // Ordered, not hashed: no choice of points makes finding one of them slow.
 using FloatKey = std::array<uint32_t, 5>;
 uint32_t float_bits(float value) {
-  const float unsigned_zero = value == 0 ? 0.0f : value;  // -0 and 0 are the same place
-  uint32_t bits;
-  std::memcpy(&bits, &unsigned_zero, sizeof bits);
-  return bits;
+  return std::bit_cast<uint32_t>(value + 0.0f);  // -0 and 0 are the same place
 }
 
 class CageBuilder {

@@ -57,11 +57,13 @@ void hand_over(GltfPrims&& prims, host::RetainedSceneDelegate* scene, GltfSummar
 
 constexpr int kShutterSamples = 5;
 
-// Motion over the shutter: prims at several times, as samples of those at the frame's own.
+// Gives `prims`, which move or deform, their samples over the shutter of `options`.
 class MotionSampler {
  public:
   MotionSampler(const GltfOptions& options, GltfPrims* prims) : options_(options), prims_(*prims) {}
 
+  // `pose_at` makes the same prims as they are that many seconds after the frame's own time. A prim that is not there
+  // at all times, or not placed alike, gets no samples (reported).
   void run(const std::function<GltfPrims(double)>& pose_at, Report& report) {
     for (int i = 0; i < kShutterSamples; ++i) {
       const double open = options_.shutter_open, length = options_.shutter_close - open;
@@ -136,14 +138,6 @@ class MotionSampler {
   std::vector<GltfPrims> poses_;
 };
 
-// Gives `prims`, which move or deform, their samples over the shutter of `options`. `pose_at` makes the same prims as
-// they are that many seconds after the frame's own time. A prim that is not there at all times, or not placed alike,
-// gets no samples (reported).
-void sample_motion(const GltfOptions& options, const std::function<GltfPrims(double)>& pose_at, GltfPrims* prims,
-                   Report& report) {
-  MotionSampler(options, prims).run(pose_at, report);
-}
-
 }  // namespace
 
 struct GltfSource::Open {
@@ -190,7 +184,7 @@ struct GltfSource::Open {
         animation.apply(time + seconds, &document.model);
         return translator->moving_prims(silent);
       };
-      sample_motion(options, pose_at, &prims, report);
+      MotionSampler(options, &prims).run(pose_at, report);
     }
     translator->forget_shapes();
     std::vector<Path> now = placed_paths(prims);

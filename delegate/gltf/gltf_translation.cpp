@@ -6,7 +6,6 @@
 #include <numeric>
 
 #include "delegate/gltf/gltf_material.h"
-#include "delegate/gltf/gltf_mesh.h"
 #include "delegate/gltf/gltf_vertices.h"
 
 namespace alabaster::hd::gltf {

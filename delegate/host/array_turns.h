@@ -7,6 +7,7 @@
 #include <future>
 #include <mutex>
 #include <system_error>
+#include <tuple>
 
 #include "delegate/api/types.h"
 
@@ -114,54 +115,46 @@ class EditedArray {
  public:
   /// Empty: it is of another type, `elements` are, or they lie beyond its end.
   Value edit(const Value& now, size_t first, const Value& elements) {
-    Value edited = edit(&translations_, now, first, elements);
-    if (edited.empty()) edited = edit(&rotations_, now, first, elements);
-    return edited.empty() ? edit(&transforms_, now, first, elements) : edited;
+    return of_their_type(now, first, elements, [&]<class T>(const Array<T>& array, const Array<T>& part) -> Value {
+      return std::get<ArrayTurns<T>>(turns_).edit(array, first, part);
+    });
   }
   /// The same of a copy that takes no turns.
   static Value copy(const Value& now, size_t first, const Value& elements) {
-    Value copied = copy<Vec3f>(now, first, elements);
-    if (copied.empty()) copied = copy<Quatf>(now, first, elements);
-    return copied.empty() ? copy<Matrix4d>(now, first, elements) : copied;
+    return of_their_type(now, first, elements, [&]<class T>(const Array<T>& array, const Array<T>& part) -> Value {
+      std::vector<T> values(array.begin(), array.end());
+      std::copy(part.begin(), part.end(), values.begin() + static_cast<std::ptrdiff_t>(first));
+      return Array<T>(std::move(values));
+    });
   }
   /// `elements` are of the type of `now`, and lie within it.
   static bool fits(const Value& now, size_t first, const Value& elements) {
-    return fits<Vec3f>(now, first, elements) || fits<Quatf>(now, first, elements) ||
-           fits<Matrix4d>(now, first, elements);
+    return !of_their_type(now, first, elements, [](const auto&, const auto&) { return Value(true); }).empty();
   }
   /// True if `now` is what the last edit() returned.
   bool is_latest(const Value& now) const {
-    return is_latest(translations_, now) || is_latest(rotations_, now) || is_latest(transforms_, now);
+    const auto is = [&]<class T>(const ArrayTurns<T>& turns) {
+      const auto* array = now.get<Array<T>>();
+      return array && turns.is_latest(*array);
+    };
+    return std::apply([&](const auto&... turns) { return (is(turns) || ...); }, turns_);
   }
 
  private:
-  template <class T>
-  static bool is_latest(const ArrayTurns<T>& turns, const Value& now) {
-    const auto* array = now.get<Array<T>>();
-    return array && turns.is_latest(*array);
-  }
-  template <class T>
-  static bool fits(const Value& now, size_t first, const Value& elements) {
-    const auto *array = now.get<Array<T>>(), *part = elements.get<Array<T>>();
-    return array && part && first <= array->size() && part->size() <= array->size() - first;
-  }
-  template <class T>
-  static Value edit(ArrayTurns<T>* turns, const Value& now, size_t first, const Value& elements) {
-    if (!fits<T>(now, first, elements)) return {};
-    return turns->edit(*now.get<Array<T>>(), first, *elements.get<Array<T>>());
-  }
-  template <class T>
-  static Value copy(const Value& now, size_t first, const Value& elements) {
-    if (!fits<T>(now, first, elements)) return {};
-    const auto &array = *now.get<Array<T>>(), &part = *elements.get<Array<T>>();
-    std::vector<T> values(array.begin(), array.end());
-    std::copy(part.begin(), part.end(), values.begin() + static_cast<std::ptrdiff_t>(first));
-    return Array<T>(std::move(values));
+  /// call(array, part) if `elements` fit; else an empty value.
+  template <class Call>
+  static Value of_their_type(const Value& now, size_t first, const Value& elements, const Call& call) {
+    Value result;
+    const auto try_type = [&]<class T>(const Array<T>&) {
+      const auto *array = now.get<Array<T>>(), *part = elements.get<Array<T>>();
+      if (array && part && first <= array->size() && part->size() <= array->size() - first)
+        result = call(*array, *part);
+    };
+    try_type(Array<Vec3f>()), try_type(Array<Quatf>()), try_type(Array<Matrix4d>());
+    return result;
   }
 
-  ArrayTurns<Vec3f> translations_;
-  ArrayTurns<Quatf> rotations_;
-  ArrayTurns<Matrix4d> transforms_;
+  std::tuple<ArrayTurns<Vec3f>, ArrayTurns<Quatf>, ArrayTurns<Matrix4d>> turns_;
 };
 
 }  // namespace alabaster::hd::host

@@ -20,24 +20,6 @@ std::string range_text(const Limits& limits, const char* what) {
   return std::string(what) + " from " + number_text(limits.low) + " to " + number_text(limits.high);
 }
 
-template <class Number>
-std::string read_number(const Value& value, const Limits& limits, Number* out) {
-  const double number = value.number_or(std::numeric_limits<double>::quiet_NaN());
-  constexpr bool kIsWhole = std::is_integral_v<Number>;
-  const bool fits = number >= std::max(limits.low, double(std::numeric_limits<Number>::lowest())) &&
-                    number <= std::min(limits.high, double(std::numeric_limits<Number>::max()));
-  if (!fits || (kIsWhole && number != std::floor(number)))
-    return range_text(limits, kIsWhole ? "a whole number" : "a number");
-  *out = static_cast<Number>(number);
-  return {};
-}
-
-template <class T>
-std::string read_array(const Value& value, Array<T>* out) {
-  if (const auto* array = value.get<Array<T>>()) return *out = *array, "";
-  return std::string("an array of ") + GetTypeInfo(kTypeOf<T>).name;
-}
-
 template <class T>
 void append_names(const Value& value, std::vector<Token>* out) {
   if (const auto* array = value.get<Array<T>>())
@@ -85,25 +67,31 @@ std::string read(const Value& value, const Limits&, bool* out) {
   *out = number != 0;
   return {};
 }
-std::string read(const Value& value, const Limits& limits, int* out) {
-  return read_number(value, limits, out);
+template <class Number>
+requires std::is_arithmetic_v<Number> std::string read(const Value& value, const Limits& limits, Number* out) {
+  const double number = value.number_or(std::numeric_limits<double>::quiet_NaN());
+  constexpr bool kIsWhole = std::is_integral_v<Number>;
+  const bool fits = number >= std::max(limits.low, double(std::numeric_limits<Number>::lowest())) &&
+                    number <= std::min(limits.high, double(std::numeric_limits<Number>::max()));
+  if (!fits || (kIsWhole && number != std::floor(number)))
+    return range_text(limits, kIsWhole ? "a whole number" : "a number");
+  *out = static_cast<Number>(number);
+  return {};
 }
-std::string read(const Value& value, const Limits& limits, float* out) {
-  return read_number(value, limits, out);
-}
-std::string read(const Value& value, const Limits& limits, double* out) {
-  return read_number(value, limits, out);
-}
+template std::string read(const Value& value, const Limits& limits, int* out);
+template std::string read(const Value& value, const Limits& limits, float* out);
+template std::string read(const Value& value, const Limits& limits, double* out);
 std::string read(const Value& value, const Limits&, Matrix4d* out) {
   if (const auto* matrix = value.get<Matrix4d>()) return *out = *matrix, "";
   return "a matrix";
 }
-std::string read(const Value& value, const Limits&, Array<int32_t>* out) {
-  return read_array(value, out);
+template <class T>
+std::string read(const Value& value, const Limits&, Array<T>* out) {
+  if (const auto* array = value.get<Array<T>>()) return *out = *array, "";
+  return std::string("an array of ") + GetTypeInfo(kTypeOf<T>).name;
 }
-std::string read(const Value& value, const Limits&, Array<float>* out) {
-  return read_array(value, out);
-}
+template std::string read(const Value& value, const Limits& limits, Array<int32_t>* out);
+template std::string read(const Value& value, const Limits& limits, Array<float>* out);
 std::string read(const Value& value, const Limits&, std::vector<Token>* out) {
   if (!value.is_array() || GetTypeInfo(value.type()).bytes != 0) return "an array of texts";
   out->clear();

@@ -38,12 +38,11 @@ std::string read(const Value& value, const Limits& limits, Token* out);
 std::string read(const Value& value, const Limits& limits, Path* out);
 std::string read(const Value& value, const Limits& limits, std::string* out);
 std::string read(const Value& value, const Limits& limits, bool* out);
-std::string read(const Value& value, const Limits& limits, int* out);
-std::string read(const Value& value, const Limits& limits, float* out);
-std::string read(const Value& value, const Limits& limits, double* out);
+template <class Number>
+requires std::is_arithmetic_v<Number> std::string read(const Value& value, const Limits& limits, Number* out);
 std::string read(const Value& value, const Limits& limits, Matrix4d* out);
-std::string read(const Value& value, const Limits& limits, Array<int32_t>* out);
-std::string read(const Value& value, const Limits& limits, Array<float>* out);
+template <class T>
+std::string read(const Value& value, const Limits& limits, Array<T>* out);
 std::string read(const Value& value, const Limits& limits, std::vector<Token>* out);
 std::string read(const Value& value, const Limits& limits, TimeSamples<Matrix4d>* out);
 std::string read(const Value& value, const Limits& limits, TimeSamples<Value>* out);

@@ -11,7 +11,6 @@
 
 #include "core/math/float_environment.h"
 #include "delegate/host/frame_request.h"
-#include "delegate/host/own_buffer.h"
 #include "delegate/host/product_metadata.h"
 #include "delegate/host/recorded_checkpoints.h"
 #include "delegate/support/lookup.h"
@@ -22,11 +21,38 @@ namespace alabaster::hd::host {
 namespace {
 
 using support::number_in;
+using support::text_in;
 using Clock = std::chrono::steady_clock;
 
 double seconds_since(Clock::time_point start) {
   return std::chrono::duration<double>(Clock::now() - start).count();
 }
+
+/// A render buffer in no scene and no index. Whatever happens to these, it stays until this is destroyed.
+class OwnBuffer {
+ public:
+  /// Without a buffer if the delegate makes none.
+  OwnBuffer(RenderDelegate* delegate, const Path& id, const RenderBufferDescriptor& description) : delegate_(delegate) {
+    Bprim* const made = delegate->CreateBprim("renderBuffer", id);
+    buffer_ = dynamic_cast<RenderBuffer*>(made);
+    if (buffer_)
+      buffer_->Allocate(description);
+    else if (made)
+      delegate->DestroyBprim(made);
+  }
+  ~OwnBuffer() {
+    if (!buffer_) return;
+    buffer_->Finalize(delegate_->GetRenderParam());
+    delegate_->DestroyBprim(buffer_);
+  }
+  OwnBuffer(const OwnBuffer&) = delete;
+  OwnBuffer& operator=(const OwnBuffer&) = delete;
+  RenderBuffer* get() const { return buffer_; }
+
+ private:
+  RenderDelegate* delegate_;
+  RenderBuffer* buffer_ = nullptr;
+};
 
 /// Runs a step of a destructor. If it fails, its work is left undone and the host goes on.
 template <class Body>
@@ -335,13 +361,12 @@ class Recording {
     if (result_.stats.empty()) refuse(RecordStatus::render_failed, "record.memory", "memory ran out");
     if (pass->GetState() == PassState::failed) {
       const bool refused = number_in(result_.stats, "refused") != 0;
-      const auto error = result_.stats.find("error");
+      const Value* error = support::find_in(result_.stats, "error");
       end({refused ? RecordStatus::input_failed : RecordStatus::render_failed, "record.render",
-           error == result_.stats.end() ? std::string("the render failed") : error->second.text_or({})});
+           error ? error->text_or({}) : std::string("the render failed")});
     } else if (result_.status == RecordStatus::done && result_.stats.contains("scene.faults")) {
       result_.out_of_memory = number_in(result_.stats, "scene.outOfMemory") != 0;
-      const auto faults = result_.stats.find("scene.faults");
-      end({RecordStatus::degraded, "record.scene", faults->second.text_or({})});
+      end({RecordStatus::degraded, "record.scene", text_in(result_.stats, "scene.faults")});
     }
     if (options_.progress && pass->GetState() != PassState::failed) options_.progress(progress());
     pass.reset();

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <charconv>
 
-#include "delegate/host/scene_fields.h"
 #include "delegate/support/nearest_name.h"
 #include "delegate/support/parameters.h"
 #include "delegate/support/retired_settings.h"

@@ -1,7 +1,6 @@
 // Turns resolved AOVs into the bytes of a product's rows. Internal to this room.
 #pragma once
 
-#include <map>
 #include <vector>
 
 #include "delegate/host/product_plan.h"

@@ -6,9 +6,11 @@
 
 #include <algorithm>
 #include <set>
+#include <type_traits>
 #include <unordered_map>
 
 #include "core/math/float_environment.h"
+#include "delegate/support/lookup.h"
 
 namespace alabaster::hd::host {
 namespace {
@@ -66,7 +68,9 @@ struct RenderIndex::State {
   std::unique_ptr<tbb::task_arena> arena;
   int arena_threads = -1;
 
-  bool insert(const Path& id, const Entry& entry);
+  /// Enters what the delegate has made. Returns false if it has made none (null), or memory ran out.
+  template <class Made>
+  bool insert(const Path& id, Entry entry, Made* made, void (RenderDelegate::*destroy_made)(Made*));
   int32_t take_prim_id(const Path& id);
   void destroy(const Entry& entry);
   std::vector<Work> dirty_of(PrimType kind, const Token& type);
@@ -76,12 +80,24 @@ struct RenderIndex::State {
   void sync_dirty();
 };
 
-bool RenderIndex::State::insert(const Path& id, const Entry& entry) {
-  DirtyBits bits = dirty::kAll;
-  if (entry.prim) bits = entry.prim->GetInitialDirtyBitsMask();
-  tracker.MarkDirty(id, bits);
-  entries.emplace(id, entry);  // last, so that a failure above leaves no entry
-  return true;
+template <class Made>
+bool RenderIndex::State::insert(const Path& id, Entry entry, Made* made, void (RenderDelegate::*destroy_made)(Made*)) {
+  if (!made) return false;
+  const auto entered = [&] {
+    if constexpr (std::is_same_v<Made, Instancer>) {
+      entry.instancer = made;
+      tracker.MarkDirty(id, dirty::kAll);
+    } else {
+      entry.prim = made;
+      if constexpr (std::is_same_v<Made, Rprim>) made->SetPrimId(take_prim_id(id));
+      tracker.MarkDirty(id, made->GetInitialDirtyBitsMask());
+    }
+    entries.emplace(id, entry);  // last, so that a failure above leaves no entry
+    return true;
+  };
+  if (succeeds(entered)) return true;
+  (delegate->*destroy_made)(made);
+  return false;
 }
 
 // Takes the lowest free number: ids stay small (24 bits) however many prims come and go.
@@ -179,46 +195,24 @@ RenderIndex::~RenderIndex() {
 }
 
 bool RenderIndex::InsertRprim(const Token& type, SceneDelegate* scene, const Path& id) {
-  if (Has(id)) return false;
-  Rprim* prim = state_->delegate->CreateRprim(type, id);
-  if (!prim) return false;
-  const auto entered = [&] {
-    prim->SetPrimId(state_->take_prim_id(id));
-    return state_->insert(id, {.kind = PrimType::rprim, .type = type, .scene = scene, .prim = prim});
-  };
-  if (succeeds(entered)) return true;
-  state_->delegate->DestroyRprim(prim);
-  return false;
+  const Entry entry{.kind = PrimType::rprim, .type = type, .scene = scene};
+  return !Has(id) && state_->insert(id, entry, state_->delegate->CreateRprim(type, id), &RenderDelegate::DestroyRprim);
 }
 
 bool RenderIndex::InsertSprim(const Token& type, SceneDelegate* scene, const Path& id) {
-  if (Has(id)) return false;
-  Sprim* prim = state_->delegate->CreateSprim(type, id);
-  if (!prim) return false;
-  const Entry entry{.kind = PrimType::sprim, .type = type, .scene = scene, .prim = prim};
-  if (succeeds([&] { return state_->insert(id, entry); })) return true;
-  state_->delegate->DestroySprim(prim);
-  return false;
+  const Entry entry{.kind = PrimType::sprim, .type = type, .scene = scene};
+  return !Has(id) && state_->insert(id, entry, state_->delegate->CreateSprim(type, id), &RenderDelegate::DestroySprim);
 }
 
 bool RenderIndex::InsertBprim(const Token& type, SceneDelegate* scene, const Path& id) {
-  if (Has(id)) return false;
-  Bprim* prim = state_->delegate->CreateBprim(type, id);
-  if (!prim) return false;
-  const Entry entry{.kind = PrimType::bprim, .type = type, .scene = scene, .prim = prim};
-  if (succeeds([&] { return state_->insert(id, entry); })) return true;
-  state_->delegate->DestroyBprim(prim);
-  return false;
+  const Entry entry{.kind = PrimType::bprim, .type = type, .scene = scene};
+  return !Has(id) && state_->insert(id, entry, state_->delegate->CreateBprim(type, id), &RenderDelegate::DestroyBprim);
 }
 
 bool RenderIndex::InsertInstancer(SceneDelegate* scene, const Path& id) {
-  if (Has(id)) return false;
-  Instancer* instancer = state_->delegate->CreateInstancer(id);
-  if (!instancer) return false;
-  const Entry entry{.kind = PrimType::instancer, .type = Token(), .scene = scene, .instancer = instancer};
-  if (succeeds([&] { return state_->insert(id, entry); })) return true;
-  state_->delegate->DestroyInstancer(instancer);
-  return false;
+  const Entry entry{.kind = PrimType::instancer, .type = Token(), .scene = scene};
+  return !Has(id) &&
+         state_->insert(id, entry, state_->delegate->CreateInstancer(id), &RenderDelegate::DestroyInstancer);
 }
 
 void RenderIndex::Remove(const Path& id) {
@@ -234,20 +228,17 @@ bool RenderIndex::Has(const Path& id) const {
 }
 
 Sprim* RenderIndex::GetSprim(const Path& id) const {
-  const auto found = state_->entries.find(id);
-  const bool is = found != state_->entries.end() && found->second.kind == PrimType::sprim;
-  return is ? static_cast<Sprim*>(found->second.prim) : nullptr;
+  const Entry* entry = support::find_in(state_->entries, id);
+  return entry && entry->kind == PrimType::sprim ? static_cast<Sprim*>(entry->prim) : nullptr;
 }
 
 Bprim* RenderIndex::GetBprim(const Path& id) const {
-  const auto found = state_->entries.find(id);
-  const bool is = found != state_->entries.end() && found->second.kind == PrimType::bprim;
-  return is ? static_cast<Bprim*>(found->second.prim) : nullptr;
+  const Entry* entry = support::find_in(state_->entries, id);
+  return entry && entry->kind == PrimType::bprim ? static_cast<Bprim*>(entry->prim) : nullptr;
 }
 
 Path RenderIndex::GetRprimPathFromPrimId(int32_t prim_id) const {
-  const auto found = state_->path_of_prim_id.find(prim_id);
-  return found == state_->path_of_prim_id.end() ? Path() : found->second;
+  return support::value_in(state_->path_of_prim_id, prim_id);
 }
 
 ChangeTracker& RenderIndex::GetChangeTracker() {

@@ -4,26 +4,18 @@
 
 #include "delegate/host/array_turns.h"
 #include "delegate/host/scene_fields.h"
+#include "delegate/support/lookup.h"
 
 namespace alabaster::hd::host {
 namespace {
 
-template <class Map>
-auto find(const Map& map, const typename Map::key_type& id) -> const typename Map::mapped_type* {
-  const auto found = map.find(id);
-  return found == map.end() ? nullptr : &found->second;
-}
-
-template <class Map>
-typename Map::mapped_type get(const Map& map, const typename Map::key_type& key) {
-  const auto* found = find(map, key);
-  return found ? *found : typename Map::mapped_type{};
-}
+using support::find_in;
+using support::value_in;
 
 /// A member of the prim of that path; without one, the member's default.
 template <class T, class Member>
 Member member_of(const std::map<Path, T>& prims, const Path& id, Member T::*member) {
-  const T* prim = find(prims, id);
+  const T* prim = find_in(prims, id);
   return prim ? prim->*member : T().*member;
 }
 
@@ -82,21 +74,21 @@ struct RetainedSceneDelegate::State {
   }
   /// Gives up the copies of arrays that another one has replaced.
   void forget_edits(const Path& instancer) {
-    const auto* description = find(instancers, instancer);
+    const auto* description = find_in(instancers, instancer);
     std::erase_if(edited, [&](const auto& entry) {
       if (!(entry.first.first == instancer)) return false;
-      const Value* now = description ? find(description->primvars, entry.first.second) : nullptr;
+      const Value* now = description ? find_in(description->primvars, entry.first.second) : nullptr;
       return !now || !entry.second.is_latest(*now);
     });
   }
   /// Prototypes whose indices differ pull them again; so do those that came or went.
   void mark_prototypes(const InstancerDescription& a, const InstancerDescription& b) {
     for (const auto& [prototype, indices] : a.indices) {
-      const auto* other = find(b.indices, prototype);
+      const auto* other = find_in(b.indices, prototype);
       if (!other || !(*other == indices)) mark(prototype, dirty::kInstanceIndex);
     }
     for (const auto& [prototype, indices] : b.indices)
-      if (!find(a.indices, prototype)) mark(prototype, dirty::kInstanceIndex);
+      if (!find_in(a.indices, prototype)) mark(prototype, dirty::kInstanceIndex);
   }
 };
 
@@ -112,7 +104,7 @@ void RetainedSceneDelegate::SetMesh(const Path& id, MeshDescription mesh) {
 }
 
 void RetainedSceneDelegate::SetInstancer(const Path& id, InstancerDescription instancer) {
-  const InstancerDescription before = get(state_->instancers, id);
+  const InstancerDescription before = value_in(state_->instancers, id);
   state_->set(state_->instancers, id, std::move(instancer));
   state_->mark_prototypes(before, state_->instancers[id]);
   state_->forget_edits(id);
@@ -125,8 +117,8 @@ bool RetainedSceneDelegate::SetInstanceValues(const Path& instancer, size_t firs
   if (elements.empty()) return true;
   InstancerDescription& held = found->second;
   const auto fits = [&](const auto& primvar) {
-    const Value* now = find(held.primvars, primvar.first);
-    const auto* moving = find(held.primvarSamples, primvar.first);
+    const Value* now = find_in(held.primvars, primvar.first);
+    const auto* moving = find_in(held.primvarSamples, primvar.first);
     const auto takes_them = [&](const Value& array) { return EditedArray::fits(array, first, primvar.second); };
     return now && takes_them(*now) &&
            (!moving || std::all_of(moving->values.begin(), moving->values.end(), takes_them));
@@ -152,7 +144,7 @@ void RetainedSceneDelegate::SetMaterial(const Path& id, MaterialNetwork network)
 }
 
 void RetainedSceneDelegate::SetLight(const Path& id, LightDescription light) {
-  const auto* before = find(state_->lights, id);
+  const auto* before = find_in(state_->lights, id);
   if (before && !(before->type == light.type)) Remove(id);  // another type is another prim
   state_->set(state_->lights, id, std::move(light));
 }
@@ -172,7 +164,7 @@ void RetainedSceneDelegate::SetRenderSettings(const Path& id, RenderSettingsDesc
 bool RetainedSceneDelegate::Remove(const Path& id) {
   State& s = *state_;
   if (s.index) s.index->Remove(id);
-  const InstancerDescription instancer = get(s.instancers, id);
+  const InstancerDescription instancer = value_in(s.instancers, id);
   size_t removed = 0;
   s.for_each_kind([&](auto& prims) { removed += prims.erase(id); });
   s.mark_prototypes(instancer, {});
@@ -238,12 +230,12 @@ DisplayStyle RetainedSceneDelegate::GetDisplayStyle(const Path& id) {
   return member_of(state_->meshes, id, &MeshDescription::displayStyle);
 }
 Matrix4d RetainedSceneDelegate::GetTransform(const Path& id) {
-  if (const auto* light = find(state_->lights, id)) return light->transform;
-  if (const auto* camera = find(state_->cameras, id)) return camera->transform;
+  if (const auto* light = find_in(state_->lights, id)) return light->transform;
+  if (const auto* camera = find_in(state_->cameras, id)) return camera->transform;
   return member_of(state_->meshes, id, &MeshDescription::transform);
 }
 bool RetainedSceneDelegate::GetVisible(const Path& id) {
-  if (const auto* light = find(state_->lights, id)) return light->visible;
+  if (const auto* light = find_in(state_->lights, id)) return light->visible;
   return member_of(state_->meshes, id, &MeshDescription::visible);
 }
 bool RetainedSceneDelegate::GetDoubleSided(const Path& id) {
@@ -264,10 +256,10 @@ Path RetainedSceneDelegate::GetMaterialId(const Path& id) {
 
 std::vector<PrimvarDescriptor> RetainedSceneDelegate::GetPrimvarDescriptors(const Path& id) {
   std::vector<PrimvarDescriptor> descriptors;
-  if (const auto* mesh = find(state_->meshes, id))
+  if (const auto* mesh = find_in(state_->meshes, id))
     for (const auto& [name, primvar] : mesh->primvars)
       descriptors.push_back({name, primvar.interpolation, primvar.role, !primvar.indices.empty()});
-  if (const auto* instancer = find(state_->instancers, id))
+  if (const auto* instancer = find_in(state_->instancers, id))
     for (const auto& [name, value] : instancer->primvars)
       descriptors.push_back({name, Interpolation::instance, Token(), false});
   return descriptors;
@@ -275,58 +267,58 @@ std::vector<PrimvarDescriptor> RetainedSceneDelegate::GetPrimvarDescriptors(cons
 
 Value RetainedSceneDelegate::GetPrimvar(const Path& id, const Token& name, Array<int32_t>* indices) {
   if (indices) *indices = {};
-  if (const auto* instancer = find(state_->instancers, id)) return get(instancer->primvars, name);
-  const auto* mesh = find(state_->meshes, id);
-  const PrimvarValue* primvar = mesh ? find(mesh->primvars, name) : nullptr;
+  if (const auto* instancer = find_in(state_->instancers, id)) return value_in(instancer->primvars, name);
+  const auto* mesh = find_in(state_->meshes, id);
+  const PrimvarValue* primvar = mesh ? find_in(mesh->primvars, name) : nullptr;
   if (!primvar) return {};
   if (indices) *indices = primvar->indices;
   return primvar->value;
 }
 
 TimeSamples<Matrix4d> RetainedSceneDelegate::SampleTransform(const Path& id) {
-  if (const auto* camera = find(state_->cameras, id)) return camera->transformSamples;
+  if (const auto* camera = find_in(state_->cameras, id)) return camera->transformSamples;
   return member_of(state_->meshes, id, &MeshDescription::transformSamples);
 }
 TimeSamples<Value> RetainedSceneDelegate::SamplePrimvar(const Path& id, const Token& name) {
-  if (const auto* instancer = find(state_->instancers, id)) return get(instancer->primvarSamples, name);
-  const auto* mesh = find(state_->meshes, id);
-  return mesh ? get(mesh->primvarSamples, name) : TimeSamples<Value>();
+  if (const auto* instancer = find_in(state_->instancers, id)) return value_in(instancer->primvarSamples, name);
+  const auto* mesh = find_in(state_->meshes, id);
+  return mesh ? value_in(mesh->primvarSamples, name) : TimeSamples<Value>();
 }
 TimeSamples<Matrix4d> RetainedSceneDelegate::SampleInstancerTransform(const Path& id) {
   return member_of(state_->instancers, id, &InstancerDescription::transformSamples);
 }
 
 Path RetainedSceneDelegate::GetInstancerId(const Path& id) {
-  if (const auto* instancer = find(state_->instancers, id)) return instancer->parent;
+  if (const auto* instancer = find_in(state_->instancers, id)) return instancer->parent;
   return member_of(state_->meshes, id, &MeshDescription::instancer);
 }
 Matrix4d RetainedSceneDelegate::GetInstancerTransform(const Path& id) {
   return member_of(state_->instancers, id, &InstancerDescription::transform);
 }
 Array<int32_t> RetainedSceneDelegate::GetInstanceIndices(const Path& instancerId, const Path& prototypeId) {
-  const auto* instancer = find(state_->instancers, instancerId);
-  return instancer ? get(instancer->indices, prototypeId) : Array<int32_t>();
+  const auto* instancer = find_in(state_->instancers, instancerId);
+  return instancer ? value_in(instancer->indices, prototypeId) : Array<int32_t>();
 }
 std::vector<std::vector<Token>> RetainedSceneDelegate::GetInstanceCategories(const Path& id) {
   return member_of(state_->instancers, id, &InstancerDescription::categories);
 }
 
 MaterialNetwork RetainedSceneDelegate::GetMaterialResource(const Path& id) {
-  return get(state_->materials, id);
+  return value_in(state_->materials, id);
 }
 Value RetainedSceneDelegate::GetLightParamValue(const Path& id, const Token& name) {
-  const auto* light = find(state_->lights, id);
-  return light ? get(light->parameters, name) : Value();
+  const auto* light = find_in(state_->lights, id);
+  return light ? value_in(light->parameters, name) : Value();
 }
 Value RetainedSceneDelegate::GetCameraParamValue(const Path& id, const Token& name) {
-  const auto* camera = find(state_->cameras, id);
-  return camera ? get(camera->parameters, name) : Value();
+  const auto* camera = find_in(state_->cameras, id);
+  return camera ? value_in(camera->parameters, name) : Value();
 }
 RenderBufferDescriptor RetainedSceneDelegate::GetRenderBufferDescriptor(const Path& id) {
-  return get(state_->buffers, id);
+  return value_in(state_->buffers, id);
 }
 RenderSettingsDescription RetainedSceneDelegate::GetRenderSettings(const Path& id) {
-  return get(state_->settings, id);
+  return value_in(state_->settings, id);
 }
 
 }  // namespace alabaster::hd::host

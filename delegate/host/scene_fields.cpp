@@ -261,17 +261,6 @@ std::string fill_fields(const Fields& fields, const Path& id, T* object) {
   return finish(*object);
 }
 
-/// Calls call(get, set) with the functions of the scene for each kind of prim.
-template <class Call>
-void for_each_kind(const Call& call) {
-  using Scene = RetainedSceneDelegate;
-  call(&Scene::GetMeshes, &Scene::SetMesh);
-  call(&Scene::GetInstancers, &Scene::SetInstancer);
-  call(&Scene::GetMaterials, &Scene::SetMaterial);
-  call(&Scene::GetLights, &Scene::SetLight);
-  call(&Scene::GetCameras, &Scene::SetCamera);
-  call(&Scene::GetAllRenderSettings, &Scene::SetRenderSettings);
-}
 template <class T>
 T description_of(void (RetainedSceneDelegate::*set)(const Path&, T));
 
@@ -373,11 +362,22 @@ SetResult EditPrim(RetainedSceneDelegate* scene, const Path& path, const Fields&
   return result;
 }
 
+std::vector<std::pair<Path, Token>> ListPrims(const RetainedSceneDelegate& scene) {
+  std::vector<std::pair<Path, Token>> prims;
+  for_each_kind([&](auto get, auto set) {
+    using T = decltype(description_of(set));
+    for (const auto& [path, prim] : (scene.*get)())
+      if constexpr (std::is_same_v<T, LightDescription>)
+        prims.emplace_back(path, prim.type);
+      else
+        prims.emplace_back(path, kind_of<T>().name);
+  });
+  return prims;
+}
+
 std::string NoSuchPrim(const RetainedSceneDelegate& scene, const Path& path) {
   std::vector<std::string> known;
-  for_each_kind([&](auto get, auto) {
-    for (const auto& prim : (scene.*get)()) known.push_back(prim.first.str());
-  });
+  for (const auto& prim : ListPrims(scene)) known.push_back(prim.first.str());
   return "there is no prim " + path.str() + support::DidYouMean(path.str(), known);
 }
 

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <limits>
 
+#include "delegate/support/lookup.h"
 #include "delegate/support/process_usage.h"
 
 namespace alabaster::hydra {
@@ -53,10 +54,7 @@ hd::Value WithinHostLimits(const hd::Token& key, const hd::Value& scene, const h
 }
 
 hd::Dictionary HostStatistics(hd::Dictionary statistics) {
-  for (const char* key : {"percentDone", "fractionDone"}) {
-    const auto found = statistics.find(key);
-    statistics[key] = found == statistics.end() ? 0.0 : found->second.number_or(0);
-  }
+  for (const char* key : {"percentDone", "fractionDone"}) statistics[key] = hd::support::number_in(statistics, key);
   return statistics;
 }
 

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "delegate/support/lookup.h"
+
 namespace alabaster::hydra {
 namespace {
 
@@ -92,18 +94,15 @@ void write(const Placement& p, MaterialNode* texture) {
 }  // namespace
 
 Value input_value(const MaterialNode& node, const char* name) {
-  const auto found = node.parameters.find(name);
-  return found == node.parameters.end() ? Value() : found->second;
+  return hd::support::value_in(node.parameters, name);
 }
 
 const MaterialConnection* upstream(const MaterialNode& node, const char* input) {
-  const auto found = node.inputConnections.find(input);
-  return found == node.inputConnections.end() || found->second.empty() ? nullptr : &found->second.front();
+  return hd::support::first_in(node.inputConnections, input);
 }
 
 const MaterialNode* MaterialImages::find(const Path& id) const {
-  const auto found = from_.nodes.find(id);
-  return found == from_.nodes.end() ? nullptr : &found->second;
+  return hd::support::find_in(from_.nodes, id);
 }
 
 // Conversions pass their input on; separations choose a channel of it.

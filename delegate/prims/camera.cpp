@@ -5,6 +5,7 @@
 #include "delegate/prims/motion.h"
 #include "delegate/prims/parameters.h"
 #include "delegate/prims/prims.h"
+#include "delegate/support/lookup.h"
 
 namespace alabaster::hd::prims {
 namespace {
@@ -85,10 +86,7 @@ CameraRecord record_of(const CameraDescription& camera, const Path& where, const
   const alabaster::DiagnosticSink keep = [&](const alabaster::Diagnostic& d) { found.push_back(d); };
   record.camera.camera_to_world = camera.transform;
   record.motion = checked_motion(camera.transformSamples, where, keep);
-  const auto get = [&](const Token& name) {
-    const auto found = camera.parameters.find(name);
-    return found == camera.parameters.end() ? Value() : found->second;
-  };
+  const auto get = [&](const Token& name) { return support::value_in(camera.parameters, name); };
   pull_parameters(get, where, keep, &record.camera);
   faults->report(sink, std::move(found));
   return record;

@@ -1,7 +1,5 @@
 #include "delegate/prims/failed_files.h"
 
-#include <algorithm>
-
 #include "core/texture/udim.h"
 #include "delegate/prims/scene_param.h"
 

@@ -6,6 +6,7 @@
 
 #include "delegate/prims/parameters.h"
 #include "delegate/prims/prims.h"
+#include "delegate/support/lookup.h"
 #include "delegate/support/nearest_name.h"
 #include "delegate/support/preview_surface.h"
 
@@ -19,10 +20,7 @@ struct NodeReader {
   SceneParam& param;
   const alabaster::DiagnosticSink& sink;
 
-  Value parameter(const char* name) const {
-    const auto found = node.parameters.find(name);
-    return found == node.parameters.end() ? Value() : found->second;
-  }
+  Value parameter(const char* name) const { return support::value_in(node.parameters, name); }
 
   void warn(const char* code, const std::string& text) const {
     alabaster::report(sink, alabaster::Severity::warning, code, id.str(), text);

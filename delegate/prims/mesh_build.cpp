@@ -93,16 +93,6 @@ std::shared_ptr<Deformation> deform(const PulledMesh& pulled, const Cage& cage, 
   return nullptr;
 }
 
-// Reports, kept back until it is known that the mesh is built: a cancelled one reports again next time.
-class KeptReports {
- public:
-  explicit KeptReports(std::vector<alabaster::Diagnostic>* kept) : kept_(kept) {}
-  void operator()(const alabaster::Diagnostic& d) const { kept_->push_back(d); }
-
- private:
-  std::vector<alabaster::Diagnostic>* kept_;
-};
-
 // Cage, refinement, displacement, BVH.
 class MeshBuilder {
  public:
@@ -227,8 +217,9 @@ class MeshBuilder {
   const std::string& where_;
   SceneParam& param_;
   const CancelToken cancel_;
+  // Reports are kept back until it is known that the mesh is built: a cancelled one reports again next time.
   std::vector<alabaster::Diagnostic> reports_;
-  const alabaster::DiagnosticSink sink_{KeptReports(&reports_)};
+  const alabaster::DiagnosticSink sink_ = [this](const alabaster::Diagnostic& d) { reports_.push_back(d); };
 };
 
 }  // namespace

@@ -1,9 +1,6 @@
 // The hidden prims. Each caches what it has pulled, so that a Sync pulls only what is dirty, and posts one record.
 #pragma once
 
-#include <map>
-#include <optional>
-
 #include "core/light/light_parameters.h"
 #include "delegate/api/prims.h"
 #include "delegate/prims/mesh_cage.h"

@@ -2,8 +2,6 @@
 
 #include <tbb/parallel_for.h>
 
-#include <set>
-
 #include "core/light/ies_profile.h"
 #include "delegate/prims/parameters.h"
 

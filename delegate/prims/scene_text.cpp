@@ -2,7 +2,6 @@
 #include "core/diagnostics/plain_format.h"
 #include "core/light/ies_profile.h"
 #include "delegate/prims/parameters.h"
-#include "delegate/prims/prims.h"
 #include "delegate/prims/scene_translation.h"
 #include "delegate/support/size_text.h"
 

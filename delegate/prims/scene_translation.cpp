@@ -6,6 +6,7 @@
 #include "core/geometry/reversed_edges.h"
 #include "core/scene/scene_reports.h"
 #include "delegate/prims/built_meshes.h"
+#include "delegate/support/lookup.h"
 #include "delegate/support/nearest_name.h"
 
 namespace alabaster::hd::prims {
@@ -39,10 +40,7 @@ class CategorySets {
   }
   bool empty() const { return numbers_.empty(); }
   /// 0: of none.
-  uint32_t number(const Token& name) const {
-    const auto found = numbers_.find(name);
-    return found == numbers_.end() ? 0 : found->second;
-  }
+  uint32_t number(const Token& name) const { return support::value_in(numbers_, name); }
   /// Numbers in the order in which they are first asked for. 0 where no light is linked.
   uint32_t of(const std::vector<Token>& names) {
     if (empty()) return 0;

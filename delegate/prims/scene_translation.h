@@ -3,7 +3,6 @@
 #pragma once
 
 #include <array>
-#include <set>
 
 #include "core/scene/scene.h"
 #include "delegate/prims/diagnostics.h"

@@ -5,6 +5,7 @@
 
 #include <pybind11/pybind11.h>
 
+#include <concepts>
 #include <cstdint>
 #include <string>
 #include <utility>
@@ -57,22 +58,14 @@ struct PrimPath : Text {};
 
 }  // namespace alabaster::python
 
-template <>
-struct pybind11::detail::type_caster<alabaster::python::Text> {
-  PYBIND11_TYPE_CASTER(alabaster::python::Text, const_name("str"));
+template <std::derived_from<alabaster::python::Text> T>
+struct pybind11::detail::type_caster<T> {
+  PYBIND11_TYPE_CASTER(T, const_name("str"));
   bool load(handle source, bool) {
+    constexpr bool kIsPath = std::is_same_v<T, alabaster::python::PrimPath>;
     if (!PyUnicode_Check(source.ptr())) return false;
-    value.assign(alabaster::python::text(source, "a text"));
-    return true;
-  }
-};
-template <>
-struct pybind11::detail::type_caster<alabaster::python::PrimPath> {
-  PYBIND11_TYPE_CASTER(alabaster::python::PrimPath, const_name("str"));
-  bool load(handle source, bool) {
-    if (!PyUnicode_Check(source.ptr())) return false;
-    value.assign(alabaster::python::text(source, "a path"));
-    if (value.empty()) throw value_error("the path is empty");
+    value.assign(alabaster::python::text(source, kIsPath ? "a path" : "a text"));
+    if (kIsPath && value.empty()) throw value_error("the path is empty");
     return true;
   }
 };

@@ -1,7 +1,5 @@
 #include "delegate/python/objects.h"
 
-#include <algorithm>
-
 namespace alabaster::python {
 namespace {
 

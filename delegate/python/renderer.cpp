@@ -14,32 +14,10 @@ struct Format {
   const char* name;  // of the buffer protocol
   Py_ssize_t bytes, components;
 };
-Format format_of(int32_t format) {
-  switch (format) {
-    case ALABASTER_UNORM8:
-      return {"B", 1, 1};
-    case ALABASTER_UNORM8_3:
-      return {"B", 1, 3};
-    case ALABASTER_UNORM8_4:
-      return {"B", 1, 4};
-    case ALABASTER_HALF:
-      return {"e", 2, 1};
-    case ALABASTER_HALF_3:
-      return {"e", 2, 3};
-    case ALABASTER_HALF_4:
-      return {"e", 2, 4};
-    case ALABASTER_FLOAT32_2:
-      return {"f", 4, 2};
-    case ALABASTER_FLOAT32_3:
-      return {"f", 4, 3};
-    case ALABASTER_FLOAT32_4:
-      return {"f", 4, 4};
-    case ALABASTER_INT32:
-      return {"i", 4, 1};
-    default:
-      return {"f", 4, 1};
-  }
-}
+/// By the number of the format: ALABASTER_FORMAT_NONE, then ALABASTER_UNORM8 and so on.
+constexpr Format kFormats[] = {{"f", 4, 1}, {"B", 1, 1}, {"B", 1, 3}, {"B", 1, 4}, {"e", 2, 1}, {"e", 2, 3},
+                               {"e", 2, 4}, {"f", 4, 1}, {"f", 4, 2}, {"f", 4, 3}, {"f", 4, 4}, {"i", 4, 1}};
+static_assert(std::size(kFormats) == ALABASTER_INT32 + 1);
 
 }  // namespace
 
@@ -91,7 +69,7 @@ Pixels::~Pixels() {
 
 py::buffer_info Pixels::info() const {
   const AlabasterPixels& raw = held_->get();
-  const auto [name, bytes, components] = format_of(raw.format);
+  const auto [name, bytes, components] = kFormats[raw.format];
   const Py_ssize_t row = raw.width * components * bytes;
   // Rows lie bottom-up; the array begins with the uppermost.
   auto* top = static_cast<char*>(const_cast<void*>(raw.data)) + (raw.height - 1) * row;
@@ -310,8 +288,8 @@ AlabasterMemory memory_of(const py::buffer_info& info) {
   auto memory = c_api::sized<AlabasterMemory>();
   const Py_ssize_t components = info.ndim == 3 ? info.shape[2] : 1;
   for (int32_t format = ALABASTER_UNORM8; format <= ALABASTER_INT32; ++format)
-    if (const Format known = format_of(format); info.ndim >= 2 && info.ndim <= 3 && info.format == known.name &&
-                                                info.itemsize == known.bytes && components == known.components)
+    if (const Format known = kFormats[format]; info.ndim >= 2 && info.ndim <= 3 && info.format == known.name &&
+                                               info.itemsize == known.bytes && components == known.components)
       memory.format = format;
   if (memory.format == ALABASTER_FORMAT_NONE || info.shape[0] > kMost || info.shape[1] > kMost)
     throw py::value_error(

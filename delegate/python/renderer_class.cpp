@@ -402,6 +402,11 @@ py::class_<Renderer> renderer_class(py::module_& module) {
   return renderer;
 }
 
+auto control(AlabasterStatus (*AlabasterApi::*call)(AlabasterDelegate*)) {
+  return
+      [call](Renderer& r) { r.run([call](const AlabasterApi& api, AlabasterDelegate* d) { return (api.*call)(d); }); };
+}
+
 void add_control(py::class_<Renderer>& renderer) {
   renderer
       .def(
@@ -423,22 +428,14 @@ void add_control(py::class_<Renderer>& renderer) {
            py::arg("keep_going") = false, py::arg("progress") = py::none(),
            "Renders to files (.exr, .png, .tif, .jpg; without names, to those of the render settings), waits, and "
            "returns those that were written. aovs are further layers of the .exr files.")
-      .def(
-          "stop", [](Renderer& r) { r.run([](const AlabasterApi& api, AlabasterDelegate* d) { return api.stop(d); }); },
-          "Stops what runs, until the next start, update or record. Renders that ran stay stopped until their update.")
-      .def(
-          "restart",
-          [](Renderer& r) { r.run([](const AlabasterApi& api, AlabasterDelegate* d) { return api.restart(d); }); },
-          "Ends a stop. Nothing renders until the next start, update or record, which end a stop themselves.")
-      .def(
-          "pause",
-          [](Renderer& r) { r.run([](const AlabasterApi& api, AlabasterDelegate* d) { return api.pause(d); }); },
-          "Holds what renders, with its samples, until resume. A start or update that begins another render, render "
-          "and record end the pause. One from before the first start holds that render.")
-      .def(
-          "resume",
-          [](Renderer& r) { r.run([](const AlabasterApi& api, AlabasterDelegate* d) { return api.resume(d); }); },
-          "Ends a pause: renders continue with the samples that they have.");
+      .def("stop", control(&AlabasterApi::stop),
+           "Stops what runs, until the next start, update or record. Renders that ran stay stopped until their update.")
+      .def("restart", control(&AlabasterApi::restart),
+           "Ends a stop. Nothing renders until the next start, update or record, which end a stop themselves.")
+      .def("pause", control(&AlabasterApi::pause),
+           "Holds what renders, with its samples, until resume. A start or update that begins another render, render "
+           "and record end the pause. One from before the first start holds that render.")
+      .def("resume", control(&AlabasterApi::resume), "Ends a pause: renders continue with the samples that they have.");
 }
 
 }  // namespace

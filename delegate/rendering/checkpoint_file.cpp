@@ -1,7 +1,6 @@
 #include "delegate/rendering/checkpoint_file.h"
 
 #include <algorithm>
-#include <cstring>
 #include <utility>
 
 #include "core/digest/digest.h"

@@ -8,6 +8,7 @@
 
 #include "core/session/sample_report.h"
 #include "delegate/rendering/render_pass.h"
+#include "delegate/support/lookup.h"
 #include "delegate/support/nearest_name.h"
 
 namespace alabaster::hd::rendering {
@@ -24,7 +25,7 @@ class Arguments {
 
   bool has(const char* name) const { return all_.contains(name); }
   std::string text(const char* name) const {
-    const Value* value = find(name);
+    const Value* value = support::find_in(all_, name);
     if (!value) return {};
     const std::string text = value->text_or({});
     if (text.empty() && !value->get<std::string>() && !value->get<Token>() && !value->get<AssetPath>())
@@ -39,7 +40,7 @@ class Arguments {
   bool flag(const char* name) const { return typed<bool>(name, "true or false"); }
   Array<std::string> texts(const char* name) const { return typed<Array<std::string>>(name, "an array of texts"); }
   int64_t whole(const char* name, int64_t least, int64_t most) const {
-    const Value* value = find(name);
+    const Value* value = support::find_in(all_, name);
     const double number = value ? value->number_or(NAN) : NAN;
     if (number >= double(least) && number <= double(most) && number == std::floor(number))
       return static_cast<int64_t>(number);
@@ -47,20 +48,16 @@ class Arguments {
                       std::to_string(most));
   }
   double number(const char* name, double fallback) const {
-    const Value* value = find(name);
+    const Value* value = support::find_in(all_, name);
     const double number = value ? value->number_or(NAN) : fallback;
     if (std::isnan(number)) throw BadArgument(std::string("'") + name + "' must be a number");
     return number;
   }
 
  private:
-  const Value* find(const char* name) const {
-    const auto found = all_.find(name);
-    return found == all_.end() ? nullptr : &found->second;
-  }
   template <class T>
   T typed(const char* name, const char* kind) const {
-    const Value* value = find(name);
+    const Value* value = support::find_in(all_, name);
     if (!value) return {};
     if (const T* held = value->get<T>()) return *held;
     throw BadArgument(std::string("'") + name + "' must be " + kind);

@@ -7,6 +7,7 @@
 #include <atomic>
 
 #include "delegate/rendering/render_delegate_impl.h"
+#include "delegate/support/lookup.h"
 #include "delegate/support/process_usage.h"
 
 namespace {
@@ -62,10 +63,9 @@ hd::RenderDelegate* create(const hd::DelegateOptions& options, const DiagnosticS
     return nullptr;
   }
   hd::Dictionary settings = options.settings;
-  const auto ocio = settings.find("ocio");
-  const std::string config = ocio == settings.end() ? std::string() : ocio->second.text_or("");
-  const auto* const named = ocio == settings.end() ? nullptr : ocio->second.get<hd::AssetPath>();
-  auto colors = ColorConfig::load(config, sink, named ? named->within : std::string());
+  const hd::Value ocio = hd::support::value_in(settings, "ocio");
+  const auto* const named = ocio.get<hd::AssetPath>();
+  auto colors = ColorConfig::load(ocio.text_or(""), sink, named ? named->within : std::string());
   auto memory = std::make_shared<MemoryBudget>(hd::support::default_memory_limit());
   auto device = colors ? make_trace_device(sink, memory) : nullptr;
   if (!device) return nullptr;  // both have reported why

@@ -1,8 +1,5 @@
 #include "delegate/rendering/render_buffer.h"
 
-#include <algorithm>
-#include <cstring>
-
 #include "delegate/rendering/pixel_memory.h"
 
 namespace alabaster::hd::rendering {

@@ -87,4 +87,9 @@ std::string DidYouMean(const std::string& name, const std::vector<std::string>& 
   return nearest.empty() ? otherwise : "; did you mean '" + nearest + "'?";
 }
 
+std::string Suggestion(const std::string& name, const std::vector<std::string>& known) {
+  const std::string nearest = NearestName(name, known);
+  return nearest.empty() ? "" : " Did you mean '" + nearest + "'?";
+}
+
 }  // namespace alabaster::hd::support

@@ -16,6 +16,9 @@ std::string NearestName(const std::string& name, const std::vector<std::string>&
 std::string DidYouMean(const std::string& name, const std::vector<std::string>& known,
                        const std::string& otherwise = {});
 
+/// " Did you mean 'NEAREST'?": a sentence of its own. Empty if none is near.
+std::string Suggestion(const std::string& name, const std::vector<std::string>& known);
+
 /// The same of paths, which are the keys of `prims`.
 template <class Prims>
 std::string DidYouMeanPath(const std::string& path, const Prims& prims) {

@@ -1,10 +1,6 @@
 // Values of the contract to and from members of core's structs, through the rows of core's tables of parameters.
 #pragma once
 
-#include <algorithm>
-#include <cmath>
-#include <limits>
-
 #include "core/parameter/parameter.h"
 #include "delegate/api/types.h"
 

@@ -4,6 +4,8 @@
 #include <numbers>
 #include <optional>
 
+#include "delegate/support/lookup.h"
+
 namespace alabaster::hd::support {
 namespace {
 
@@ -80,21 +82,11 @@ class PreviewTranslation {
     }
   }
 
-  const MaterialNode* find(const Path& id) const {
-    const auto found = from_.nodes.find(id);
-    return found == from_.nodes.end() ? nullptr : &found->second;
-  }
-
-  const MaterialConnection* upstream(const MaterialNode& node, const char* input) const {
-    const auto found = node.inputConnections.find(input);
-    return found == node.inputConnections.end() || found->second.empty() ? nullptr : &found->second.front();
-  }
-
   /// The connection in nodes that are read; none: the input is not connected, or (reported) cannot be read.
   std::optional<MaterialConnection> connected(const MaterialNode& surface, const char* input) {
-    const MaterialConnection* const from = upstream(surface, input);
+    const MaterialConnection* const from = first_in(surface.inputConnections, input);
     if (!from) return std::nullopt;
-    const MaterialNode* const node = find(from->upstreamNode);
+    const MaterialNode* const node = find_in(from_.nodes, from->upstreamNode);
     if (!node) {
       warn_("material.node", std::string(input) + " is connected to " + from->upstreamNode.str() +
                                  ", which does not exist; its constant is used");
@@ -142,12 +134,12 @@ class PreviewTranslation {
 
   // Input `st` is connected to a reader of a primvar, maybe through a transform.
   void read_coordinates(const MaterialNode& texture, MaterialNode* read) {
-    const MaterialConnection* connection = upstream(texture, "st");
-    const MaterialNode* node = connection ? find(connection->upstreamNode) : nullptr;
+    const MaterialConnection* connection = first_in(texture.inputConnections, "st");
+    const MaterialNode* node = connection ? find_in(from_.nodes, connection->upstreamNode) : nullptr;
     if (node && node->nodeTypeId == Token("UsdTransform2d")) {
       place(*node, read);
-      connection = upstream(*node, "in");
-      node = connection ? find(connection->upstreamNode) : nullptr;
+      connection = first_in(node->inputConnections, "in");
+      node = connection ? find_in(from_.nodes, connection->upstreamNode) : nullptr;
     }
     if (node && node->nodeTypeId == Token("UsdPrimvarReader_float2")) {
       read->parameters["st"] = value_or(node->parameters, "varname", "st").text_or("st");

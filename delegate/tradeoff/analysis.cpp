@@ -7,7 +7,6 @@
 #include <set>
 #include <utility>
 
-#include "delegate/tradeoff/display_error.h"
 #include "delegate/tradeoff/flip.h"
 #include "delegate/tradeoff/pareto.h"
 #include "delegate/tradeoff/study.h"

@@ -3,7 +3,6 @@
 #include "delegate/tradeoff/name_pattern.h"
 
 #include <algorithm>
-#include <span>
 #include <sstream>
 
 #include "delegate/description/quality_presets.h"

@@ -2,8 +2,11 @@
 #pragma once
 
 #include <cstddef>
+#include <optional>
 #include <span>
 #include <vector>
+
+#include "delegate/host/product_writer.h"
 
 namespace alabaster::tradeoff {
 
@@ -17,5 +20,14 @@ struct Image {
 
 /// The mean of `images`, which must all have one size; summed in double precision. Empty if there are none.
 Image mean_image(std::span<const Image> images);
+
+/// `linear` (rendering space, premultiplied) as the display and view of `product` show it, over black, 0 to 1. Empty
+/// names stand for the config's defaults. None, after a report, on unknown names or a config that cannot be read.
+std::optional<Image> to_display(const Image& linear, const hd::RenderProduct& product,
+                                const hd::host::OutputColors& colors, const hd::DiagnosticSink& sink);
+
+/// Root mean square of the differences over pixels and channels; between 0 and 1 for display pixels. NaN if the images
+/// differ in size or are empty.
+double rmse(const Image& a, const Image& b);
 
 }  // namespace alabaster::tradeoff

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "delegate/support/lookup.h"
 #include "delegate/support/window_policy.h"
 
 namespace alabaster::view {
@@ -11,6 +12,8 @@ namespace {
 
 using hd::Matrix4d;
 using hd::Vec3d;
+using hd::support::number_in;
+using hd::support::text_in;
 
 constexpr double kHighestElevation = 89.5 * std::numbers::pi / 180;
 
@@ -24,9 +27,8 @@ Matrix4d rotated_about(const Matrix4d& camera, const Vec3d& pivot, const Vec3d& 
   return camera * Matrix4d().setTranslation(-pivot) * turn * Matrix4d().setTranslation(pivot);
 }
 
-double number(const hd::CameraDescription& camera, const char* name, double otherwise) {
-  const auto found = camera.parameters.find(name);
-  return found == camera.parameters.end() ? otherwise : found->second.number_or(otherwise);
+bool is_orthographic(const hd::CameraDescription& camera) {
+  return text_in(camera.parameters, "projection") == "orthographic";
 }
 
 }  // namespace
@@ -49,19 +51,19 @@ Matrix4d dollied(const Matrix4d& camera, const Vec3d& pivot, double factor) {
 }
 
 Sight sight_of(const hd::CameraDescription& camera, const hd::Framing& framing, hd::WindowPolicy policy) {
-  const auto projection = camera.parameters.find("projection");
   Sight sight;
-  sight.orthographic = projection != camera.parameters.end() && projection->second.text_or("") == "orthographic";
+  sight.orthographic = is_orthographic(camera);
   // The contract's defaults, as schemas/camera.json has them.
-  const double focal = sight.orthographic ? 1 : number(camera, "focalLength", 50);
+  const double focal = sight.orthographic ? 1 : number_in(camera.parameters, "focalLength", 50);
   const hd::Vec2f size = framing.displayMax - framing.displayMin;
   const double aspect = double(size.x) / double(size.y) * double(framing.pixelAspectRatio);
-  const hd::support::CameraWindow seen = hd::support::conform_window(
-      {number(camera, "horizontalAperture", 36) / focal, number(camera, "verticalAperture", 24) / focal}, aspect,
-      policy);
+  const hd::support::CameraWindow seen =
+      hd::support::conform_window({number_in(camera.parameters, "horizontalAperture", 36) / focal,
+                                   number_in(camera.parameters, "verticalAperture", 24) / focal},
+                                  aspect, policy);
   sight.width = seen.width, sight.height = seen.height;
-  sight.right = number(camera, "horizontalApertureOffset", 0) / focal;
-  sight.up = number(camera, "verticalApertureOffset", 0) / focal;
+  sight.right = number_in(camera.parameters, "horizontalApertureOffset", 0) / focal;
+  sight.up = number_in(camera.parameters, "verticalApertureOffset", 0) / focal;
   return sight;
 }
 
@@ -75,8 +77,7 @@ Vec3d point_at(const Matrix4d& camera, const Sight& sight, double x, double y, d
 }
 
 void zoom(hd::CameraDescription* camera, const Vec3d& pivot, double factor) {
-  const auto projection = camera->parameters.find("projection");
-  if (projection == camera->parameters.end() || projection->second.text_or("") != "orthographic") {
+  if (!is_orthographic(*camera)) {
     camera->transform = dollied(camera->transform, pivot, factor);
     return;
   }
@@ -84,10 +85,10 @@ void zoom(hd::CameraDescription* camera, const Vec3d& pivot, double factor) {
   Vec3d local;
   camera->transform.inverse().multVecMatrix(pivot, local);
   camera->transform =
-      panned(camera->transform, (1 - factor) * (local.x - number(*camera, "horizontalApertureOffset", 0)),
-             (1 - factor) * (local.y - number(*camera, "verticalApertureOffset", 0)));
-  camera->parameters["horizontalAperture"] = float(number(*camera, "horizontalAperture", 36) * factor);
-  camera->parameters["verticalAperture"] = float(number(*camera, "verticalAperture", 24) * factor);
+      panned(camera->transform, (1 - factor) * (local.x - number_in(camera->parameters, "horizontalApertureOffset", 0)),
+             (1 - factor) * (local.y - number_in(camera->parameters, "verticalApertureOffset", 0)));
+  camera->parameters["horizontalAperture"] = float(number_in(camera->parameters, "horizontalAperture", 36) * factor);
+  camera->parameters["verticalAperture"] = float(number_in(camera->parameters, "verticalAperture", 24) * factor);
 }
 
 }  // namespace alabaster::view

@@ -1,7 +1,6 @@
 #include "delegate/view/picture_fetcher.h"
 
 #include <algorithm>
-#include <chrono>
 
 namespace alabaster::view {
 namespace {

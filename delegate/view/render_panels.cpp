@@ -1,9 +1,8 @@
 // The panels of a render: toolbar, quality and settings, files, status.
 #include <algorithm>
-#include <cmath>
-#include <cstdio>
 
 #include "delegate/description/quality_presets.h"
+#include "delegate/support/lookup.h"
 #include "delegate/view/panels.h"
 
 namespace alabaster::view {
@@ -14,21 +13,13 @@ constexpr double kReadAgain = 0.2;  // seconds between two looks at the pixel un
 constexpr double kTold = 5;         // seconds that the status tells of a file
 
 std::string percent(double share) {
-  char text[32];
-  std::snprintf(text, sizeof text, share < 0.0995 ? "%.2g %%" : "%.0f %%", 100 * share);
-  return text;
+  return cli::formatted(share < 0.0995 ? "%.2g %%" : "%.0f %%", 100 * share);
 }
 
 std::string duration(double seconds) {
-  char text[32];
   if (seconds < 0) return "unknown";
-  if (seconds < 120)
-    std::snprintf(text, sizeof text, seconds < 10 ? "%.1f s" : "%.0f s", seconds);
-  else if (seconds < 7200)
-    std::snprintf(text, sizeof text, "%.0f min", seconds / 60);
-  else
-    std::snprintf(text, sizeof text, "%.1f h", seconds / 3600);
-  return text;
+  if (seconds < 120) return cli::formatted(seconds < 10 ? "%.1f s" : "%.0f s", seconds);
+  return seconds < 7200 ? cli::formatted("%.0f min", seconds / 60) : cli::formatted("%.1f h", seconds / 3600);
 }
 
 std::string noise_text(const ViewStatus& s) {
@@ -109,8 +100,7 @@ void Panels::draw_quality() {
     for (const char* heading : {"Preset", "Noise", "Time from now on"}) ImGui::TableSetupColumn(heading);
     ImGui::TableHeadersRow();
     for (const auto& preset : hd::description::QualityPresets()) {
-      const auto target = preset.settings.find("targetError");
-      const double noise = target == preset.settings.end() ? 0 : target->second.number_or(0);
+      const double noise = hd::support::number_in(preset.settings, "targetError");
       const double left = seconds_to(status_, noise);
       ImGui::TableNextColumn();
       ImGui::TextUnformatted(preset.name.c_str());
@@ -173,10 +163,9 @@ void Panels::draw_save() {
 
 void Panels::draw_status(const ViewStatus& status, const std::optional<hd::Vec2d>& mouse) {
   status_ = status;
-  char text[300];
-  std::snprintf(text, sizeof text, "   %u of %u samples   ", status.samples, status.samples_total);
-  std::string line =
-      state_text(status, session_->paused()) + text + duration(status.seconds) + "   " + noise_text(status);
+  std::string line = state_text(status, session_->paused()) +
+                     cli::formatted("   %u of %u samples   ", status.samples, status.samples_total) +
+                     duration(status.seconds) + "   " + noise_text(status);
   const double target = session_->setting("targetError").number_or(0);
   const double goal = target > 0 ? target : 0.02, left = seconds_to(status, goal);
   if (left > 0) line += "   " + percent(goal) + " in about " + duration(left);
@@ -192,18 +181,13 @@ void Panels::draw_status(const ViewStatus& status, const std::optional<hd::Vec2d
   std::string right;
   if (mouse && !values_.empty()) {
     right = session_->aov();
-    for (const float value : values_) {
-      std::snprintf(text, sizeof text, " %.4g", double(value));
-      right += text;
-    }
-    std::snprintf(text, sizeof text, "  at %d, %d", int(mouse->x * session_->size().x),
-                  int(mouse->y * session_->size().y));
-    right += text;
+    for (const float value : values_) right += cli::formatted(" %.4g", double(value));
+    right += cli::formatted("  at %d, %d", int(mouse->x * session_->size().x), int(mouse->y * session_->size().y));
   }
   const float end = ImGui::GetContentRegionMax().x, room = end - ImGui::CalcTextSize(line.c_str()).x - 30 * unit();
-  std::snprintf(text, sizeof text, "   %d x %d   %3.0f fps", session_->size().x, session_->size().y,
-                double(ImGui::GetIO().Framerate));
-  if (right.empty() || ImGui::CalcTextSize((right + text).c_str()).x <= room) right += text;
+  const std::string size = cli::formatted("   %d x %d   %3.0f fps", session_->size().x, session_->size().y,
+                                          double(ImGui::GetIO().Framerate));
+  if (right.empty() || ImGui::CalcTextSize((right + size).c_str()).x <= room) right += size;
   const float width = ImGui::CalcTextSize(right.c_str()).x;
   ImGui::SameLine(end - std::min(width, room));
   ImGui::TextDisabled("%s", right.c_str());

@@ -5,6 +5,7 @@
 
 #include "delegate/description/quality_presets.h"
 #include "delegate/host/snapshot.h"
+#include "delegate/support/lookup.h"
 #include "delegate/view/saved_description.h"
 
 namespace alabaster::view {
@@ -13,6 +14,8 @@ namespace {
 using hd::Path;
 using hd::Value;
 using hd::Vec2i;
+using hd::support::number_in;
+using hd::support::text_in;
 
 // Always bound: picks need the ids, and a drag needs the distance.
 constexpr const char* kBoundAovs[] = {"color", "primId", "instanceId", "elementId", "cameraDepth"};
@@ -34,16 +37,6 @@ double size_of(const hd::host::RetainedSceneDelegate& scene) {
   }
   const double size = (high - low).length();
   return size > 0 && std::isfinite(size) && size < 1e200 ? size : 1;
-}
-
-double stat(const hd::Dictionary& stats, const char* key, double otherwise) {
-  const auto found = stats.find(key);
-  return found == stats.end() ? otherwise : found->second.number_or(otherwise);
-}
-
-std::string text(const hd::Dictionary& stats, const char* key) {
-  const auto found = stats.find(key);
-  return found == stats.end() ? std::string() : found->second.text_or("");
 }
 
 }  // namespace
@@ -79,12 +72,12 @@ ViewSession::ViewSession(cli::SceneSession* loaded, hd::DiagnosticSink sink)
   state_.windowPolicy = settings_.windowPolicy;
   displays_ = hd::host::ListDisplays(loaded_->colors(), sink_);
   // AOV color is shown as it was rendered; AOV denoised has the other picture.
-  const auto denoise = settings_.settings.find("denoise");
+  const bool denoise = number_in(settings_.settings, "denoise") != 0;
   loaded_->delegate()->SetRenderSetting("denoise", false);
   set_size({settings_.width, settings_.height});
   for (const char* aov : kBoundAovs) bind(aov);
   set_display("", "");
-  if (denoise != settings_.settings.end() && denoise->second.number_or(0) != 0) compare(Compare::denoised);
+  if (denoise) compare(Compare::denoised);
 }
 
 ViewSession::~ViewSession() {
@@ -111,20 +104,20 @@ ViewStatus ViewSession::status() const {
   const hd::Dictionary stats = loaded_->delegate()->GetRenderStats();
   ViewStatus s;
   if (pass_) s.state = pass_->GetState();
-  s.state_name = text(stats, "state");
-  s.samples = uint32_t(stat(stats, "numCompletedSamples", 0));
-  s.samples_total = uint32_t(stat(stats, "samplesTotal", 0));
-  s.seconds = stat(stats, "totalClockTime", 0);
-  s.covered = stat(stats, "covered", 0) != 0;
-  s.noise = stat(stats, "error.relativeRmse", -1);
-  s.noise_low = stat(stats, "error.low", -1);
-  s.noise_high = stat(stats, "error.high", -1);
-  s.noise_samples = stat(stats, "error.samples", 0);
-  s.denoised = stat(stats, "denoise.fraction", -1);
-  s.denoiser = text(stats, "denoiser");
-  s.fault = text(stats, "error");
-  if (s.fault.empty()) s.fault = text(stats, "denoise.error");
-  s.scene_faults = int(stat(stats, "scene.faultCount", 0));
+  s.state_name = text_in(stats, "state");
+  s.samples = uint32_t(number_in(stats, "numCompletedSamples", 0));
+  s.samples_total = uint32_t(number_in(stats, "samplesTotal", 0));
+  s.seconds = number_in(stats, "totalClockTime", 0);
+  s.covered = number_in(stats, "covered", 0) != 0;
+  s.noise = number_in(stats, "error.relativeRmse", -1);
+  s.noise_low = number_in(stats, "error.low", -1);
+  s.noise_high = number_in(stats, "error.high", -1);
+  s.noise_samples = number_in(stats, "error.samples", 0);
+  s.denoised = number_in(stats, "denoise.fraction", -1);
+  s.denoiser = text_in(stats, "denoiser");
+  s.fault = text_in(stats, "error");
+  if (s.fault.empty()) s.fault = text_in(stats, "denoise.error");
+  s.scene_faults = int(number_in(stats, "scene.faultCount", 0));
   return s;
 }
 
@@ -289,10 +282,10 @@ std::optional<Picked> ViewSession::pick(double x, double y) {
       hd::host::Pick(*loaded_->index(), loaded_->scene, state_, {pixel.x, pixel.y, pixel.x + 1, pixel.y + 1});
   if (hits.empty()) return std::nullopt;
   Picked picked{hits[0], {}, {(pixel.x + 0.5) / size_.x, (pixel.y + 0.5) / size_.y}};
-  const auto mesh = loaded_->scene.GetMeshes().find(picked.hit.path);
-  if (mesh == loaded_->scene.GetMeshes().end()) return picked;
-  picked.material = mesh->second.material;
-  for (const hd::GeomSubset& subset : mesh->second.topology.geomSubsets)
+  const auto* mesh = hd::support::find_in(loaded_->scene.GetMeshes(), picked.hit.path);
+  if (!mesh) return picked;
+  picked.material = mesh->material;
+  for (const hd::GeomSubset& subset : mesh->topology.geomSubsets)
     if (std::find(subset.indices.begin(), subset.indices.end(), picked.hit.face) != subset.indices.end())
       picked.material = subset.materialId;
   return picked;
@@ -353,8 +346,7 @@ bool ViewSession::save_description(const std::string& file, const std::string& s
   changes.options = loaded_->options(), changes.ocio = loaded_->colors().ocio;
   changes.materials = edits_.changed_materials(), changes.lights = edits_.changed_lights();
   changes.settings = changed_settings_;
-  const auto denoise = settings_.settings.find("denoise");
-  const bool was_denoised = denoise != settings_.settings.end() && denoise->second.number_or(0) != 0;
+  const bool was_denoised = number_in(settings_.settings, "denoise") != 0;
   const bool is_denoised = compare_ != Compare::rendered;
   if (is_denoised != was_denoised) changes.settings["denoise"] = is_denoised;
   changes.is_input = [&](const std::string& output) { return is_input(output, scene_file); };

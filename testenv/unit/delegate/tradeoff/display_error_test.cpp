@@ -1,4 +1,4 @@
-#include "delegate/tradeoff/display_error.h"
+#include "delegate/tradeoff/image.h"
 
 #include <gtest/gtest.h>
 
