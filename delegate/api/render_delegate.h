@@ -3,9 +3,10 @@
 // A frame: Sync of Bprims, then Sprims (in the order of GetSupportedSprimTypes), then instancers and Rprims (parallel)
 // -> CommitResources -> RenderPass::Execute. None of them builds: a thread of the delegate refines meshes, resolves
 // paths and compiles an immutable numbered snapshot, which passes then draw. Until then the old one goes on
-// being rendered, and no pass reports convergence. Newer edits cancel the build of older ones. Threads: one host thread
-// at a time, except Stop, HoldStopped, Pause, Resume, GetRenderStats, RenderPass::GetState and
-// RenderBuffer::Map/Resolve/Unmap, which any thread may call at any time. No call throws.
+// being rendered, and no pass reports convergence. A newer edit may cancel the build (delegate/manual/embedding.md,
+// "Edits during a render"). Threads: one host thread at a time, except Stop, HoldStopped, Pause, Resume,
+// GetRenderStats, RenderPass::GetState and RenderBuffer::Map/Resolve/Unmap, which any thread may call at any time. No
+// call throws.
 #pragma once
 
 #include "delegate/api/prims.h"

@@ -22,8 +22,7 @@ struct BuiltScene {
   prims::SceneFaults faults;
 };
 
-/// An edit cancels the running build, unless the build before it was cancelled, too. So a host that edits without end
-/// still gets snapshots.
+/// An edit cancels the running build by the rule of delegate/manual/embedding.md, "Edits during a render".
 class SnapshotBuilder {
  public:
   /// Called on the builder's thread, under no lock. set_stopped(true) waits for them.
