@@ -3,6 +3,7 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <filesystem>
+#include <map>
 #include <nlohmann/json.hpp>
 #include <set>
 
@@ -81,23 +82,59 @@ const CLI::Option* known_option(const CLI::App& command, const std::string& word
   return command.get_option_no_throw(word.substr(0, 2));
 }
 
-/// The name of the option that a wrong one means; empty if none is near. An alias, else the shortest name that begins
-/// as the word does, else the nearest name.
-std::string right_option(const CLI::App& command, const std::string& wrong) {
+/// The schemas of the settings that --set takes, by name.
+const nlohmann::json& setting_schemas() {
+  static const nlohmann::json kSchemas = [] {
+    const auto schema = [](const char* name) { return nlohmann::json::parse(hd::description::SchemaText(name)); };
+    nlohmann::json all = schema("render_description")["properties"]["settings"]["properties"];
+    all.update(schema("render_settings")["properties"]);  // in the place of references to them
+    return all;
+  }();
+  return kSchemas;
+}
+
+/// "glossy-filter" of glossyFilter.
+std::string flag_name(const std::string& setting) {
+  std::string name;
+  for (const char c : setting) {
+    const bool is_upper = c >= 'A' && c <= 'Z';
+    if (is_upper) name += '-';
+    name += is_upper ? static_cast<char>(c - 'A' + 'a') : c;
+  }
+  return name;
+}
+
+/// The option that a wrong one means: --set and a setting, where that has no option of its own. Empty: none is near.
+struct MeantOption {
+  std::string option, setting;
+
+  std::string text() const { return setting.empty() ? option : option + " " + setting + "=VALUE"; }
+  bool is_switch() const { return !setting.empty() && setting_schemas()[setting].value("type", "") == "boolean"; }
+};
+
+/// An alias, else the shortest name that begins as the word does, else the nearest name. Names are those of options and
+/// of settings.
+MeantOption meant_option(const CLI::App& command, const std::string& wrong) {
   constexpr size_t kLeastLetters = 3;
   const std::string word = wrong.substr(std::min(wrong.find_first_not_of('-'), wrong.size()));
   if (const Alias* alias = find_alias(kFlagAliases, word); alias && command.get_option_no_throw(alias->ours))
-    return alias->ours;
+    return {alias->ours, ""};
   Words names;
-  std::string longer;
   for (const CLI::Option* option : command.get_options())
-    for (const std::string& name : option->get_lnames()) {
-      names.push_back(name);
-      const bool begins = word.size() >= kLeastLetters && name.starts_with(word);
-      if (begins && (longer.empty() || name.size() < longer.size())) longer = name;
-    }
+    names.insert(names.end(), option->get_lnames().begin(), option->get_lnames().end());
+  std::map<std::string, std::string> settings;
+  if (command.get_option_no_throw("--set"))
+    for (const auto& [setting, schema] : setting_schemas().items())
+      if (const std::string name = flag_name(setting); !command.get_option_no_throw("--" + name))
+        names.push_back(name), settings[name] = setting;
+  std::string longer;
+  for (const std::string& name : names)
+    if (word.size() >= kLeastLetters && name.starts_with(word) && (longer.empty() || name.size() < longer.size()))
+      longer = name;
   const std::string name = longer.empty() ? hd::support::NearestName(word, names) : longer;
-  return name.empty() ? name : "--" + name;
+  if (name.empty()) return {};
+  if (const auto setting = settings.find(name); setting != settings.end()) return {"--set", setting->second};
+  return {"--" + name, ""};
 }
 
 /// A command line with right options in the place of wrong ones.
@@ -130,19 +167,27 @@ class Corrector {
   }
 
   void replace(const std::string& word) {
-    const std::string wrong = option_of(word), right = right_option(command_, wrong);
-    if (result_.wrong.empty()) result_.wrong = wrong, result_.right = right;
-    if (right.empty()) result_.complete = false;
-    if (right.empty()) return;
-    const bool takes_value = command_.get_option_no_throw(right)->get_expected_max() > 0;
+    const std::string wrong = option_of(word);
+    const MeantOption right = meant_option(command_, wrong);
+    if (result_.wrong.empty()) result_.wrong = wrong, result_.right = right.text();
+    if (right.option.empty()) result_.complete = false;
+    if (right.option.empty()) return;
+    const bool takes_value = command_.get_option_no_throw(right.option)->get_expected_max() > 0;
     std::string value = wrong == word ? "" : word.substr(wrong.size() + 1);
-    if (takes_value && wrong == word && at_ + 1 < words_.size() && !is_option(words_[at_ + 1])) value = words_[++at_];
+    if (takes_value && wrong == word && next_is_value(right)) value = words_[++at_];
+    if (right.is_switch() && value.empty()) value = "true";
     if (takes_value && value.empty()) result_.complete = false;
-    if (!used_.insert(right).second) return;  // --width and --height are one --size
+    if (!used_.insert(right.text()).second) return;  // --width and --height are one --size
     const Alias* alias = find_alias(kFlagAliases, wrong.substr(std::min(wrong.find_first_not_of('-'), wrong.size())));
     if (alias && alias->value && value.find_first_not_of("0123456789") == std::string::npos) value = alias->value;
-    result_.words.push_back(right);
-    if (takes_value) result_.words.push_back(value);
+    result_.words.push_back(right.option);
+    if (takes_value) result_.words.push_back(right.setting.empty() ? value : right.setting + "=" + value);
+  }
+
+  bool next_is_value(const MeantOption& option) const {
+    if (at_ + 1 >= words_.size()) return false;
+    const std::string& next = words_[at_ + 1];
+    return option.is_switch() ? next == "true" || next == "false" : !is_option(next);
   }
 
   const CLI::App& command_;
@@ -233,15 +278,9 @@ std::string early_option_fault(const CLI::App& app, const Words& words) {
 std::vector<std::string> choices_of(const std::string& option) {
   if (option == "--engine") return farm_engines();
   if (option == "--aov") return hd::host::ProductAovs();
-  const std::string name = option.substr(option.find_first_not_of('-'));
-  for (const char* place : {"/properties/settings/properties/", "/properties/"}) {
-    const bool settings = place == std::string("/properties/");
-    const char* text = hd::description::SchemaText(settings ? "render_settings" : "render_description");
-    const auto schema = nlohmann::json::parse(text, nullptr, false);
-    const nlohmann::json::json_pointer at(place + name + "/enum");
-    if (schema.contains(at)) return schema[at].get<std::vector<std::string>>();
-  }
-  return {};
+  const nlohmann::json& settings = setting_schemas();
+  const auto setting = settings.find(option.substr(option.find_first_not_of('-')));
+  return setting == settings.end() ? std::vector<std::string>() : setting->value("enum", std::vector<std::string>());
 }
 
 /// The choice that a wrong one means. Empty if it is right, or the option takes other values than choices.

@@ -43,7 +43,8 @@ inline constexpr Alias kFlagAliases[] = {{"sample", "--spp", nullptr},
                                          {"cores", "--threads", nullptr},
                                          {"jobs", "--threads", nullptr},
                                          {"preset", "--quality", nullptr},
-                                         {"layer", "--aov", nullptr}};
+                                         {"layer", "--aov", nullptr},
+                                         {"frame", "--frames", "1:24"}};
 
 /// Five examples and the places of the help, which the program shows without arguments.
 std::string examples_text();

@@ -117,6 +117,33 @@ TEST_F(WordsTest, AMisspeltOptionNamesTheNearest) {
   EXPECT_HAS(unknown.err, "alabaster render --help");
 }
 
+TEST_F(WordsTest, ASettingWithoutAnOptionIsProposedAsAValueOfSet) {
+  const struct {
+    Words wrong;
+    std::string setting, right;
+  } cases[] = {{{"--glossy-filter", "0.5"}, "glossyFilter", "--set glossyFilter=0.5"},
+               {{"--glossy-filter=0.5"}, "glossyFilter", "--set glossyFilter=0.5"},
+               {{"--glosy-fliter", "0.5"}, "glossyFilter", "--set glossyFilter=0.5"},
+               {{"--refine", "2"}, "refineEdgeLength", "--set refineEdgeLength=2"},
+               {{"--filter", "gaussian"}, "filter", "--set filter=gaussian"},
+               {{"--set", "energy=bounded", "--textureFilter", "0.5"},
+                "textureFilter",
+                "--set energy=bounded --set textureFilter=0.5"},
+               {{"--walk-guiding"}, "walkGuiding", "--set walkGuiding=true"},
+               {{"--walk-guiding", "false"}, "walkGuiding", "--set walkGuiding=false"}};
+  for (const auto& [wrong, setting, right] : cases) {
+    Words words{"--spp", "1"};
+    words.insert(words.end(), wrong.begin(), wrong.end());
+    expect_proposal(quick({"render"}, words), "Did you mean '--set " + setting + "=VALUE'?",
+                    "alabaster render " + quick_text_ + " --spp 1 " + right);
+  }
+  expect_proposal(quick({"render", "--spp", "1", "--adaptive"}, {}), "Did you mean '--set adaptive=VALUE'?",
+                  "alabaster render --spp 1 --set adaptive=true " + quick_text_);
+  expect_proposal({"check", "patch.gltf", "--samples", "4"}, "Did you mean '--set samples=VALUE'?",
+                  "alabaster check patch.gltf --set samples=4");
+  EXPECT_HAS(run({"schema", "--glossy-filter", "0.5"}).err, "'alabaster schema' has no option '--glossy-filter'. Its");
+}
+
 TEST_F(WordsTest, TheWindowNamesTheNearestOptionToo) {
   if (!std::filesystem::exists(std::filesystem::path(testing::kProgram).parent_path() / "alabaster-view"))
     GTEST_SKIP() << "alabaster-view is not built";
