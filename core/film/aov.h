@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <iterator>
+#include <limits>
 #include <string_view>
 
 namespace alabaster {
@@ -33,8 +34,11 @@ enum class Aov {
   motion,        // of the first hit over the picture, in pixels, while the shutter is open
   first_primvar  // the named primvars that a render is asked for: primvar_aov()
 };
-constexpr uint32_t aov_bit(Aov a) {
-  return 1u << static_cast<uint32_t>(a);
+/// A set of AOVs, by aov_bit(). A type of more bits has room for more AOVs. Checkpoints hold it (Head in
+/// core/session/render_state.cpp), so kMagic of delegate/rendering/checkpoint_file.cpp rises with it.
+using AovSet = uint32_t;
+constexpr AovSet aov_bit(Aov a) {
+  return AovSet{1} << static_cast<uint32_t>(a);
 }
 
 /// Where a pixel's value comes from.
@@ -109,8 +113,11 @@ constexpr bool is_primvar(Aov a) {
   return a >= Aov::first_primvar;
 }
 
+/// Primvars included. Each number of enum Aov is below it.
+inline constexpr size_t kAovCount = std::size(kAovs) + kMostPrimvarAovs;
+
 static_assert(std::size(kAovs) == static_cast<size_t>(Aov::first_primvar));
-static_assert(std::size(kAovs) + kMostPrimvarAovs <= 32);
+static_assert(kAovCount <= std::numeric_limits<AovSet>::digits, "AovSet has no bit for another AOV: see its comment");
 static_assert([] {
   for (size_t i = 0; i < std::size(kAovs); ++i)
     if (kAovs[i].aov != static_cast<Aov>(i)) return false;
@@ -134,24 +141,25 @@ constexpr const AovInfo* find_aov(std::string_view name) {
 }
 
 /// Bits of all AOVs from one source.
-constexpr uint32_t aovs_from(AovSource source) {
-  uint32_t bits = 0;
+constexpr AovSet aovs_from(AovSource source) {
+  AovSet bits = 0;
   for (const AovInfo& info : kAovs)
     if (info.source == source) bits |= aov_bit(info.aov);
   return bits;
 }
 /// The AOVs that need LightLayers.
-inline constexpr uint32_t kLayerAovs = aovs_from(AovSource::layer);
-inline constexpr uint32_t kPrimvarAovs = ((1u << kMostPrimvarAovs) - 1) << static_cast<uint32_t>(Aov::first_primvar);
+inline constexpr AovSet kLayerAovs = aovs_from(AovSource::layer);
+inline constexpr AovSet kPrimvarAovs = ((AovSet{1} << kMostPrimvarAovs) - 1)
+                                       << static_cast<uint32_t>(Aov::first_primvar);
 /// The AOVs that show the closest sample's first hit.
-inline constexpr uint32_t kClosestAovs = aovs_from(AovSource::closest) | kPrimvarAovs;
+inline constexpr AovSet kClosestAovs = aovs_from(AovSource::closest) | kPrimvarAovs;
 /// Those of them that need HitVectors.
-inline constexpr uint32_t kVectorAovs =
+inline constexpr AovSet kVectorAovs =
     aov_bit(Aov::eye_point) | aov_bit(Aov::eye_normal) | aov_bit(Aov::motion) | kPrimvarAovs;
 /// The AOVs that guide the denoiser.
-inline constexpr uint32_t kGuideAovs = aov_bit(Aov::normal) | aov_bit(Aov::albedo);
+inline constexpr AovSet kGuideAovs = aov_bit(Aov::normal) | aov_bit(Aov::albedo);
 /// `aovs` and those that they are made from.
-constexpr uint32_t with_guides(uint32_t aovs) {
+constexpr AovSet with_guides(AovSet aovs) {
   return aovs & aov_bit(Aov::denoised) ? aovs | kGuideAovs : aovs;
 }
 

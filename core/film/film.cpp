@@ -26,14 +26,14 @@ void raise(std::atomic<FilmRevision>* held) {
 
 }  // namespace
 
-size_t film_bytes(const PixelRect& data_window, uint32_t aovs, const FilmExtras& extras) {
+size_t film_bytes(const PixelRect& data_window, AovSet aovs, const FilmExtras& extras) {
   if (data_window.empty()) return 0;
   const size_t denoised = aovs & aov_bit(Aov::denoised) ? 3 * sizeof(float) : 0;
   return static_cast<size_t>(data_window.width()) * static_cast<size_t>(data_window.height()) *
          (FilmTile::bytes_per_pixel(aovs, extras) + denoised);
 }
 
-Film::Film(const PixelRect& data_window, uint32_t aovs, const FilmExtras& extras)
+Film::Film(const PixelRect& data_window, AovSet aovs, const FilmExtras& extras)
     : window_(data_window),
       aovs_(aovs),
       extras_(extras),

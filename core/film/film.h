@@ -24,7 +24,7 @@ struct PixelRect {
 };
 
 /// Bytes that a Film of this window will take, but for a few per tile.
-size_t film_bytes(const PixelRect& data_window, uint32_t aovs, const FilmExtras& extras = {});
+size_t film_bytes(const PixelRect& data_window, AovSet aovs, const FilmExtras& extras = {});
 
 /// Tells contents apart: each change makes a new one, and no two films give out the same.
 using FilmRevision = uint64_t;
@@ -36,13 +36,13 @@ class Film {
  public:
   static constexpr int kTileSize = 32;
   /// `aovs`: bits of Aov. Color and alpha are always there.
-  Film(const PixelRect& data_window, uint32_t aovs, const FilmExtras& extras = {});
+  Film(const PixelRect& data_window, AovSet aovs, const FilmExtras& extras = {});
   /// Takes over the memory of a film of the same window and AOVs, whose samples are lost. Nobody uses that one, and
   /// this has no sample yet; it may be read meanwhile.
   void take_memory(Film* old);
 
   const PixelRect& data_window() const { return window_; }
-  uint32_t aovs() const { return aovs_; }
+  AovSet aovs() const { return aovs_; }
   const FilmExtras& extras() const { return extras_; }
   int tile_count() const { return tiles_x_ * tiles_y_; }
   PixelRect tile_rect(int tile) const;
@@ -105,7 +105,7 @@ class Film {
   const FilmTile* find_drawn(size_t tile) const { return drawn_[tile] ? &tiles_[tile] : nullptr; }
 
   PixelRect window_;
-  uint32_t aovs_ = 0;
+  AovSet aovs_ = 0;
   FilmExtras extras_;
   int tiles_x_ = 0, tiles_y_ = 0;
   std::atomic<int> empty_tiles_{0};

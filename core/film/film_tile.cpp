@@ -50,7 +50,7 @@ T background(Aov aov) {
 }
 
 template <class Table, class Plane>
-void add_planes(const Table& table, uint32_t aovs, size_t pixels, std::vector<Plane>* planes) {
+void add_planes(const Table& table, AovSet aovs, size_t pixels, std::vector<Plane>* planes) {
   using T = typename decltype(Plane::values)::value_type;
   for (const auto& [aov, member] : table)
     if (aovs & aov_bit(aov)) planes->push_back({aov, member, std::vector<T>(pixels, background<T>(aov))});
@@ -76,7 +76,7 @@ void append_plane(const Plane& from, Plane* to) {
 
 }  // namespace
 
-FilmTile::FilmTile(size_t pixels, uint32_t aovs, const FilmExtras& extras)
+FilmTile::FilmTile(size_t pixels, AovSet aovs, const FilmExtras& extras)
     : begin_(extras.range.begin),
       marks_per_pixel_(count_marks(extras.range)),
       samples_(pixels, 0),
@@ -92,7 +92,7 @@ FilmTile::FilmTile(size_t pixels, uint32_t aovs, const FilmExtras& extras)
   if (aovs & aov_bit(Aov::nonfinite)) nonfinite_.resize(pixels);
   for (const AovInfo& info : kAovs)
     if (aovs & kLayerAovs & aov_bit(info.aov)) layers_.push_back({info.aov, std::vector<RgbSum>(pixels)});
-  for (uint32_t a = static_cast<uint32_t>(Aov::eye_point); a < 32; ++a)
+  for (auto a = static_cast<size_t>(Aov::eye_point); a < kAovCount; ++a)
     if (const Aov aov = static_cast<Aov>(a); aovs & kVectorAovs & aov_bit(aov))
       vectors_.push_back({aov, std::vector<std::array<float, 3>>(pixels)});
   if (extras.rays) rays_.resize(pixels);
@@ -157,7 +157,7 @@ bool FilmTile::accept_planes() {
          std::all_of(samples_.begin(), samples_.end(), [](uint32_t n) { return n <= kMostSummedSamples; });
 }
 
-size_t FilmTile::bytes_per_pixel(uint32_t aovs, const FilmExtras& extras) {
+size_t FilmTile::bytes_per_pixel(AovSet aovs, const FilmExtras& extras) {
   FilmTile one(1, aovs, extras);
   size_t bytes = 0;
   for (const auto& plane : one.planes()) bytes += plane.size();

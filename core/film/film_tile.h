@@ -72,7 +72,7 @@ class FilmTile {
  public:
   /// Without pixels.
   FilmTile() = default;
-  FilmTile(size_t pixels, uint32_t aovs, const FilmExtras& extras = {});
+  FilmTile(size_t pixels, AovSet aovs, const FilmExtras& extras = {});
   /// Takes all samples away, but keeps the memory.
   void clear();
 
@@ -100,7 +100,7 @@ class FilmTile {
   /// Replaces a pixel by that of another tile of the same shape, AOVs and extras.
   void take(size_t pixel, const FilmTile& from);
   /// Size of the accumulators that these AOVs and extras need.
-  static size_t bytes_per_pixel(uint32_t aovs, const FilmExtras& extras = {});
+  static size_t bytes_per_pixel(AovSet aovs, const FilmExtras& extras = {});
 
   /// The memory of all planes, for a checkpoint: it depends on the number of pixels, the AOVs and the extras alone.
   std::vector<std::span<std::byte>> planes();

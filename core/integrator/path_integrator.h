@@ -54,7 +54,7 @@ struct PathContext {
   const IntegratorSettings& settings;
   RenderCounters& counters;
   LightLayers* layers = nullptr;               // of the sample, for integrators that were selected with layers
-  uint32_t aovs = aov_bit(Aov::color);         // bits of Aov: values of the first hit are computed only for these
+  AovSet aovs = aov_bit(Aov::color);           // values of the first hit are computed only for these
   PathRecord* record = nullptr;                // the path is written here; needs layers
   float time = 0;                              // of the shutter; all rays have it. `camera` stands as it does then
   const HitVectorRequest* vectors = nullptr;   // null: no AOV shows them

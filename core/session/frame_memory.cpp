@@ -13,7 +13,7 @@ FilmExtras film_extras(const RenderSettings& settings) {
   return extras;
 }
 
-size_t frame_bytes(const PixelRect& window, uint32_t aovs, const RenderSettings& settings) {
+size_t frame_bytes(const PixelRect& window, AovSet aovs, const RenderSettings& settings) {
   if (window.empty()) return 0;
   const size_t films = settings.target_error > 0 ? 2 : 1;
   const bool adaptive = is_adaptive(settings);

@@ -19,6 +19,6 @@ FilmExtras film_extras(const RenderSettings& settings);
 /// Bytes that a render takes at most: its film, a second film where an error ends it (GroupStopping), the rates of an
 /// adaptive frame, and what the decisions and the estimate of the error take for a moment. Not counted: some hundred
 /// bytes per tile, and the denoiser (denoise_bytes()). `aovs`: with_guides() of those of the request.
-size_t frame_bytes(const PixelRect& window, uint32_t aovs, const RenderSettings& settings);
+size_t frame_bytes(const PixelRect& window, AovSet aovs, const RenderSettings& settings);
 
 }  // namespace alabaster

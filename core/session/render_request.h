@@ -21,7 +21,7 @@ struct RenderRequest {
   CameraParameters camera;
   int width = 0, height = 0;  // display window: the camera is framed to it
   PixelRect data_window;      // pixels to render; may be a crop of, or larger than (overscan), the display window
-  uint32_t aovs = aov_bit(Aov::color);
+  AovSet aovs = aov_bit(Aov::color);
   RenderSettings settings;
   std::vector<UvSetName> primvars = {};      // those that AOVs from primvar_aov(0) on show, kMostPrimvarAovs at most
   std::shared_ptr<const Denoiser> denoiser;  // makes AOV `denoised`, which is color without it

@@ -26,7 +26,8 @@ constexpr double kMostSeconds = 1e9;
 /// The first block: all that is not per pixel.
 struct Head {
   PixelRect window;
-  uint32_t aovs = 0, rays = 0;
+  AovSet aovs = 0;
+  uint32_t rays = 0;
   SampleRange range, round;
   uint32_t ended = 0, kept = 0, has_rates = 0, has_nonfinite = 0;
   SampleAddress first_nonfinite;

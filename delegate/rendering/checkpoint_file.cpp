@@ -43,7 +43,7 @@ json library_versions() {
 }
 
 std::string aov_names(const RenderRequest& request) {
-  const uint32_t aovs = with_guides(request.aovs);
+  const AovSet aovs = with_guides(request.aovs);
   std::string names;
   for (const AovInfo& info : kAovs)
     if (aovs & aov_bit(info.aov)) names += (names.empty() ? "" : ", ") + std::string(info.name);

@@ -232,7 +232,7 @@ std::string Checkpoints::fault(const BuiltScene* scene, const RenderRequest& req
   if (!pending) return {};
   const Film& film = *pending->state->film;
   std::string fault;
-  const uint32_t aovs = with_guides(request.aovs);
+  const AovSet aovs = with_guides(request.aovs);
   if (film.data_window() != request.data_window || (aovs & ~film.aovs()) != 0 || (!shown_ && aovs != film.aovs()))
     fault = "it has another size or other AOVs";
   if (!shown_ && scene) {

@@ -18,9 +18,9 @@ constexpr const char* kFreeCamera = "free camera";  // in reports
 
 // The memory of the session for a frame of these inputs, that of the denoiser, and each bound buffer twice: as shown
 // and as being resolved (or as the host's copy). `more`: AOVs of the film besides those that are bound.
-size_t bytes_of(const PassInputs& in, uint32_t more = 0) {
+size_t bytes_of(const PassInputs& in, AovSet more = 0) {
   constexpr double kMost = 0x1p60;
-  uint32_t aovs = more;
+  AovSet aovs = more;
   double bytes = 0;
   for (const auto& binding : in.bindings) {
     aovs |= with_guides(aov_bit(binding.aov));

@@ -7,7 +7,7 @@
 
 namespace alabaster::testing {
 
-inline constexpr uint32_t kFrameMemoryAovs = aov_bit(Aov::color) | aov_bit(Aov::normal) | aov_bit(Aov::depth);
+inline constexpr AovSet kFrameMemoryAovs = aov_bit(Aov::color) | aov_bit(Aov::normal) | aov_bit(Aov::depth);
 
 inline RenderRequest frame_memory_request(const RenderSettings& settings) {
   constexpr int kSide = 128;

@@ -21,7 +21,7 @@ class PathTracer {
             CameraInteriors::find({*scene_, camera_, settings, counters}, camera_.ray_origins({0, 0}, {1, 1}))) {}
 
   IntegratorSettings settings = integrator_settings({});
-  uint32_t aovs = aov_bit(Aov::color);
+  AovSet aovs = aov_bit(Aov::color);
   RenderCounters counters;
   float reach = std::numeric_limits<float>::infinity();  // of the camera's rays
 

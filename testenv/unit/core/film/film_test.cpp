@@ -165,7 +165,7 @@ TEST(Film, KeepsTheLayersThatWereAskedFor) {
 }
 
 TEST(Film, KeepsTheVectorsOfTheClosestSample) {
-  const uint32_t aovs = aov_bit(Aov::motion) | aov_bit(Aov::eye_point) | aov_bit(primvar_aov(7));
+  const AovSet aovs = aov_bit(Aov::motion) | aov_bit(Aov::eye_point) | aov_bit(primvar_aov(7));
   Film film({0, 0, 2, 1}, aovs);
   FilmTile tile = film.load_tile(0), next = tile;
   HitVectors vectors;
@@ -230,7 +230,7 @@ TEST(Film, CountsPixelsWithoutASample) {
 // take() copies every plane.
 TEST(FilmTile, APixelIsTakenWithAllItsPlanes) {
   const FilmExtras extras{true, {4, 20}};
-  constexpr uint32_t kAovs = ~0u & ~aov_bit(Aov::denoised);
+  constexpr AovSet kAovs = ~AovSet{0} & ~aov_bit(Aov::denoised);
   HitVectors vectors;
   FilmTile from(2, kAovs, extras), to(2, kAovs, extras);
   for (uint32_t i = 0; i < 16; ++i) {

@@ -43,7 +43,7 @@ std::shared_ptr<RenderState> read(const Blocks& blocks) {
 
 RenderRequest request_of(uint32_t samples) {
   RenderRequest request = testing::mixed_request(samples);
-  request.aovs = ~0u & ~aov_bit(Aov::denoised);
+  request.aovs = ~AovSet{0} & ~aov_bit(Aov::denoised);
   request.settings.threads = 2;
   return request;
 }
