@@ -8,6 +8,7 @@
 #include "delegate/prims/prims.h"
 #include "delegate/support/lookup.h"
 #include "delegate/support/nearest_name.h"
+#include "delegate/support/parameters.h"
 #include "delegate/support/preview_surface.h"
 
 namespace alabaster::hd::prims {
@@ -184,7 +185,7 @@ class MaterialReader {
 
   void read_parameter(const Token& name, const Value& value, DisneyParameters* constants) const {
     if (const MaterialParameter* row = find_material_parameter(name.str()))
-      return report_fault(sink_, id_.str(), name.str(), set_parameter(*row, value, constants), value);
+      return report_fault(sink_, id_.str(), name.str(), support::set_parameter(*row, value, constants), value);
     std::vector<std::string> names;
     for (const auto& parameter : material_parameters()) names.emplace_back(parameter.name);
     warn("material.parameter",
@@ -212,7 +213,7 @@ class MaterialReader {
         lost.emplace_back(&connection.upstreamNode, channel);
     }
     // A constant that nobody gave must not scale the texture.
-    if (connected && !has_constant) has_constant = true, set_parameter(*row, 1.0f, &material->constants);
+    if (connected && !has_constant) has_constant = true, support::set_parameter(*row, 1.0f, &material->constants);
     for (const auto& [node, channel] : lost)
       if (channel == Channel::direction)
         turn_by_bias(*node, has_constant, &material->constants);
@@ -234,11 +235,11 @@ class MaterialReader {
     const Vec4f white = node->finite_or("scale", Vec4f(1, 1, 1, 1)) + node->finite_or("bias", Vec4f(0, 0, 0, 0));
     const float one = white[channel == Channel::a ? 3 : component_of(channel)];
     const Vec3f all = channel == Channel::rgb ? Vec3f(white.x, white.y, white.z) : Vec3f(one);
-    const Value held = get_parameter(row, *constants);
+    const Value held = support::get_parameter(row, *constants);
     if (row.is_color())
-      set_parameter(row, held.get_or(Vec3f(1)) * all, constants);
+      support::set_parameter(row, held.get_or(Vec3f(1)) * all, constants);
     else
-      set_parameter(row, held.number_or(1) * double(one), constants);
+      support::set_parameter(row, held.number_or(1) * double(one), constants);
   }
   static constexpr Rgb kLostColor{1, 0, 1};
 

@@ -6,6 +6,7 @@
 #include "delegate/prims/parameters.h"
 #include "delegate/prims/prims.h"
 #include "delegate/support/float_values.h"
+#include "delegate/support/parameters.h"
 
 namespace alabaster::hd::prims {
 namespace {
@@ -47,15 +48,16 @@ void pull_options(SceneDelegate& scene, const Path& id, const std::vector<Primva
                   const alabaster::DiagnosticSink& sink, MeshOptions* options) {
   *options = {.double_sided = options->double_sided, .camera_cull = options->camera_cull};
   for (const auto& row : mesh_parameters()) {
-    const Value otherwise = get_parameter(row, *options);
+    const Value otherwise = support::get_parameter(row, *options);
     const PulledPrimvar pulled = pull_primvar(scene, id, row.name, descriptors);
     if (!pulled.present) continue;
     Value value = pulled.value;
     take_only_element<float>(&value);
     take_only_element<Vec3f>(&value);
     const bool is_constant = pulled.interpolation == Interpolation::constant;
-    const ParameterFault fault = is_constant ? set_parameter(row, value, options) : ParameterFault::type;
-    if (fault == ParameterFault::type)
+    const support::ParameterFault fault =
+        is_constant ? support::set_parameter(row, value, options) : support::ParameterFault::type;
+    if (fault == support::ParameterFault::type)
       alabaster::report(sink, alabaster::Severity::warning, "mesh." + std::string(row.name), id.str(),
                         "primvar " + std::string(row.name) + " must be a constant of the type in schemas/mesh.json; " +
                             otherwise.to_string() + " is used");

@@ -6,15 +6,9 @@
 
 namespace alabaster::hd::prims {
 
-using support::get_parameter;
-using support::ParameterFault;
-using support::read_color;
-using support::read_number;
-using support::set_parameter;
-
 /// Reports what is wrong with parameter `name` of `where`, and the value that is used instead.
 void report_fault(const alabaster::DiagnosticSink& sink, const std::string& where, const std::string& name,
-                  ParameterFault fault, const Value& value);
+                  support::ParameterFault fault, const Value& value);
 
 /// Sets the parameters of a table: get(name), or the default where that is empty or faulty (reported).
 template <class Rows, class T, class Get>
@@ -23,8 +17,8 @@ void read_parameters(const Rows& rows, const Get& get, const std::string& where,
   const T defaults;
   for (const auto& row : rows) {
     const Value value = get(row.name);
-    set_parameter(row, get_parameter(row, defaults), object);
-    if (!value.empty()) report_fault(sink, where, row.name, set_parameter(row, value, object), value);
+    support::set_parameter(row, support::get_parameter(row, defaults), object);
+    if (!value.empty()) report_fault(sink, where, row.name, support::set_parameter(row, value, object), value);
   }
 }
 

@@ -1,6 +1,7 @@
 #include "core/session/render_settings.h"
 #include "delegate/prims/parameters.h"
 #include "delegate/prims/prims.h"
+#include "delegate/support/parameters.h"
 #include "delegate/support/retired_settings.h"
 
 namespace alabaster::hd::prims {
@@ -15,7 +16,8 @@ DirtyBits RenderSettingsPrim::post_record(SceneDelegate& scene, SceneParam& para
   RenderSettings unused;
   for (const SettingParameter& row : setting_parameters())
     if (const auto given = description.settings.find(row.name); given != description.settings.end())
-      report_fault(param.sink(), GetId().str(), row.name, set_parameter(row, given->second, &unused), given->second);
+      report_fault(param.sink(), GetId().str(), row.name, support::set_parameter(row, given->second, &unused),
+                   given->second);
   param.post(GetId(), SettingsRecord{description});
   changed_();
   return dirty::kClean;

@@ -3,7 +3,6 @@
 #include <tbb/parallel_for.h>
 
 #include "core/light/ies_profile.h"
-#include "delegate/prims/parameters.h"
 
 namespace alabaster::hd::prims {
 namespace {

@@ -1,8 +1,8 @@
 // The translated scene as text: for goldens, and for people who ask what the renderer was given.
 #include "core/diagnostics/plain_format.h"
 #include "core/light/ies_profile.h"
-#include "delegate/prims/parameters.h"
 #include "delegate/prims/scene_translation.h"
+#include "delegate/support/parameters.h"
 #include "delegate/support/size_text.h"
 
 namespace alabaster::hd::prims {
@@ -16,7 +16,7 @@ template <class Row, class T>
 std::string parameter_lines(std::span<const Row> table, const T& object) {
   std::string text;
   for (const Row& parameter : table)
-    text += std::string("  ") + parameter.name + " " + get_parameter(parameter, object).to_string() + "\n";
+    text += std::string("  ") + parameter.name + " " + support::get_parameter(parameter, object).to_string() + "\n";
   return text;
 }
 
@@ -82,7 +82,8 @@ std::string instance_text(const InstanceDescription& instance, const Translation
   if (options.camera_cull != CameraCull::none)
     text += options.camera_cull == CameraCull::back ? "  back culled\n" : "  front culled\n";
   for (const auto& row : mesh_parameters())
-    if (const Value value = get_parameter(row, options); !(value == get_parameter(row, InstanceDescription().options)))
+    if (const Value value = support::get_parameter(row, options);
+        !(value == support::get_parameter(row, InstanceDescription().options)))
       text += std::string("  ") + row.name + " " + value.to_string() + "\n";
   if (!instance.subsurface_set.empty()) text += "  subsurfaceSet " + instance.subsurface_set + "\n";
   if (instance.category_set != 0)

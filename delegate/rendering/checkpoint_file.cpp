@@ -6,9 +6,9 @@
 #include "core/digest/digest.h"
 #include "core/integrator/path_integrator.h"
 #include "delegate/api/render_delegate.h"
-#include "delegate/prims/parameters.h"
 #include "delegate/prims/scene_digest.h"
 #include "delegate/support/output_file.h"
+#include "delegate/support/parameters.h"
 #include "delegate/support/retired_settings.h"
 #include "delegate/support/size_text.h"
 
@@ -191,7 +191,7 @@ CheckpointHeader checkpoint_header(const RenderRequest& request, const std::map<
   json& settings = header["settings"] = json::object();
   for (const SettingParameter& parameter : setting_parameters())
     if (is_compared(parameter, request.settings)) {
-      const Value value = prims::get_parameter(parameter, request.settings);
+      const Value value = support::get_parameter(parameter, request.settings);
       settings[parameter.name] = value.text_or(value.to_string());
     }
   // As a file gives it back: names that are not UTF-8 do not survive JSON.

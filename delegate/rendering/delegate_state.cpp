@@ -4,8 +4,10 @@
 #include <chrono>
 #include <limits>
 
+#include "delegate/prims/parameters.h"
 #include "delegate/rendering/render_pass.h"
 #include "delegate/support/nearest_name.h"
+#include "delegate/support/parameters.h"
 #include "delegate/support/retired_settings.h"
 
 namespace alabaster::hd::rendering {
@@ -48,7 +50,7 @@ void DelegateState::set_settings(const Dictionary& given) {
     const SettingParameter* parameter = find_setting(key);
     RenderSettings unused;
     if (parameter && !value.empty())
-      prims::report_fault(param->sink(), "render settings", name, prims::set_parameter(*parameter, value, &unused),
+      prims::report_fault(param->sink(), "render settings", name, support::set_parameter(*parameter, value, &unused),
                           value);
     dices |= name == "refineEdgeLength" || name == "renderSettingsPrimPath";
   }
@@ -89,7 +91,7 @@ Value DelegateState::setting(const Token& key) const {
     if (held != settings_.end()) return held->second;
   }
   const SettingParameter* parameter = find_setting(key);
-  return parameter ? prims::get_parameter(*parameter, render_settings()) : Value();
+  return parameter ? support::get_parameter(*parameter, render_settings()) : Value();
 }
 
 uint32_t DelegateState::settings_version() const {
@@ -114,12 +116,12 @@ RenderSettings DelegateState::render_settings() const {
   const prims::SettingsRecord* prim = settings_prim();
   for (const SettingParameter& parameter : setting_parameters()) {
     if (prim) {
-      if (Token("frame") == Token(parameter.name)) prims::set_parameter(parameter, prim->settings.frame, &out);
+      if (Token("frame") == Token(parameter.name)) support::set_parameter(parameter, prim->settings.frame, &out);
       const auto value = prim->settings.settings.find(parameter.name);
-      if (value != prim->settings.settings.end()) prims::set_parameter(parameter, value->second, &out);
+      if (value != prim->settings.settings.end()) support::set_parameter(parameter, value->second, &out);
     }
     const auto value = settings_.find(parameter.name);
-    if (value != settings_.end()) prims::set_parameter(parameter, value->second, &out);
+    if (value != settings_.end()) support::set_parameter(parameter, value->second, &out);
   }
   return out;
 }

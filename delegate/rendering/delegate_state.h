@@ -5,7 +5,6 @@
 #include <set>
 
 #include "core/session/render_request.h"
-#include "delegate/prims/parameters.h"
 #include "delegate/rendering/checkpoints.h"
 #include "delegate/rendering/snapshot_builder.h"
 

@@ -4,6 +4,7 @@
 #include "delegate/rendering/commands.h"
 #include "delegate/rendering/pixel_format.h"
 #include "delegate/rendering/render_pass.h"
+#include "delegate/support/parameters.h"
 
 namespace alabaster::hd::rendering {
 
@@ -96,7 +97,7 @@ std::vector<RenderSettingDescriptor> make_setting_descriptors() {
     d.name = parameter.name;
     d.key = parameter.name;
     d.effect = effect_of(parameter);
-    d.defaultValue = prims::get_parameter(parameter, defaults);
+    d.defaultValue = support::get_parameter(parameter, defaults);
     if (parameter.maximum > parameter.minimum && parameter.maximum < kUnbounded) {
       const bool real = d.defaultValue.get<float>() != nullptr;
       const auto bound = [&](double n) { return real ? Value(static_cast<float>(n)) : Value(static_cast<int64_t>(n)); };
