@@ -280,7 +280,7 @@ void PassControl::start(PassInputs next) {
 void PassControl::update(PassInputs next, bool building, std::vector<alabaster::Diagnostic>* faults) {
   const std::lock_guard lock(control_);
   if (delegate_->is_stopped()) return;
-  stale_ = building;
+  picture_stale_ = building;
   if (!active_ || cancelled_ || running_ != next) return start(std::move(next));
   const RenderProgress progress = session_->progress();
   if (building) return;
@@ -385,7 +385,7 @@ void PassControl::resume() {
 
 void PassControl::expect_new_scene() {
   const std::lock_guard lock(control_);
-  stale_ = true;
+  picture_stale_ = true;
   for (const auto& binding : running_.bindings) binding.buffer->set_converged(false);
 }
 
@@ -404,7 +404,7 @@ bool PassControl::wait(double seconds) {
 
 std::string PassControl::see_end() {
   const std::lock_guard lock(control_);
-  if (!active_ || stale_ || cancelled_) return {};
+  if (!active_ || picture_stale_ || cancelled_) return {};
   const RenderProgress progress = session_->progress();
   if (progress.state == SessionState::finished) finish_seen_ = true;
   if (progress.state != SessionState::failed || failed_) return {};
@@ -414,7 +414,7 @@ std::string PassControl::see_end() {
 
 PassState PassControl::state() const {
   if (delegate_->is_stopped()) return PassState::stopped;
-  if (executed_ && stale_) return PassState::preparing;
+  if (executed_ && picture_stale_) return PassState::preparing;
   if (failed_) return PassState::failed;
   if (converged_) return PassState::converged;
   if (!active_) return PassState::idle;

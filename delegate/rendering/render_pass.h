@@ -62,7 +62,7 @@ class PassControl : public std::enable_shared_from_this<PassControl> {
   bool wait(double seconds);
 
   PassState state() const;
-  bool is_converged() const { return converged_ && !stale_; }
+  bool is_converged() const { return converged_ && !picture_stale_; }
   /// The request was at fault, and nothing was rendered: framing, camera, or more memory than the limit leaves.
   bool is_refused() const { return refused_; }
   RenderProgress progress() const { return session_->progress(); }
@@ -119,7 +119,8 @@ class PassControl : public std::enable_shared_from_this<PassControl> {
   std::optional<DrawRequest> deferred_;                        // is drawn once the scene is built
   MemoryReservation frame_memory_;                             // of the frame that is or was drawn last
   std::atomic<bool> executed_{false};
-  std::atomic<bool> stale_{false};  // a newer scene than that of running_ is being built, or Execute has not seen it
+  /// A newer scene than that of running_ is being built, or Execute has not seen it.
+  std::atomic<bool> picture_stale_{false};
 };
 
 /// The part of GetRenderStats that is a pass's own, to be kept when the pass is gone.

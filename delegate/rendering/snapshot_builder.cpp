@@ -220,7 +220,7 @@ void SnapshotBuilder::apply_edits() {
       continue;
     }
     prims::Record& held = records_[edit->id];
-    stale_ |= held != edit->record;
+    scenes_stale_ |= held != edit->record;
     replaced_.push_back(std::move(held));
     held = std::move(edit->record);
     if (std::holds_alternative<std::monostate>(held)) records_.erase(edit->id);
@@ -238,10 +238,10 @@ void SnapshotBuilder::update(const CancelToken& cancel) {
     const auto last = built(selection);
     return last && last->snapshot && last->translation.shutter == view.shutter;
   };
-  stale_ |= meshes_.incomplete() || deformations_.incomplete() || !meshes_.is_built_for(view.meshes);
+  scenes_stale_ |= meshes_.incomplete() || deformations_.incomplete() || !meshes_.is_built_for(view.meshes);
   choose_variants(view.selections);
-  if (stale_ || !std::all_of(view.selections.begin(), view.selections.end(), is_current)) {
-    stale_ = true;  // until all of it is done
+  if (scenes_stale_ || !std::all_of(view.selections.begin(), view.selections.end(), is_current)) {
+    scenes_stale_ = true;  // until all of it is done
     meshes_.build({records_, view.selections, view.meshes}, param_.get(), cancel);
     const auto start = std::chrono::steady_clock::now();
     const prims::DeformedMeshes deformed = deformations_.in(view.shutter, meshes_, param_.get(), cancel);
@@ -250,7 +250,7 @@ void SnapshotBuilder::update(const CancelToken& cancel) {
     translator_.report();
     {
       const std::lock_guard lock(mutex_);
-      stale_ = in_vain_ || lacks_snapshots();
+      scenes_stale_ = in_vain_ || lacks_snapshots();
     }
     const std::chrono::duration<double> spent = std::chrono::steady_clock::now() - start;
     compile_seconds_ = compile_seconds_ + spent.count();

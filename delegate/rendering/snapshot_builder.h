@@ -120,9 +120,9 @@ class SnapshotBuilder {
   prims::SceneTranslator translator_;
   std::vector<Variant> variants_;
   uint64_t scene_number_ = 0;
-  bool stale_ = true;     // the scenes do not show records_ as they are
-  bool changed_ = true;   // edits or views have come since the scenes were made
-  bool in_vain_ = false;  // a scene stays that lacks parts, and the try to add them lacked more
+  bool scenes_stale_ = true;  // the scenes do not show records_ as they are
+  bool changed_ = true;       // edits or views have come since the scenes were made
+  bool in_vain_ = false;      // a scene stays that lacks parts, and the try to add them lacked more
 
   std::thread thread_;
 };
