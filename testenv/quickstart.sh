@@ -10,8 +10,10 @@ install_packages "$top/testenv/packages.txt"
 
 build="$top/build/release"
 cmake -S "$top" -B "$build" -G Ninja -DCMAKE_BUILD_TYPE=Release -DALABASTER_TESTS=OFF -DALABASTER_BENCHMARKS=OFF >/dev/null
+install_denoiser "$build" &
+denoiser=$!
 cmake --build "$build" --target alabaster
-install_denoiser "$build"
+wait "$denoiser"
 denoise=""
 [ ! -e "$build/oidn" ] || denoise="--denoise"
 

@@ -84,8 +84,9 @@ struct TradeoffArguments : SceneArguments {
   std::string folder;
   double budget = 10;  // minutes
   std::optional<hd::Vec2i> size;
-  std::string only;                // regular expression
-  std::vector<std::string> words;  // that make the same study, such as --size=64x64
+  std::string only;  // regular expression
+  Words words;       // of the whole command line
+  Words options;     // that make the same study, such as --size=64x64
   bool denoise = false, restart = false, quiet = false;
 };
 int run_tradeoff(const TradeoffArguments& arguments);

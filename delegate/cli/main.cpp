@@ -385,9 +385,9 @@ int parse_and_run(int argc, char** argv) {
   } catch (const CLI::ParseError& e) {
     return parse_fault(e, app, word_fault(app, words, e));
   }
-  a.render.words = words;
+  a.render.words = a.tradeoff.words = words;
   if (farm_command->parsed()) split_options(farm_command, &a.farm);
-  a.tradeoff.words = given_options(tradeoff_command, {"--restart", "--quiet"});
+  a.tradeoff.options = given_options(tradeoff_command, {"--restart", "--quiet"});
   for (const auto& [command, run_parsed] : commands)
     if (command->parsed()) return run_command(app, words, run_parsed);
   return kUsage;

@@ -263,7 +263,7 @@ class TradeoffCommand {
 
   std::string command_line() const {
     std::string text = "alabaster tradeoff " + shell_path(a_.scene);
-    for (const std::string& word : a_.words) text += " " + shell_word(word);
+    for (const std::string& word : a_.options) text += " " + shell_word(word);
     return text;
   }
 

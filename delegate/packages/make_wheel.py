@@ -133,7 +133,7 @@ def build(prefix, python, jobs):
     run("cmake", "-S", TOP, "-B", WORK, "-G", "Ninja", "-DCMAKE_BUILD_TYPE=Release", f"-DCMAKE_PREFIX_PATH={prefix}",
         "-DALABASTER_TESTS=OFF", "-DALABASTER_BENCHMARKS=OFF", "-DALABASTER_WINDOW=OFF", f"-DPython_EXECUTABLE={python}",
         "-DALABASTER_PYTHON_FOLDER=lib/python/dist-packages", "-DCMAKE_INSTALL_LIBDIR=lib", *os.environ.get("ALABASTER_CMAKE_OPTIONS", "").split())
-    run("cmake", "--build", WORK, "-j", jobs, "--target", "alabaster", "alabaster_python", "alabaster_images")
+    run("cmake", "--build", WORK, "-j", jobs, "--target", "alabaster", "alabaster-tradeoff", "alabaster_python", "alabaster_images")
     shutil.rmtree(WORK / "installed", ignore_errors=True)
     run("cmake", "--install", WORK, "--prefix", WORK / "installed", "--strip", stdout=subprocess.DEVNULL)
 
@@ -144,7 +144,7 @@ def stage(tools, version, tag):
     shutil.rmtree(root, ignore_errors=True)
     package = root / "hdalabaster"
     shutil.copytree(installed / "lib/python/dist-packages/hdalabaster", package)
-    for folder, pattern in (("bin", "bin/alabaster"), ("lib", "lib/lib*.so.0")):
+    for folder, pattern in (("bin", "bin/alabaster*"), ("lib", "lib/lib*.so.0")):
         (package / folder).mkdir()
         for file in installed.glob(pattern):
             shutil.copy(file, package / folder)  # a link as the file that it names

@@ -10,7 +10,7 @@ told=$(cmake --install "$1" --prefix "$scratch/prefix")
 written=$(find "$1/blender" -newer "$scratch/begin" 2>/dev/null || true)
 [ -z "$written" ] || { echo "error: the installation wrote outside of its prefix: $written" >&2; exit 1; }
 # Each optional part is installed, or the installation says why not.
-for part in "Python module:_hdalabaster*.so" "Blender add-on:alabaster_render.zip" "Window:alabaster-view" "Denoiser:libOpenImageDenoise.so.2" "Hydra plug-in:hdAlabasterPlugin.so"; do
+for part in "Python module:_hdalabaster*.so" "Blender add-on:alabaster_render.zip" "Window:alabaster-view" "Command tradeoff:alabaster-tradeoff" "Denoiser:libOpenImageDenoise.so.2" "Hydra plug-in:hdAlabasterPlugin.so"; do
   found=$(find "$scratch/prefix" -name "${part#*:}")
   left_out=$(echo "$told" | grep "^-- ${part%%:*}.*: not installed, because " || true)
   if [ -n "$found" ] && [ -n "$left_out" ] || [ -z "$found$left_out" ]; then
@@ -22,6 +22,7 @@ cmake -S "$here" -B "$scratch/build" -G Ninja -DCMAKE_PREFIX_PATH="$scratch/pref
 cmake --build "$scratch/build"
 "$scratch/build/stranger"
 "$scratch/prefix/bin/alabaster" --version | head -n 1
+[ ! -e "$scratch/prefix/bin/alabaster-tradeoff" ] || "$scratch/prefix/bin/alabaster" tradeoff missing.json 2>&1 | grep -q "missing.json"
 [ ! -e "$scratch/prefix/bin/alabaster-view" ] || "$scratch/prefix/bin/alabaster" view --help >/dev/null
 library=$(find "$scratch/prefix" -name libhdAlabaster.so)
 libraries=$(dirname "$library")

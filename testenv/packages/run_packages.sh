@@ -13,7 +13,7 @@ trap 'rm -rf "$scratch"' EXIT
 
 if [ ! -e "$build/bin/alabaster" ] || [ -z "$(find "$build/python/hdalabaster" -name '*.so' 2>/dev/null)" ]; then
   cmake -S "$top" -B "$build" -G Ninja -DCMAKE_BUILD_TYPE=Release >/dev/null
-  cmake --build "$build" --target alabaster alabaster_images
+  cmake --build "$build" --target alabaster alabaster-tradeoff alabaster_images
   cmake --build "$build" --target alabaster_python alabaster-view
 fi
 rm -f "$build"/hdalabaster_*.deb
