@@ -1,4 +1,5 @@
-// Command tradeoff of the program alabaster: alabaster-tradeoff runs it, so that a first picture needs less to be built.
+// Command tradeoff of the program alabaster: alabaster-tradeoff runs it, so that a first picture needs less to be
+// built.
 #include "delegate/cli/beside.h"
 #include "delegate/cli/commands.h"
 #include "delegate/cli/console.h"
