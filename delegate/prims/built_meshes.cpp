@@ -159,10 +159,8 @@ void BuiltMeshes::adopt(Held* held, MeshResult result, const alabaster::Diagnost
   held->has_shape = result.built.prototype && !result.built.reported;
   held->built = std::move(result.built);
   held->done = !is_refused(held->built);
-  if (!result.failure)
-    held->faults.report(sink, std::move(result.reports));
-  else if (sink)
-    sink(*result.failure);
+  if (result.failure) result.reports = {*result.failure};
+  held->faults.report(sink, std::move(result.reports));
 }
 
 void BuiltMeshes::build_missing(const Scene& scene, SceneParam* param, const CancelToken& cancel) {

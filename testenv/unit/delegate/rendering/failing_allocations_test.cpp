@@ -175,6 +175,36 @@ TEST_F(FailingAllocations, AMeshForWhichMemoryRunsOutIsLeftOutOfTheScene) {
   EXPECT_GE(stage.count("mesh.memory"), 1u) << "while it is translated";
 }
 
+// Memory may run out where the memory limit refuses nothing.
+// promise: pipeline.memory.refusal
+TEST_F(FailingAllocations, AMeshThatIsNotBuiltForWantOfMemoryIsReportedWithARemedy) {
+  Stage stage({{"samples", 1}, {"threads", 1}});
+  stage.add_basic_scene();
+  host::MeshDescription other = Stage::quad();
+  int reported = 0;
+  for (size_t allowed = 0; allowed < 400; ++allowed) {
+    other.primvars["points"].value = Array<Vec3f>{{-1, -1, 0}, {1, -1, 0}, {1, 1, 0}, {-1, 1, float(allowed) / 1000}};
+    bool failed = false;
+    {
+      const testing::FailingMemoryElsewhere failing(1, allowed);
+      stage.scene.SetMesh("/other", other);
+      stage.index->SyncAll();
+      stage.wait_for_scene();
+      failed = failing.failed();
+    }
+    if (!failed) break;
+    for (const Diagnostic& d : stage.take_diagnostics()) {
+      if (d.where != "/other") continue;
+      EXPECT_TRUE(d.code.ends_with(".memory")) << d.code << " after " << allowed << " allocations: " << d.text;
+      reported += d.code == "mesh.memory" && d.text.find("lower refineLevel") != d.text.npos;
+    }
+    stage.index->SyncAll();
+    stage.delegate->CommitResources();
+    stage.wait_for_scene();
+  }
+  EXPECT_GE(reported, 5);
+}
+
 /// A pass over a scene with bodies, one of them a set, a mesh that emits, and a dome with an image.
 struct ManyParts {
   ManyParts() {
