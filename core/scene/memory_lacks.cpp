@@ -65,12 +65,13 @@ void MemoryLacks::add(const Concern& of, const std::string& reason) {
 std::vector<Diagnostic> MemoryLacks::reports() const {
   std::vector<Diagnostic> reports;
   for (const Reported& lack : reported_)
-    reports.push_back({Severity::error, kind_text(lack.kind).code, lack.first,
+    reports.push_back({changes_picture(lack.kind) ? Severity::error : Severity::warning, kind_text(lack.kind).code,
+                       lack.first,
                        lack.reason + ": " + outcome_of(lack.kind, lack.count) + "; the next commit tries again"});
   return reports;
 }
 
-std::vector<MemoryLack> MemoryLacks::take() {
+std::vector<MemoryLack> MemoryLacks::all() const {
   std::vector<MemoryLack> all;
   for (const auto& [prim, count] : counts_) all.push_back({prim.second, prim.first, count});
   return all;

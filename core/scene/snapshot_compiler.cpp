@@ -505,7 +505,7 @@ struct SnapshotCompiler::Compilation {
   // between. The numbers in a refusal of memory differ from one try to the next. The search for faults of bodies takes
   // memory itself; where it runs out, they are found with the next snapshot.
   void report_new_faults() {
-    snapshot->lacks = lacks.take();
+    snapshot->lacks = lacks.all();
     std::vector<Diagnostic> found = lacks.reports();
     const DiagnosticSink keep = [&](const Diagnostic& d) { found.push_back(d); };
     try {

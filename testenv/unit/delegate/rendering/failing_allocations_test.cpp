@@ -247,6 +247,28 @@ struct ManyParts {
     stage.scene.SetInstancer("/points", instancer);
     stage.scene.SetMesh("/grains", mesh);
   }
+  /// Moves a body and the mesh that emits. True if memory failed meanwhile.
+  bool fails_to_move(double shift, int refusals, size_t allowed) {
+    host::MeshDescription moved = Stage::cube(2);
+    moved.transform[3][0] = shift - 3;
+    moved.material = "/wax";
+    host::MeshDescription lamp = moved;
+    lamp.transform[3][0] += 7;
+    lamp.material = "/glow";
+    const testing::FailingMemoryElsewhere failing(refusals, allowed);
+    stage.scene.SetMesh("/alone", moved);
+    stage.scene.SetMesh("/lamp", lamp);
+    stage.index->SyncAll();
+    stage.wait_for_scene();
+    return failing.failed();
+  }
+  /// The number since the last call.
+  int light_warnings() {
+    int warned = 0;
+    for (const Diagnostic& d : stage.take_diagnostics())
+      warned += d.severity == Severity::warning && d.code == "light.memory";
+    return warned;
+  }
   bool draw() { return Stage::finish(*pass, state) && pass->GetState() == PassState::converged; }
   std::vector<float> picture() const { return Stage::pixels<float>(buffer); }
 
@@ -263,26 +285,11 @@ TEST_F(FailingAllocations, WhereMemoryRunsOutForAPartTheRestIsDrawnOrThePictureS
   Stage& stage = parts.stage;
   ASSERT_TRUE(parts.draw());
   std::set<std::string> lacks;
-  int failures = 0, stayed = 0;
+  int failures = 0, stayed = 0, warned = 0;
   std::mt19937 random(1);
   for (size_t allowed = 0; allowed < 2000; allowed += 1 + random() % 8) {
     const std::vector<float> before = parts.picture();
-    host::MeshDescription moved = Stage::cube(2);
-    moved.transform[3][0] = -3.001 - 0.0001 * double(allowed);
-    moved.material = "/wax";
-    host::MeshDescription lamp = moved;
-    lamp.transform[3][0] += 7;
-    lamp.material = "/glow";
-    bool failed = false;
-    {
-      const testing::FailingMemoryElsewhere failing(1, allowed);
-      stage.scene.SetMesh("/alone", moved);
-      stage.scene.SetMesh("/lamp", lamp);
-      stage.index->SyncAll();
-      stage.wait_for_scene();
-      failed = failing.failed();
-    }
-    if (!failed) break;
+    if (!parts.fails_to_move(-0.001 - 0.0001 * double(allowed), 1, allowed)) break;
     ++failures;
     const std::string faults = stage.text_stat("scene.faults");
     if (!stage.text_stat("error").empty()) {
@@ -294,6 +301,7 @@ TEST_F(FailingAllocations, WhereMemoryRunsOutForAPartTheRestIsDrawnOrThePictureS
       EXPECT_TRUE(parts.draw()) << "after " << allowed << " allocations: " << faults;
       if (!faults.empty()) lacks.insert(faults.substr(faults.find(": ") + 2));
     }
+    warned += parts.light_warnings();
     stage.index->SyncAll();
     stage.delegate->CommitResources();
     EXPECT_EQ(stage.text_stat("scene.faults"), "") << "after " << allowed << " allocations: the next commit is whole";
@@ -301,9 +309,8 @@ TEST_F(FailingAllocations, WhereMemoryRunsOutForAPartTheRestIsDrawnOrThePictureS
   }
   EXPECT_GE(failures, 40);
   EXPECT_GE(stayed, 5);
-  for (const char* part : {"memory ran out: the instance is left out",
-                           "memory ran out: the mesh emits, but is not sampled as a light, and its light is noisier"})
-    EXPECT_TRUE(lacks.contains(part)) << part;
+  EXPECT_TRUE(lacks.contains("memory ran out: the instance is left out"));
+  EXPECT_GE(warned, 1) << "of a mesh that emits, but is not sampled as a light";
 }
 
 // The scene that lacks a part is drawn on, wherever memory runs out in a try to add it.

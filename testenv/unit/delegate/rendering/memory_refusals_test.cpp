@@ -77,6 +77,30 @@ TEST(MemoryRefusals, AMeshHasOneReportOverAllCommits) {
   EXPECT_GE(refused, 1);
 }
 
+// A picture that is rendered in more time is whole.
+// promise: pipeline.memory.refusal
+TEST(MemoryRefusals, ADistanceGridThatIsRefusedIsAWarning) {
+  Drawing drawing(256);
+  Stage& stage = drawing.stage;
+  host::MeshDescription mesh = Stage::cube(4);
+  mesh.material = "/wax";
+  stage.scene.SetMesh("/cube", mesh);
+  stage.set_surface("/wax", {});
+  ASSERT_TRUE(drawing.draw());
+  stage.delegate->SetRenderSetting("memoryLimit", static_cast<int64_t>(stage.stat("memoryInUse") / kOneMiB + 3));
+  stage.set_surface("/wax", {{"scatterDistance", Vec3f(0.01f, 0.01f, 0.01f)}});
+  ASSERT_TRUE(drawing.draw());
+  EXPECT_EQ(stage.count("subsurface.memory"), 1u);
+  EXPECT_EQ(drawing.errors(), "");
+  EXPECT_EQ(stage.stat("scene.faultCount"), -1) << stage.text_stat("scene.faults");
+  const double number = stage.stat("sceneNumber");
+  ASSERT_TRUE(drawing.draw());
+  EXPECT_EQ(stage.stat("sceneNumber"), number) << "the next commit tries again, in vain";
+  stage.delegate->SetRenderSetting("memoryLimit", 256);
+  ASSERT_TRUE(drawing.draw());
+  EXPECT_GT(stage.stat("sceneNumber"), number);
+}
+
 // Without the hierarchy of its instances no scene is drawn: the picture before stays.
 // promise: pipeline.memory.refusal
 TEST(MemoryRefusals, TheLastPictureStaysWhileTheSceneAsAWholeIsRefused) {
