@@ -1,8 +1,5 @@
 #include "core/scene/memory_lacks.h"
 
-#include <algorithm>
-#include <tuple>
-
 #include "core/memory/memory_budget.h"
 
 namespace alabaster {
@@ -33,15 +30,6 @@ std::string outcome_of(LackKind kind, size_t count) {
 
 std::string text_of(const MemoryLack& lack) {
   return lack.name + ": memory ran out: " + outcome_of(lack.kind, lack.count);
-}
-
-bool lacks_all_of(const std::vector<MemoryLack>& a, const std::vector<MemoryLack>& b) {
-  const auto key = [](const MemoryLack& lack) { return std::tie(lack.name, lack.kind); };
-  const auto less = [&](const MemoryLack& x, const MemoryLack& y) { return key(x) < key(y); };
-  return std::all_of(b.begin(), b.end(), [&](const MemoryLack& lack) {
-    const auto found = std::lower_bound(a.begin(), a.end(), lack, less);
-    return found != a.end() && key(*found) == key(lack) && found->count >= lack.count;
-  });
 }
 
 std::string MemoryLacks::reason_of(const std::bad_alloc& e) {

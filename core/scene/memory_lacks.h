@@ -34,8 +34,6 @@ struct MemoryLack {
 
 /// "/prim: memory ran out: the instance is left out".
 std::string text_of(const MemoryLack& lack);
-/// True if `a` is without all that `b` is without. Both as MemoryLacks::all() gives them.
-bool lacks_all_of(const std::vector<MemoryLack>& a, const std::vector<MemoryLack>& b);
 
 /// Collects them while a snapshot is compiled.
 class MemoryLacks {

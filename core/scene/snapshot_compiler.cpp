@@ -557,6 +557,14 @@ std::shared_ptr<const SceneSnapshot> SnapshotCompiler::compile(const SceneDescri
   return last_ = std::move(compilation.snapshot);
 }
 
+void SnapshotCompiler::continue_from(std::shared_ptr<const SceneSnapshot> snapshot,
+                                     const SceneDescription& description) {
+  std::vector<LightParameters> lights = description.lights;
+  last_category_sets_ = description.category_sets;
+  last_lights_ = std::move(lights);
+  last_ = std::move(snapshot);
+}
+
 std::shared_ptr<const SceneSnapshot> compile_snapshot(const SceneDescription& description, uint64_t number,
                                                       const std::shared_ptr<TraceDevice>& device,
                                                       const DiagnosticSink& sink) {

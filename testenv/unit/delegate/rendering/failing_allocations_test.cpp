@@ -1,8 +1,10 @@
 // Allocations that fail at any place of syncing and rendering a scene: the run ends with an error or as if nothing had
 // happened, and the next one is whole. Loading is left out: the destructor of nlohmann::json allocates, and ends the
 // program where it cannot.
+#include <chrono>
 #include <random>
 #include <set>
+#include <thread>
 
 #include "delegate/host/frame_recorder.h"
 #include "testenv/support/failing_memory.h"
@@ -262,11 +264,13 @@ struct ManyParts {
     stage.wait_for_scene();
     return failing.failed();
   }
-  /// The number since the last call.
+  /// The number since the last call. Each report has a code and a text.
   int light_warnings() {
     int warned = 0;
-    for (const Diagnostic& d : stage.take_diagnostics())
+    for (const Diagnostic& d : stage.take_diagnostics()) {
+      EXPECT_TRUE(d.code != "" && d.text != "") << d.where;
       warned += d.severity == Severity::warning && d.code == "light.memory";
+    }
     return warned;
   }
   bool draw() { return Stage::finish(*pass, state) && pass->GetState() == PassState::converged; }
@@ -289,7 +293,7 @@ TEST_F(FailingAllocations, WhereMemoryRunsOutForAPartTheRestIsDrawnOrThePictureS
   std::mt19937 random(1);
   for (size_t allowed = 0; allowed < 2000; allowed += 1 + random() % 8) {
     const std::vector<float> before = parts.picture();
-    if (!parts.fails_to_move(-0.001 - 0.0001 * double(allowed), 1, allowed)) break;
+    if (!parts.fails_to_move(-0.001 - 0.0001 * double(allowed), 1 + failures % 2, allowed)) break;
     ++failures;
     const std::string faults = stage.text_stat("scene.faults");
     if (!stage.text_stat("error").empty()) {
@@ -353,6 +357,51 @@ TEST_F(FailingAllocations, ATryToAddWhatTheSceneLacksLosesNoneOfIt) {
   ASSERT_TRUE(parts.draw());
   EXPECT_GT(stage.stat("sceneNumber"), number);
   EXPECT_EQ(stage.text_stat("scene.faults"), "");
+}
+
+// The mesh was refused before it was built. In the try to add it memory runs out at any step, of it or of the others.
+// promise: pipeline.memory.refusal
+TEST_F(FailingAllocations, ATryToAddAMeshThatWasRefusedLosesNoneOfTheOthers) {
+  ManyParts parts;
+  Stage& stage = parts.stage;
+  constexpr double kMiB = 1 << 20;
+  ASSERT_TRUE(parts.draw());
+  const double held = stage.stat("memoryInUse");
+  host::MeshDescription fine = Stage::cube(6);
+  int failures = 0, added = 0;
+  std::mt19937 random(1);
+  for (size_t allowed = 0; allowed < 4000; allowed += 1 + random() % 16) {
+    stage.scene.Remove("/fine");
+    stage.delegate->SetRenderSetting("memoryLimit", 1024);
+    stage.index->SyncAll();
+    ASSERT_TRUE(parts.draw());
+    // The builder lets go of the scene before on its own thread.
+    for (int i = 0; i < 500 && stage.stat("memoryInUse") > held + kMiB / 4; ++i)
+      std::this_thread::sleep_for(std::chrono::milliseconds(10));
+    stage.delegate->SetRenderSetting("memoryLimit", static_cast<int64_t>(held / kMiB + 2));
+    fine.transform[3][0] = 9 + 0.001 * double(allowed);
+    stage.scene.SetMesh("/fine", fine);
+    stage.index->SyncAll();
+    ASSERT_TRUE(parts.draw());
+    const std::string faults = stage.text_stat("scene.faults");
+    ASSERT_EQ(faults.find("/fine: a mesh of "), 0u) << faults;
+    const double number = stage.stat("sceneNumber");
+    stage.delegate->SetRenderSetting("memoryLimit", 1024);
+    {
+      const testing::FailingMemoryElsewhere failing(1, allowed);
+      stage.delegate->CommitResources();
+      stage.wait_for_scene();
+      if (!failing.failed()) break;
+    }
+    ++failures;
+    EXPECT_TRUE(parts.draw()) << "after " << allowed << " allocations: " << stage.text_stat("error");
+    if (const std::string now = stage.text_stat("scene.faults"); now.empty())
+      ++added;
+    else
+      EXPECT_EQ(stage.stat("sceneNumber"), number) << "after " << allowed << " allocations: " << now;
+  }
+  EXPECT_GE(failures, 20);
+  EXPECT_GE(added, 1) << "without a table alone";
 }
 
 TEST_F(FailingAllocations, SettingsAreSetAllOrNone) {
