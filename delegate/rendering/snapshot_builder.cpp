@@ -446,16 +446,17 @@ bool SnapshotBuilder::lacks_snapshots() const {
   });
 }
 
-// Passes hold snapshots, which hold most of what a scene is.
+// Passes hold snapshots, which hold most of what a scene is. Several retired scenes may have one.
 void SnapshotBuilder::destroy_unused() {
   meshes_.release_dropped();
   replaced_.clear();
   std::vector<std::shared_ptr<const BuiltScene>> unused;
   const std::lock_guard guard(mutex_);
   const auto is_unused = [&](const std::shared_ptr<const BuiltScene>& scene) {
-    const bool shared =
-        std::any_of(built_.begin(), built_.end(), [&](const auto& held) { return held->snapshot == scene->snapshot; });
-    return shared || !scene->snapshot || scene->snapshot.use_count() == 1;
+    const auto has_same = [&](const auto& held) { return held && held->snapshot == scene->snapshot; };
+    if (!scene->snapshot || std::any_of(built_.begin(), built_.end(), has_same)) return true;
+    return scene->snapshot.use_count() == std::count_if(retired_.begin(), retired_.end(), has_same) +
+                                              std::count_if(unused.begin(), unused.end(), has_same);
   };
   unused.reserve(retired_.size());
   for (auto& scene : retired_)

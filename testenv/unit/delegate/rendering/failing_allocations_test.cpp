@@ -378,6 +378,7 @@ TEST_F(FailingAllocations, ATryToAddAMeshThatWasRefusedLosesNoneOfTheOthers) {
     // The builder lets go of the scene before on its own thread.
     for (int i = 0; i < 500 && stage.stat("memoryInUse") > held + kMiB / 4; ++i)
       std::this_thread::sleep_for(std::chrono::milliseconds(10));
+    ASSERT_LT(stage.stat("memoryInUse"), held + kMiB / 4) << "the scenes before " << allowed << " are not freed";
     stage.delegate->SetRenderSetting("memoryLimit", static_cast<int64_t>(held / kMiB + 2));
     fine.transform[3][0] = 9 + 0.001 * double(allowed);
     stage.scene.SetMesh("/fine", fine);
