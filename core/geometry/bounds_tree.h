@@ -27,7 +27,7 @@ class BoundsTree {
   }
 };
 
-/// Null and exceptions as those of build_instanced_scene().
+/// Null and exceptions as those of build_object_scene().
 std::shared_ptr<const BoundsTree> build_bounds_tree(const std::shared_ptr<TraceDevice>& device,
                                                     std::vector<Bounds> boxes,
                                                     const std::function<bool()>& cancelled = {});

@@ -48,8 +48,8 @@ class ObjectScene {
 };
 /// `cancelled` (may be empty) is asked while building, from any of its threads and not always at a time; when it
 /// returns true the build stops and null is returned. The mesh is copied. Builds with the threads of the caller's task
-/// arena. Null also when Embree refuses for another reason than memory (reported). A mesh without triangles is never
-/// hit.
+/// arena. Null also when Embree refuses for another reason than memory (reported). Where memory runs out, throws
+/// MemoryRefused, by the budget of the device, or std::bad_alloc, unreported. A mesh without triangles is never hit.
 std::shared_ptr<const ObjectScene> build_object_scene(const std::shared_ptr<TraceDevice>& device, const Mesh& mesh,
                                                       const std::function<bool()>& cancelled);
 
@@ -79,8 +79,7 @@ class InstancedScene {
 };
 /// A placement without an object, and one that is not traceable, is never hit; the others keep their indices. Rays that
 /// a placement would carry beyond what Embree takes miss everything: leave out what is not traceable from afar.
-/// Null when Embree refuses (reported) and when `cancelled` says so, as above. The instances of `arrays` have the
-/// indices that follow.
+/// Null and exceptions as those of build_object_scene(). The instances of `arrays` have the indices that follow.
 std::shared_ptr<const InstancedScene> build_instanced_scene(const std::shared_ptr<TraceDevice>& device,
                                                             const std::vector<InstancePlacement>& instances,
                                                             const std::function<bool()>& cancelled = {},

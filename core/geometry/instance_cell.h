@@ -39,7 +39,7 @@ class InstanceCell {
 };
 
 /// All that is not hidden must be traceable, see is_traceable(). `object` does not deform. Null and exceptions as
-/// those of build_instanced_scene().
+/// those of build_object_scene().
 std::shared_ptr<const InstanceCell> build_instance_cell(const std::shared_ptr<TraceDevice>& device,
                                                         std::shared_ptr<const ObjectScene> object,
                                                         CellInstances instances,

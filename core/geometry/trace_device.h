@@ -42,9 +42,9 @@ class TraceDevice {
   RTCDevice get() const { return device_; }
   const std::shared_ptr<MemoryBudget>& memory() const { return memory_; }
   /// True if Embree refused anything that this thread asked of it since the last call, which the call forgets. That has
-  /// been reported. Where memory ran out it throws MemoryRefused, by the budget, or std::bad_alloc, with no report:
-  /// `what` needed it. Embree keeps one error per thread; work that the thread takes up while it waits for a build asks
-  /// for its own.
+  /// been reported. Where memory ran out it throws MemoryRefused, by the budget, or std::bad_alloc. It reports nothing
+  /// then; `what` names the part in the text. Embree keeps one error per thread; work that the thread takes up while it
+  /// waits for a build asks for its own.
   bool take_error(const char* what) const {
     const RTCError error = rtcGetDeviceError(device_);
     if (error != RTC_ERROR_OUT_OF_MEMORY) return error != RTC_ERROR_NONE;

@@ -1,8 +1,5 @@
 #include "core/scene/memory_lacks.h"
 
-#include <algorithm>
-#include <tuple>
-
 #include "core/memory/memory_budget.h"
 
 namespace alabaster {
@@ -35,15 +32,6 @@ std::string text_of(const MemoryLack& lack) {
   return lack.name + ": memory ran out: " + outcome_of(lack.kind, lack.count);
 }
 
-bool lacks_all_of(const std::vector<MemoryLack>& a, const std::vector<MemoryLack>& b) {
-  const auto key = [](const MemoryLack& lack) { return std::tie(lack.name, lack.kind); };
-  const auto less = [&](const MemoryLack& x, const MemoryLack& y) { return key(x) < key(y); };
-  return std::all_of(b.begin(), b.end(), [&](const MemoryLack& lack) {
-    const auto found = std::lower_bound(a.begin(), a.end(), lack, less);
-    return found != a.end() && key(*found) == key(lack) && found->count >= lack.count;
-  });
-}
-
 std::string MemoryLacks::reason_of(const std::bad_alloc& e) {
   const auto* const refused = dynamic_cast<const MemoryRefused*>(&e);
   if (refused) return refused->what();
@@ -65,12 +53,13 @@ void MemoryLacks::add(const Concern& of, const std::string& reason) {
 std::vector<Diagnostic> MemoryLacks::reports() const {
   std::vector<Diagnostic> reports;
   for (const Reported& lack : reported_)
-    reports.push_back({Severity::error, kind_text(lack.kind).code, lack.first,
+    reports.push_back({changes_picture(lack.kind) ? Severity::error : Severity::warning, kind_text(lack.kind).code,
+                       lack.first,
                        lack.reason + ": " + outcome_of(lack.kind, lack.count) + "; the next commit tries again"});
   return reports;
 }
 
-std::vector<MemoryLack> MemoryLacks::take() {
+std::vector<MemoryLack> MemoryLacks::all() const {
   std::vector<MemoryLack> all;
   for (const auto& [prim, count] : counts_) all.push_back({prim.second, prim.first, count});
   return all;

@@ -19,17 +19,21 @@ enum class LackKind {
   shortcuts,  // walks below the surface take no sphere steps: the same picture, in more time
 };
 
-/// One line for each prim.
+/// False: the picture is the same but for its noise.
+constexpr bool changes_picture(LackKind kind) {
+  return kind != LackKind::sampling && kind != LackKind::shortcuts;
+}
+
+/// There is one for each prim and kind.
 struct MemoryLack {
   LackKind kind;
   std::string name;  // prim path
   size_t count;      // of its instances
+  bool operator==(const MemoryLack&) const = default;
 };
 
 /// "/prim: memory ran out: the instance is left out".
 std::string text_of(const MemoryLack& lack);
-/// True if `a` is without all that `b` is without. Both as MemoryLacks::take() gives them.
-bool lacks_all_of(const std::vector<MemoryLack>& a, const std::vector<MemoryLack>& b);
 
 /// Collects them while a snapshot is compiled.
 class MemoryLacks {
@@ -56,10 +60,11 @@ class MemoryLacks {
   /// With the remedy.
   static std::string reason_of(const std::bad_alloc& e);
 
-  /// In the order in which they were found; for each shape, or each prim, one.
+  /// In the order in which they were found; for each shape, or each prim, one. Those that leave the picture as it is
+  /// are warnings, the others errors.
   std::vector<Diagnostic> reports() const;
   /// In the order of prims and kinds.
-  std::vector<MemoryLack> take();
+  std::vector<MemoryLack> all() const;
 
  private:
   struct Reported {

@@ -2,7 +2,7 @@
 #pragma once
 
 #include <map>
-#include <utility>
+#include <tuple>
 
 #include "core/scene/scene.h"
 
@@ -26,8 +26,11 @@ class KnownMeshLights {
 
  private:
   const SceneSnapshot* snapshot_;
-  using Key = std::pair<const MeshPrototype*, float>;
-  static Key key(const Instance& instance) { return {instance.prototype, instance.object_to_world.t.x}; }
+  using Key = std::tuple<const MeshPrototype*, float, float, float>;
+  static Key key(const Instance& instance) {
+    const Vec3f& place = instance.object_to_world.t;
+    return {instance.prototype, place.x, place.y, place.z};
+  }
   std::multimap<Key, const MeshLight*> lights_;
 };
 

@@ -505,7 +505,7 @@ struct SnapshotCompiler::Compilation {
   // between. The numbers in a refusal of memory differ from one try to the next. The search for faults of bodies takes
   // memory itself; where it runs out, they are found with the next snapshot.
   void report_new_faults() {
-    snapshot->lacks = lacks.take();
+    snapshot->lacks = lacks.all();
     std::vector<Diagnostic> found = lacks.reports();
     const DiagnosticSink keep = [&](const Diagnostic& d) { found.push_back(d); };
     try {
@@ -555,6 +555,14 @@ std::shared_ptr<const SceneSnapshot> SnapshotCompiler::compile(const SceneDescri
   last_lights_ = std::move(lights);
   last_category_sets_ = std::move(category_sets);
   return last_ = std::move(compilation.snapshot);
+}
+
+void SnapshotCompiler::continue_from(std::shared_ptr<const SceneSnapshot> snapshot,
+                                     const SceneDescription& description) {
+  std::vector<LightParameters> lights = description.lights;
+  last_category_sets_ = description.category_sets;
+  last_lights_ = std::move(lights);
+  last_ = std::move(snapshot);
 }
 
 std::shared_ptr<const SceneSnapshot> compile_snapshot(const SceneDescription& description, uint64_t number,

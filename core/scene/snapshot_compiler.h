@@ -30,8 +30,8 @@ class SnapshotCompiler {
 
   /// Frees what the next snapshot would have shared. Reports about bodies and memory are not repeated all the same.
   void forget() { last_ = nullptr; }
-  /// The next snapshot shares with this one, of the same description, instead of the last.
-  void continue_from(std::shared_ptr<const SceneSnapshot> snapshot) { last_ = std::move(snapshot); }
+  /// The next snapshot shares with this one of the description, instead of the last.
+  void continue_from(std::shared_ptr<const SceneSnapshot> snapshot, const SceneDescription& description);
 
  private:
   struct Compilation;

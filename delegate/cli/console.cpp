@@ -40,10 +40,13 @@ constexpr size_t kMostMessages = 100, kMostLike = 3;
 }  // namespace
 
 std::string formatted(const char* pattern, ...) {
-  char text[400];
-  va_list values;
+  va_list values, again;
   va_start(values, pattern);
-  std::vsnprintf(text, sizeof text, pattern, values);
+  va_copy(again, values);
+  const int size = std::vsnprintf(nullptr, 0, pattern, values);
+  std::string text(static_cast<size_t>(std::max(size, 0)), '\0');
+  std::vsnprintf(text.data(), text.size() + 1, pattern, again);
+  va_end(again);
   va_end(values);
   return text;
 }

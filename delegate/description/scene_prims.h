@@ -5,7 +5,8 @@
 #include <utility>
 #include <vector>
 
-#include "delegate/host/scene_fields.h"
+#include "delegate/host/retained_scene_delegate.h"
+#include "delegate/support/scene_kinds.h"
 
 namespace alabaster::hd::description {
 
@@ -16,11 +17,21 @@ std::vector<typename Map::key_type> keys_of(const Map& map) {
   return keys;
 }
 
+template <class Set, class T>
+inline constexpr bool is_setter_of = std::is_invocable_v<Set, host::RetainedSceneDelegate*, const Path&, T>;
+
+template <class T>
+constexpr int count_setters() {
+  int count = 0;
+  support::for_each_kind<host::RetainedSceneDelegate>([&](auto, auto set) { count += is_setter_of<decltype(set), T>; });
+  return count;
+}
+
 template <class T>
 void put(host::RetainedSceneDelegate* scene, const Path& path, T prim) {
-  host::for_each_kind([&](auto, auto set) {
-    if constexpr (std::is_invocable_v<decltype(set), host::RetainedSceneDelegate*, const Path&, T>)
-      (scene->*set)(path, std::move(prim));
+  static_assert(count_setters<T>() == 1, "one kind of prim is made of T");
+  support::for_each_kind<host::RetainedSceneDelegate>([&](auto, auto set) {
+    if constexpr (is_setter_of<decltype(set), T>) (scene->*set)(path, std::move(prim));
   });
 }
 

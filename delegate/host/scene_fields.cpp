@@ -6,6 +6,7 @@
 #include "delegate/host/open_fields.h"
 #include "delegate/support/mesh_words.h"
 #include "delegate/support/nearest_name.h"
+#include "delegate/support/scene_kinds.h"
 
 namespace alabaster::hd::host {
 namespace {
@@ -336,7 +337,7 @@ SetResult SetPrim(RetainedSceneDelegate* scene, const Path& path, const Token& k
   for (const Kind& one : kinds())
     if (one.name != kLights) known.emplace_back(one.name);
   SetResult result{true, "there is no kind of prim '" + kind.str() + "'" + support::DidYouMean(kind.str(), known)};
-  for_each_kind([&](auto, auto set) {
+  support::for_each_kind<RetainedSceneDelegate>([&](auto, auto set) {
     using T = decltype(description_of(set));
     const std::string_view name = kind_of<T>().name;
     if (name == kLights ? !is_light : name != kind.str()) return;
@@ -350,7 +351,7 @@ SetResult SetPrim(RetainedSceneDelegate* scene, const Path& path, const Token& k
 
 SetResult EditPrim(RetainedSceneDelegate* scene, const Path& path, const Fields& fields) {
   SetResult result{false, {}};
-  for_each_kind([&](auto get, auto set) {
+  support::for_each_kind<RetainedSceneDelegate>([&](auto get, auto set) {
     const auto& all = (scene->*get)();
     const auto found = all.find(path);
     if (result.found || found == all.end()) return;
@@ -364,7 +365,7 @@ SetResult EditPrim(RetainedSceneDelegate* scene, const Path& path, const Fields&
 
 std::vector<std::pair<Path, Token>> ListPrims(const RetainedSceneDelegate& scene) {
   std::vector<std::pair<Path, Token>> prims;
-  for_each_kind([&](auto get, auto set) {
+  support::for_each_kind<RetainedSceneDelegate>([&](auto get, auto set) {
     using T = decltype(description_of(set));
     for (const auto& [path, prim] : (scene.*get)())
       if constexpr (std::is_same_v<T, LightDescription>)

@@ -12,17 +12,6 @@ namespace alabaster::hd::host {
 /// Names and values, in the order in which they are given. delegate/manual/parameters has a page for each kind.
 using Fields = std::vector<std::pair<std::string, Value>>;
 
-/// Calls call(get, set) with the functions of the scene for each kind of prim.
-template <class Call>
-void for_each_kind(const Call& call) {
-  using Scene = RetainedSceneDelegate;
-  call(&Scene::GetMeshes, &Scene::SetMesh);
-  call(&Scene::GetInstancers, &Scene::SetInstancer);
-  call(&Scene::GetMaterials, &Scene::SetMaterial);
-  call(&Scene::GetLights, &Scene::SetLight);
-  call(&Scene::GetCameras, &Scene::SetCamera);
-  call(&Scene::GetAllRenderSettings, &Scene::SetRenderSettings);
-}
 /// The paths and kinds of all prims. A light's kind is its type.
 ALABASTER_API std::vector<std::pair<Path, Token>> ListPrims(const RetainedSceneDelegate& scene);
 

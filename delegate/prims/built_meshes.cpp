@@ -61,6 +61,23 @@ MeshRequest request_of(const Path& path, const MeshRecord& mesh, const Records& 
   return request;
 }
 
+// Meshes taken out of a map. They go back to it where memory runs out before replace().
+template <class Map, class Dropped>
+struct Taken {
+  Map* from;
+  Map meshes = {};
+  ~Taken() {
+    if (from) from->merge(meshes);
+  }
+  // The map has these alone from now on. Those that are left in it are dropped.
+  void replace(Dropped* dropped) {
+    dropped->reserve(dropped->size() + from->size());
+    for (auto& [path, held] : *from) dropped->push_back(std::move(held));
+    *from = std::move(meshes);
+    from = nullptr;
+  }
+};
+
 }  // namespace
 
 const BuiltMesh* BuiltMeshes::find(const Path& mesh) const {
@@ -79,23 +96,6 @@ SceneFaults BuiltMeshes::faults(const Records& records, const support::Selection
       faults.emplace(path, *held.built.fault);
   return faults;
 }
-
-// Meshes taken out of a map. They go back to it where memory runs out before replace().
-template <class Map, class Dropped>
-struct Taken {
-  Map* from;
-  Map meshes = {};
-  ~Taken() {
-    if (from) from->merge(meshes);
-  }
-  // The map has these alone from now on. Those that are left in it are dropped.
-  void replace(Dropped* dropped) {
-    dropped->reserve(dropped->size() + from->size());
-    for (auto& [path, held] : *from) dropped->push_back(std::move(held));
-    *from = std::move(meshes);
-    from = nullptr;
-  }
-};
 
 // Makes `held_` the meshes of the records, moves those that are gone or hidden to `dropped_`, and returns those to
 // build. A mesh that has not been edited for kMostUnedited builds gives up what would make an edit of its points quick.
@@ -159,10 +159,8 @@ void BuiltMeshes::adopt(Held* held, MeshResult result, const alabaster::Diagnost
   held->has_shape = result.built.prototype && !result.built.reported;
   held->built = std::move(result.built);
   held->done = !is_refused(held->built);
-  if (!result.failure)
-    held->faults.report(sink, std::move(result.reports));
-  else if (sink)
-    sink(*result.failure);
+  if (result.failure) result.reports = {*result.failure};
+  held->faults.report(sink, std::move(result.reports));
 }
 
 void BuiltMeshes::build_missing(const Scene& scene, SceneParam* param, const CancelToken& cancel) {

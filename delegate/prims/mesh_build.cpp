@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "core/geometry/used_points.h"
+#include "core/scene/memory_lacks.h"
 
 #include "delegate/prims/motion.h"
 
@@ -108,8 +109,8 @@ class MeshBuilder {
     BuiltMesh out;
     try {
       out = job_.shape ? assign_slots(*job_.shape) : build();
-    } catch (const MemoryRefused& e) {
-      out.fault = SceneFault{false, e.what()};
+    } catch (const std::bad_alloc& e) {
+      out.fault = SceneFault{false, MemoryLacks::reason_of(e)};
       sink_({alabaster::Severity::error, "mesh.memory", where_, out.fault->text});
     }
     for (const alabaster::Diagnostic& d : reports_)

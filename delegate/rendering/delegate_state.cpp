@@ -336,8 +336,11 @@ std::vector<std::string> DelegateState::scene_faults(bool* input) const {
   if (built && built->snapshot) {
     const SceneSnapshot* const held = built->snapshot.get();
     for (const std::string& name : held->left_out) texts.push_back(name + ": could not be placed");
-    for (const MemoryLack& lack : held->lacks) texts.push_back(text_of(lack));
-    *input = *input && held->lacks.empty();
+    for (const MemoryLack& lack : held->lacks) {
+      if (!changes_picture(lack.kind)) continue;
+      texts.push_back(text_of(lack));
+      *input = false;
+    }
     texts.insert(texts.end(), held->faults.begin(), held->faults.end());
   }
   return texts;

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "core/math/float_environment.h"
+#include "delegate/rendering/scene_lacks.h"
 
 namespace alabaster::hd::rendering {
 
@@ -14,8 +15,22 @@ namespace {
 
 constexpr std::chrono::seconds kEditsEnd(2);         // without an edit for so long, the next one may be slower
 constexpr std::chrono::microseconds kHostTurn(300);  // longer than most calls of Execute
+constexpr const char *kNoMemory = "scene.memory", *kWhere = "CommitResources";
 constexpr const char* kNotDrawn = "; the scene is not drawn, and the next commit builds it again";
 constexpr const char* kStays = "; the scene stays as it is, and the next commit builds it again";
+
+SceneLacks lacks_of(const SceneSnapshot& snapshot) {
+  SceneLacks lacks;
+  lacks.add(snapshot);
+  return lacks;
+}
+
+SceneLacks lacks_of(const BuiltScene& scene) {
+  SceneLacks lacks;
+  lacks.add(scene.faults, scene.translation.scene);
+  if (scene.snapshot) lacks.add(*scene.snapshot);
+  return lacks;
+}
 
 }  // namespace
 
@@ -117,7 +132,7 @@ bool SnapshotBuilder::take_work() {
     if (release_) {
       release_ = false;
       lock.unlock();
-      prims::guarded(param_->sink(), "CommitResources", [&] { destroy_unused(); });
+      prims::guarded(param_->sink(), kWhere, [&] { destroy_unused(); });
       lock.lock();
       continue;
     }
@@ -141,7 +156,7 @@ void SnapshotBuilder::build() {
       cancelled = true;
     }
   };
-  const bool done = prims::guarded(param_->sink(), "CommitResources", build_it, changed_ ? kNotDrawn : kStays);
+  const bool done = prims::guarded(param_->sink(), kWhere, build_it, changed_ ? kNotDrawn : kStays);
   if (!done)  // for want of memory, mostly
     for (Variant& variant : variants_) variant.compiler.forget();
   {
@@ -283,30 +298,29 @@ void SnapshotBuilder::choose_variants(const std::vector<support::Selection>& sel
 }
 
 void SnapshotBuilder::translate(Variant* variant, const prims::DeformedMeshes& deformed, const CancelToken& cancel) {
-  prims::Translation translation;
+  BuiltScene scene{variant->selection, {}, nullptr, {}};
   param_->run([&] {
-    translation = translator_.translate(
+    scene.translation = translator_.translate(
         {records_, variant->selection, view_->shutter, meshes_, deformed, param_->memory(), edits_});
   });
-  if (lacks_more_than_before(variant->selection, translation)) {
+  scene.faults = faults(variant->selection);
+  scene.faults.insert(scene.translation.faults.begin(), scene.translation.faults.end());
+  const std::shared_ptr<const BuiltScene> drawn = unedited(variant->selection);
+  if (drawn && !lacks_of(scene).shows_all_of(lacks_of(*drawn))) {
     in_vain_ = true;
-    return;
+  } else if (auto same = snapshot_of(scene.translation.scene)) {  // faults and paths may still differ
+    scene.snapshot = std::move(same);
+    publish(std::make_shared<const BuiltScene>(std::move(scene)));
+  } else {
+    compile(variant, std::move(scene), drawn, cancel);
   }
-  prims::SceneFaults faults = this->faults(variant->selection);
-  faults.insert(translation.faults.begin(), translation.faults.end());
-  if (auto same = snapshot_of(translation.scene))  // faults and paths may still differ
-    publish(std::make_shared<const BuiltScene>(
-        BuiltScene{variant->selection, std::move(translation), std::move(same), std::move(faults)}));
-  else
-    compile(variant, {variant->selection, std::move(translation), nullptr, std::move(faults)}, cancel);
 }
 
-// True if nothing has been edited, and memory did not suffice for the translation of a scene that is drawn.
-bool SnapshotBuilder::lacks_more_than_before(const support::Selection& selection,
-                                             const prims::Translation& translation) const {
-  if (changed_ || !translation.lacks_memory) return false;
-  const auto held = built(selection);
-  return held && held->snapshot && !held->translation.lacks_memory;
+// The scene that is drawn of records that nothing has edited since, or null.
+std::shared_ptr<const BuiltScene> SnapshotBuilder::unedited(const support::Selection& selection) const {
+  if (changed_) return nullptr;
+  auto held = built(selection);
+  return held && held->snapshot ? held : nullptr;
 }
 
 // The snapshot of a scene that is the same to the bit, or null.
@@ -327,41 +341,66 @@ std::shared_ptr<const SceneSnapshot> SnapshotBuilder::snapshot_of(const SceneDes
   return find_held(scene, [](const SceneSnapshot& held) { return held.lacks.empty(); });
 }
 
-// Null, or a held snapshot that lacks no more than the new one, which may be null. The new one would start its renders
-// again at the first sample.
+// Null, or a held snapshot of the same scene than which the new one, which may be null, is no better. The new one would
+// start its renders again at the first sample.
 std::shared_ptr<const SceneSnapshot> SnapshotBuilder::as_incomplete(const BuiltScene& scene) const {
   const SceneSnapshot* const now = scene.snapshot.get();
   if (now && now->lacks.empty()) return nullptr;
   return find_held(scene.translation.scene,
-                   [now](const SceneSnapshot& held) { return !now || lacks_all_of(now->lacks, held.lacks); });
+                   [now](const SceneSnapshot& held) { return !now || !lacks_of(*now).is_better_than(lacks_of(held)); });
 }
 
-void SnapshotBuilder::compile(Variant* variant, BuiltScene scene, const CancelToken& cancel) {
+// Makes the scene's snapshot. False: an exception ended it, and the failure is to be reported with its outcome. Throws
+// BuildCancelled.
+bool SnapshotBuilder::try_compile(Variant* variant, BuiltScene* scene, alabaster::Diagnostic* failure,
+                                  const CancelToken& cancel) {
   const auto run = [&] {
-    scene.snapshot = variant->compiler.compile(scene.translation.scene, scene_number_ + 1, cancel);
+    scene->snapshot = variant->compiler.compile(scene->translation.scene, scene_number_ + 1, cancel);
   };
-  // A scene that could not be compiled has no snapshot: the old one would be taken for it.
-  bool cancelled = false;
+  bool cancelled = false, refused = false;
   const auto compile_it = [&] {
     try {
       param_->run(run);
     } catch (const BuildCancelled&) {
       cancelled = true;
+    } catch (const std::bad_alloc& e) {
+      refused = true;
+      failure->text = MemoryLacks::reason_of(e);
+      failure->code = kNoMemory;
     }
   };
-  alabaster::Diagnostic failure;
-  const bool done = prims::guarded([&](const alabaster::Diagnostic& d) { failure = d; }, "CommitResources", compile_it);
+  const bool done = prims::guarded([&](const alabaster::Diagnostic& d) { *failure = d; }, kWhere, compile_it);
   if (cancelled) throw BuildCancelled();
-  if (!scene.snapshot) variant->compiler.forget();
-  auto held = as_incomplete(scene);
+  if (scene->snapshot) return true;
+  variant->compiler.forget();
+  if (done && !refused) return true;  // Embree has refused, and reported it
+  if (failure->text.empty()) *failure = {alabaster::Severity::error, kNoMemory, kWhere, "not enough memory"};
+  return false;
+}
+
+// `drawn`: unedited(). The new scene takes its place where it lacks nothing, or less.
+void SnapshotBuilder::compile(Variant* variant, BuiltScene scene, const std::shared_ptr<const BuiltScene>& drawn,
+                              const CancelToken& cancel) {
+  alabaster::Diagnostic failure{alabaster::Severity::error, "", kWhere, ""};
+  const bool done = try_compile(variant, &scene, &failure, cancel);
+  const SceneLacks lacks = lacks_of(scene);
+  const bool is_better = scene.snapshot && (lacks.empty() || (drawn && lacks.is_better_than(lacks_of(*drawn))));
+  const bool stays = drawn && !is_better;
+  auto held = stays ? drawn->snapshot : as_incomplete(scene);
   const bool is_known = std::exchange(variant->has_failed, !done);
   if (!done && (changed_ || !is_known))
     alabaster::report(param_->sink(), failure.severity, failure.code, failure.where,
                       failure.text + (held ? kStays : kNotDrawn));
+  if (stays) {
+    variant->compiler.continue_from(std::move(held), drawn->translation.scene);
+    in_vain_ = true;
+    return;
+  }
   if (held) {
-    variant->compiler.continue_from(held);
+    variant->compiler.continue_from(held, scene.translation.scene);
     scene.snapshot = std::move(held);
   } else {
+    // A scene that could not be compiled has no snapshot: the old one would be taken for it.
     ++scene_number_;
   }
   publish(std::make_shared<const BuiltScene>(std::move(scene)));
@@ -397,7 +436,7 @@ void SnapshotBuilder::retire_unselected() {
   }
 }
 
-// True if a variant has no snapshot, or one without all of its meshes.
+// True if a variant has no snapshot, or one that lacks something for want of memory.
 bool SnapshotBuilder::lacks_snapshots() const {
   return !std::all_of(variants_.begin(), variants_.end(), [&](const Variant& variant) {
     return std::any_of(built_.begin(), built_.end(), [&](const auto& scene) {
@@ -407,16 +446,17 @@ bool SnapshotBuilder::lacks_snapshots() const {
   });
 }
 
-// Passes hold snapshots, which hold most of what a scene is.
+// Passes hold snapshots, which hold most of what a scene is. Several retired scenes may have one.
 void SnapshotBuilder::destroy_unused() {
   meshes_.release_dropped();
   replaced_.clear();
   std::vector<std::shared_ptr<const BuiltScene>> unused;
   const std::lock_guard guard(mutex_);
   const auto is_unused = [&](const std::shared_ptr<const BuiltScene>& scene) {
-    const bool shared =
-        std::any_of(built_.begin(), built_.end(), [&](const auto& held) { return held->snapshot == scene->snapshot; });
-    return shared || !scene->snapshot || scene->snapshot.use_count() == 1;
+    const auto has_same = [&](const auto& held) { return held && held->snapshot == scene->snapshot; };
+    if (!scene->snapshot || std::any_of(built_.begin(), built_.end(), has_same)) return true;
+    return scene->snapshot.use_count() == std::count_if(retired_.begin(), retired_.end(), has_same) +
+                                              std::count_if(unused.begin(), unused.end(), has_same);
   };
   unused.reserve(retired_.size());
   for (auto& scene : retired_)

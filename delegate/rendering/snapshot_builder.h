@@ -53,7 +53,8 @@ class SnapshotBuilder {
   bool is_pending() const { return pending_; }
   /// Blocks until nothing is pending (true), the builder is stopped, or `seconds` have passed.
   bool wait(double seconds);
-  /// Null: none of this selection yet, or the last build ended in an exception.
+  /// Null: none of this selection yet, or the first build after an edit, or a view, ended in an exception, and no later
+  /// one has succeeded.
   std::shared_ptr<const BuiltScene> built(const support::Selection& selection) const;
   /// The one that has this snapshot, or null.
   std::shared_ptr<const BuiltScene> built(const std::shared_ptr<const SceneSnapshot>& snapshot) const;
@@ -84,8 +85,10 @@ class SnapshotBuilder {
   void update(const CancelToken& cancel);
   void choose_variants(const std::vector<support::Selection>& selections);
   void translate(Variant* variant, const prims::DeformedMeshes& deformed, const CancelToken& cancel);
-  bool lacks_more_than_before(const support::Selection& selection, const prims::Translation& translation) const;
-  void compile(Variant* variant, BuiltScene scene, const CancelToken& cancel);
+  std::shared_ptr<const BuiltScene> unedited(const support::Selection& selection) const;
+  bool try_compile(Variant* variant, BuiltScene* scene, alabaster::Diagnostic* failure, const CancelToken& cancel);
+  void compile(Variant* variant, BuiltScene scene, const std::shared_ptr<const BuiltScene>& drawn,
+               const CancelToken& cancel);
   template <class IsSame>
   std::shared_ptr<const SceneSnapshot> find_held(const SceneDescription& scene, const IsSame& is_same) const;
   std::shared_ptr<const SceneSnapshot> snapshot_of(const SceneDescription& scene) const;
@@ -122,7 +125,7 @@ class SnapshotBuilder {
   uint64_t scene_number_ = 0;
   bool scenes_stale_ = true;  // the scenes do not show records_ as they are
   bool changed_ = true;       // edits or views have come since the scenes were made
-  bool in_vain_ = false;      // a scene stays that lacks parts, and the try to add them lacked more
+  bool in_vain_ = false;      // a scene stays that lacks parts: the try to add them was no better
 
   std::thread thread_;
 };

@@ -44,14 +44,15 @@ class MemoryLacksTest : public ::testing::Test {
     EXPECT_TRUE(without && without->top);
     if (!without) return nullptr;
     EXPECT_EQ(without->lacks.size(), 1u);
-    EXPECT_TRUE(lacks_all_of(without->lacks, {lack}) && lacks_all_of({lack}, without->lacks));
+    EXPECT_TRUE(without->lacks == std::vector{lack});
     EXPECT_EQ(sink_.all().size(), 1u);
     if (sink_.all().empty()) return nullptr;
     const Diagnostic& report = sink_.all()[0];
     EXPECT_EQ(report.code, code);
+    EXPECT_EQ(report.severity, changes_picture(lack.kind) ? Severity::error : Severity::warning);
     EXPECT_EQ(report.where, lack.name);
     EXPECT_NE(report.text.find("raise memoryLimit, or "), std::string::npos) << report.text;
-    EXPECT_TRUE(lacks_all_of(compile()->lacks, without->lacks)) << "it still does not fit";
+    EXPECT_TRUE(compile()->lacks == without->lacks) << "it still does not fit";
     EXPECT_EQ(sink_.all().size(), 1u) << "the same report is not repeated";
     memory_->set_limit(MemoryBudget::kUnlimited);
     whole_ = compile();
@@ -209,15 +210,15 @@ TEST_F(MemoryLacksTest, ASceneWithoutATopLevelIsRefused) {
   EXPECT_TRUE(compile());
 }
 
-TEST(MemoryLacks, AreComparedByPrimKindAndCount) {
-  const std::vector<MemoryLack> more = {{LackKind::instance, "/a", 3}, {LackKind::light, "/b", 1}};
-  const std::vector<MemoryLack> fewer = {{LackKind::instance, "/a", 2}}, other = {{LackKind::sampling, "/a", 2}};
-  EXPECT_TRUE(lacks_all_of(more, fewer));
-  EXPECT_TRUE(lacks_all_of(more, more));
-  EXPECT_TRUE(lacks_all_of(fewer, {}));
-  EXPECT_FALSE(lacks_all_of(fewer, more));
-  EXPECT_FALSE(lacks_all_of(more, other));
-  EXPECT_FALSE(lacks_all_of({}, fewer));
+TEST(MemoryLacks, ThoseThatLeaveThePictureAsItIsAreWarnings) {
+  MemoryLacks lacks;
+  for (const LackKind kind :
+       {LackKind::instance, LackKind::set, LackKind::light, LackKind::sampling, LackKind::shortcuts})
+    lacks.add({kind, "/a"}, "no memory");
+  std::vector<Severity> severities;
+  for (const Diagnostic& report : lacks.reports()) severities.push_back(report.severity);
+  constexpr Severity kError = Severity::error, kWarning = Severity::warning;
+  EXPECT_EQ(severities, (std::vector{kError, kError, kError, kWarning, kWarning}));
 }
 
 }  // namespace

@@ -128,6 +128,19 @@ TEST_F(Edited, EditedLightsCompileAsAFreshScene) {
   expect_as_fresh();
 }
 
+TEST_F(Edited, ASnapshotToContinueFromHasTheLightsOfItsDescription) {
+  const SceneDescription description = b_.description;
+  const auto earlier = now_;
+  ASSERT_TRUE(earlier->instances[5].body->lit->get());
+  b_.description.lights[1].light_to_world[3][0] = 3;
+  compile();
+  compiler_.continue_from(earlier, description);
+  compile();
+  EXPECT_EQ(now_->top, earlier->top);
+  EXPECT_NE(now_->instances[5].body->lit, earlier->instances[5].body->lit) << "the light has moved";
+  expect_as_fresh();
+}
+
 TEST_F(Edited, LightsOfOneImageShareItsDensityAtAnyBrightness) {
   LightParameters panel;
   panel.texture = b_.description.lights[0].texture;

@@ -77,14 +77,8 @@ TEST(MemoryRefusals, AMeshHasOneReportOverAllCommits) {
   EXPECT_GE(refused, 1);
 }
 
-// Without the hierarchy of its instances no scene is drawn: the picture before stays.
-// promise: pipeline.memory.refusal
-TEST(MemoryRefusals, TheLastPictureStaysWhileTheSceneAsAWholeIsRefused) {
-  Drawing drawing(256);
-  Stage& stage = drawing.stage;
-  auto* const buffer = static_cast<RenderBuffer*>(stage.index->GetBprim("/color"));
-  ASSERT_TRUE(drawing.draw());
-  const std::vector<float> picture = Stage::pixels<float>(buffer);
+/// Twenty thousand quads that emit, which are not an array: their hierarchy takes megabytes.
+void add_many(Stage& stage) {
   host::InstancerDescription instancer;
   std::vector<Vec3f> places;
   for (int i = 0; i < 20000; ++i) places.emplace_back(0, 0, -float(i));
@@ -94,10 +88,73 @@ TEST(MemoryRefusals, TheLastPictureStaysWhileTheSceneAsAWholeIsRefused) {
   instancer.indices["/many"] = indices;
   host::MeshDescription mesh = Stage::quad();
   mesh.instancer = "/instancer";
-  mesh.material = "/glow";  // instances that emit are not an array
+  mesh.material = "/glow";
   stage.set_surface("/glow", {{"emission", Vec3f(1, 1, 1)}});
   stage.scene.SetInstancer("/instancer", instancer);
   stage.scene.SetMesh("/many", mesh);
+}
+
+// A limit that is raised step by step first holds the mesh, then what is made of it.
+// promise: pipeline.memory.refusal
+TEST(MemoryRefusals, AMeshThatFitsIntoNoSceneTakesNothingFromTheOneThatIsDrawn) {
+  Drawing drawing(256);
+  Stage& stage = drawing.stage;
+  add_many(stage);
+  ASSERT_TRUE(drawing.draw());
+  ASSERT_EQ(drawing.errors(), "");
+  int64_t limit = static_cast<int64_t>(stage.stat("memoryInUse") / kOneMiB);
+  stage.delegate->SetRenderSetting("memoryLimit", limit);
+  stage.scene.SetMesh("/fine", Stage::cube(6));
+  ASSERT_TRUE(drawing.draw());
+  ASSERT_EQ(drawing.errors().find("/fine: "), 0u);
+  ASSERT_EQ(stage.stat("scene.faultCount"), 1);
+  const double number = stage.stat("sceneNumber");
+  std::string errors;
+  while (stage.stat("scene.faultCount") > 0 && limit < 256) {
+    stage.delegate->SetRenderSetting("memoryLimit", ++limit);
+    ASSERT_TRUE(drawing.draw()) << limit << ": " << drawing.errors();
+    const bool is_whole = stage.stat("scene.faultCount") < 0;
+    EXPECT_EQ(stage.stat("sceneNumber") > number, is_whole) << limit;
+    errors += drawing.errors();
+  }
+  EXPECT_NE(errors.find("the scene stays as it is"), std::string::npos) << "no limit held the mesh alone: " << errors;
+  EXPECT_GT(stage.stat("sceneNumber"), number);
+  EXPECT_EQ(stage.text_stat("scene.faults"), "");
+}
+
+// A picture that is rendered in more time is whole.
+// promise: pipeline.memory.refusal
+TEST(MemoryRefusals, ADistanceGridThatIsRefusedIsAWarning) {
+  Drawing drawing(256);
+  Stage& stage = drawing.stage;
+  host::MeshDescription mesh = Stage::cube(4);
+  mesh.material = "/wax";
+  stage.scene.SetMesh("/cube", mesh);
+  stage.set_surface("/wax", {});
+  ASSERT_TRUE(drawing.draw());
+  stage.delegate->SetRenderSetting("memoryLimit", static_cast<int64_t>(stage.stat("memoryInUse") / kOneMiB + 3));
+  stage.set_surface("/wax", {{"scatterDistance", Vec3f(0.01f, 0.01f, 0.01f)}});
+  ASSERT_TRUE(drawing.draw());
+  EXPECT_EQ(stage.count("subsurface.memory"), 1u);
+  EXPECT_EQ(drawing.errors(), "");
+  EXPECT_EQ(stage.stat("scene.faultCount"), -1) << stage.text_stat("scene.faults");
+  const double number = stage.stat("sceneNumber");
+  ASSERT_TRUE(drawing.draw());
+  EXPECT_EQ(stage.stat("sceneNumber"), number) << "the next commit tries again, in vain";
+  stage.delegate->SetRenderSetting("memoryLimit", 256);
+  ASSERT_TRUE(drawing.draw());
+  EXPECT_GT(stage.stat("sceneNumber"), number);
+}
+
+// Without the hierarchy of its instances no scene is drawn: the picture before stays.
+// promise: pipeline.memory.refusal
+TEST(MemoryRefusals, TheLastPictureStaysWhileTheSceneAsAWholeIsRefused) {
+  Drawing drawing(256);
+  Stage& stage = drawing.stage;
+  auto* const buffer = static_cast<RenderBuffer*>(stage.index->GetBprim("/color"));
+  ASSERT_TRUE(drawing.draw());
+  const std::vector<float> picture = Stage::pixels<float>(buffer);
+  add_many(stage);
   int refused = 0;
   for (int mib = 2; mib < 64 && refused < 2; ++mib) {
     stage.delegate->SetRenderSetting("memoryLimit", mib);
@@ -108,6 +165,7 @@ TEST(MemoryRefusals, TheLastPictureStaysWhileTheSceneAsAWholeIsRefused) {
     EXPECT_EQ(stage.stat("scene.outOfMemory"), 1);
   }
   EXPECT_EQ(refused, 2);
+  EXPECT_GE(stage.count("scene.memory"), 1u);
   const std::string errors = drawing.errors();
   EXPECT_NE(errors.find("the next commit builds it again"), std::string::npos) << errors;
   EXPECT_NE(errors.find("raise memoryLimit"), std::string::npos) << errors;
