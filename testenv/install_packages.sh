@@ -20,21 +20,28 @@ install_packages() {
 
 # Debian has no package of Open Image Denoise; a wheel on PyPI carries the library. It goes into build/oidn, which
 # needs no rights, and is never required.
+# pip, by which it comes, where that can be installed.
+need_pip() {
+  python3 -m pip --version >/dev/null 2>&1 || echo python3-pip | install_packages - 2>/dev/null || true
+}
+
 install_denoiser() {
   oidn="$top/build/oidn"
   library="pyoidn/oidn/lib/libOpenImageDenoise.so.2"
   if [ ! -e "$oidn/$library" ]; then
-    rm -rf "$oidn.part"
+    need_pip
     echo "Installing Open Image Denoise from PyPI, which may take a minute"
-    python3 -m pip --version >/dev/null 2>&1 || echo python3-pip | install_packages - 2>/dev/null || true
+    mkdir -p "$top/build"
+    part=$(mktemp -d "$oidn.XXXXXX")
     if ! reason=$(python3 -m pip install --quiet --disable-pip-version-check --timeout 10 --retries 1 --no-deps \
-      --only-binary :all: --target "$oidn.part" pyoidn==2.5.1.0 2>&1) || [ ! -e "$oidn.part/$library" ]; then
-      rm -rf "$oidn.part"
+      --only-binary :all: --target "$part" pyoidn==2.5.1.0 2>&1) || [ ! -e "$part/$library" ]; then
+      rm -rf "$part"
       echo "Open Image Denoise: not installed, --denoise will not be available ($(echo "$reason" | tail -n 1))"
       return 0
     fi
     rm -rf "$oidn"
-    mv "$oidn.part" "$oidn"
+    chmod 755 "$part"
+    mv "$part" "$oidn"
   fi
   mkdir -p "$1"
   ln -sfn "$oidn" "$1/oidn"

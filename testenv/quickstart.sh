@@ -7,13 +7,14 @@ set -eu
 top=$(cd "$(dirname "$0")/.." && pwd)
 . "$top/testenv/install_packages.sh"
 install_packages "$top/testenv/packages.txt"
+need_pip
 
 build="$top/build/release"
 cmake -S "$top" -B "$build" -G Ninja -DCMAKE_BUILD_TYPE=Release -DALABASTER_TESTS=OFF -DALABASTER_BENCHMARKS=OFF >/dev/null
-install_denoiser "$build" &
+install_denoiser "$build" &  # it is installed while the program compiles
 denoiser=$!
-cmake --build "$build" --target alabaster
-wait "$denoiser"
+cmake --build "$build" --target alabaster || { code=$?; wait "$denoiser" || true; exit "$code"; }
+wait "$denoiser" || true
 denoise=""
 [ ! -e "$build/oidn" ] || denoise="--denoise"
 

@@ -501,10 +501,8 @@ struct SnapshotCompiler::Compilation {
                       same_looks);
   }
 
-  // Reports faults of bodies and lacks of memory where they are found first, and again only if they were gone in
-  // between. The numbers in a refusal of memory differ from one try to the next. The search for faults of bodies takes
-  // memory itself; where it runs out, they are found with the next snapshot.
-  void report_new_faults() {
+  // The search for faults of bodies takes memory itself. Where it runs out, they are found with the next snapshot.
+  void find_faults() {
     snapshot->lacks = lacks.all();
     std::vector<Diagnostic> found = lacks.reports();
     const DiagnosticSink keep = [&](const Diagnostic& d) { found.push_back(d); };
@@ -513,14 +511,7 @@ struct SnapshotCompiler::Compilation {
     } catch (const std::bad_alloc&) {
       // Those found so far are reported.
     }
-    const auto is_known = [&](const Diagnostic& d) {
-      return std::any_of(compiler.reported_.begin(), compiler.reported_.end(), [&](const Diagnostic& t) {
-        return t.code == d.code && t.where == d.where && (t.text == d.text || d.code.ends_with(".memory"));
-      });
-    };
-    for (const Diagnostic& d : found)
-      if (compiler.sink_ && !is_known(d)) compiler.sink_(d);
-    compiler.reported_ = std::move(found);
+    compiler.found_ = std::move(found);
   }
 
   bool run(uint64_t number) {
@@ -535,7 +526,7 @@ struct SnapshotCompiler::Compilation {
     cancel.check();
     keep_alive({drawn, looks}, snapshot.get());
     const bool same_lights = light();
-    report_new_faults();
+    find_faults();
     const bool alike = same_lights && snapshot->top == last->top && are_linked_alike();
     plan_lit_surfaces(alike ? last : nullptr, snapshot.get());
     snapshot->memory_bytes += snapshot->lights.memory_bytes() + texture_bytes(*snapshot);
@@ -546,6 +537,7 @@ struct SnapshotCompiler::Compilation {
 std::shared_ptr<const SceneSnapshot> SnapshotCompiler::compile(const SceneDescription& description, uint64_t number,
                                                                const CancelToken& cancel) {
   Compilation compilation{*this, description, cancel};
+  found_.reset();
   std::vector<LightParameters> lights = description.lights;
   auto category_sets = description.category_sets;
   if (!compilation.run(number)) {
@@ -555,6 +547,21 @@ std::shared_ptr<const SceneSnapshot> SnapshotCompiler::compile(const SceneDescri
   last_lights_ = std::move(lights);
   last_category_sets_ = std::move(category_sets);
   return last_ = std::move(compilation.snapshot);
+}
+
+// A fault is reported again only where it was gone in between. The numbers in a refusal of memory differ from one try
+// to the next.
+void SnapshotCompiler::report() {
+  if (!found_) return;
+  const auto is_known = [&](const Diagnostic& d) {
+    return std::any_of(reported_.begin(), reported_.end(), [&](const Diagnostic& t) {
+      return t.code == d.code && t.where == d.where && (t.text == d.text || d.code.ends_with(".memory"));
+    });
+  };
+  for (const Diagnostic& d : *found_)
+    if (sink_ && !is_known(d)) sink_(d);
+  reported_ = std::move(*found_);
+  found_.reset();
 }
 
 void SnapshotCompiler::continue_from(std::shared_ptr<const SceneSnapshot> snapshot,
@@ -568,7 +575,10 @@ void SnapshotCompiler::continue_from(std::shared_ptr<const SceneSnapshot> snapsh
 std::shared_ptr<const SceneSnapshot> compile_snapshot(const SceneDescription& description, uint64_t number,
                                                       const std::shared_ptr<TraceDevice>& device,
                                                       const DiagnosticSink& sink) {
-  return SnapshotCompiler(device, sink).compile(description, number);
+  SnapshotCompiler compiler(device, sink);
+  auto snapshot = compiler.compile(description, number);
+  compiler.report();
+  return snapshot;
 }
 
 }  // namespace alabaster

@@ -6,6 +6,7 @@
 #include <map>
 #include <nlohmann/json.hpp>
 #include <set>
+#include <utility>
 
 #include "delegate/cli/shell_word.h"
 #include "delegate/description/render_description.h"
@@ -179,7 +180,10 @@ class Corrector {
     if (takes_value && value.empty()) result_.complete = false;
     if (!used_.insert(right.text()).second) return;  // --width and --height are one --size
     const Alias* alias = find_alias(kFlagAliases, wrong.substr(std::min(wrong.find_first_not_of('-'), wrong.size())));
-    if (alias && alias->value && value.find_first_not_of("0123456789") == std::string::npos) value = alias->value;
+    if (alias && alias->value && value.find_first_not_of("0123456789") == std::string::npos) {
+      const std::string number = std::exchange(value, alias->value);
+      for (size_t at = 0; (at = value.find('%')) != std::string::npos;) value.replace(at, 1, number);
+    }
     result_.words.push_back(right.option);
     if (takes_value) result_.words.push_back(right.setting.empty() ? value : right.setting + "=" + value);
   }

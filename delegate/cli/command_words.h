@@ -15,7 +15,8 @@ namespace alabaster::cli {
 /// Words of a command line. `words` of the functions below begin with the name of a command.
 using Words = std::vector<std::string>;
 
-/// A word of other programs, and ours. `value`: in the place of one that is a plain number; null: it stays.
+/// A word of other programs, and ours. `value`: in the place of one that is a plain number, which % stands for; null: it
+/// stays.
 struct Alias {
   const char *word, *ours, *value;
 };
@@ -44,7 +45,7 @@ inline constexpr Alias kFlagAliases[] = {{"sample", "--spp", nullptr},
                                          {"jobs", "--threads", nullptr},
                                          {"preset", "--quality", nullptr},
                                          {"layer", "--aov", nullptr},
-                                         {"frame", "--frames", "1:24"}};
+                                         {"frame", "--frames", "%:%"}};
 
 /// Five examples and the places of the help, which the program shows without arguments.
 std::string examples_text();

@@ -3,8 +3,8 @@
 
   compile_time.py CHECKOUT [CHECKOUT ...] [--jobs N]
 
-Each checkout is configured as testenv/quickstart.sh does and its target alabaster is built in a temporary folder. A row of a room tells
-the CPU seconds of its objects, a row `all` also the wall seconds. Nothing else should run on the machine.
+Each checkout is configured as testenv/quickstart.sh does, and its target alabaster is built in a temporary folder. A row tells the CPU
+seconds of the objects of delegate/ and of core/, and the wall seconds. Nothing else should run on the machine.
 """
 import argparse
 import collections
@@ -24,8 +24,9 @@ def compile_one(command):
     """As CMake's launcher of the compiler: runs it, and notes the object and its CPU seconds."""
     code = subprocess.run(command).returncode
     used = resource.getrusage(resource.RUSAGE_CHILDREN)
-    with open(os.environ[LOG], "a") as log:
-        log.write(json.dumps([command[command.index("-o") + 1], used.ru_utime + used.ru_stime]) + "\n")
+    if LOG in os.environ:
+        with open(os.environ[LOG], "a") as log:
+            log.write(json.dumps([command[command.index("-o") + 1], used.ru_utime + used.ru_stime]) + "\n")
     return code
 
 
@@ -43,9 +44,8 @@ def measure(checkout, jobs):
         for line in log.read_text().splitlines():
             name, seconds = json.loads(line)
             rooms[name.split("/")[0]] += seconds
-    print(f"| {checkout} | all | {sum(rooms.values()):.0f} | {wall:.0f} |")
-    for room, seconds in rooms.most_common():
-        print(f"| {checkout} | {room} | {seconds:.0f} | |")
+    revision = subprocess.run(["git", "-C", checkout, "rev-parse", "--short", "HEAD"], check=True, capture_output=True, text=True)
+    print(f"| {revision.stdout.strip()} | {rooms['delegate']:.0f} | {rooms['core']:.0f} | {wall:.0f} |", flush=True)
 
 
 def main():
@@ -55,7 +55,7 @@ def main():
     parser.add_argument("checkouts", nargs="+")
     parser.add_argument("--jobs", type=int, default=2)
     options = parser.parse_args()
-    print("| checkout | room | CPU s | wall s |\n| --- | --- | --- | --- |", flush=True)
+    print("| revision | delegate, CPU s | core, CPU s | wall, s |\n| --- | --- | --- | --- |", flush=True)
     for checkout in options.checkouts:
         measure(checkout, options.jobs)
 

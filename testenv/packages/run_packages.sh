@@ -11,7 +11,7 @@ install_packages "$top/testenv/packages.txt" "$top/testenv/packages_window.txt" 
 scratch=$(mktemp -d)
 trap 'rm -rf "$scratch"' EXIT
 
-if [ ! -e "$build/bin/alabaster" ] || [ -z "$(find "$build/python/hdalabaster" -name '*.so' 2>/dev/null)" ]; then
+if [ ! -e "$build/bin/alabaster-tradeoff" ] || [ -z "$(find "$build/python/hdalabaster" -name '*.so' 2>/dev/null)" ]; then
   cmake -S "$top" -B "$build" -G Ninja -DCMAKE_BUILD_TYPE=Release >/dev/null
   cmake --build "$build" --target alabaster alabaster-tradeoff alabaster_images
   cmake --build "$build" --target alabaster_python alabaster-view
@@ -30,6 +30,7 @@ du -m "$deb" "$wheel"
 "$scratch/venv/bin/pip" install --quiet --disable-pip-version-check "$wheel"
 scene="$top/testenv/scenes/sample/sample.json"
 "$scratch/venv/bin/alabaster" render "$scene" -o "$scratch/wheel.png" -o "$scratch/wheel.exr" --size 96x64 --spp 4 --quiet
+"$scratch/venv/bin/alabaster" tradeoff "$scratch/missing.json" 2>&1 | grep -q 'missing\.json: There is no such file'
 (cd "$scratch" && venv/bin/python - "$scene" <<'PYTHON'
 import sys
 import hdalabaster

@@ -54,7 +54,9 @@ class InstanceArrayTest : public ::testing::Test {
 
   std::shared_ptr<const SceneSnapshot> compile() {
     b_.description.arrays[0].places = std::make_shared<ListedPlaces>(places_);
-    return compiler_.compile(b_.description, ++number_);
+    auto snapshot = compiler_.compile(b_.description, ++number_);
+    compiler_.report();
+    return snapshot;
   }
   // The same as instances that stand alone.
   SceneDescription flat() const {

@@ -33,7 +33,11 @@ class MemoryLacksTest : public ::testing::Test {
     p.scatter_distance = Rgb(scatter_distance);
     return b_.material(p);
   }
-  std::shared_ptr<const SceneSnapshot> compile() { return compiler_.compile(b_.description, ++number_); }
+  std::shared_ptr<const SceneSnapshot> compile(bool drawn = true) {
+    auto snapshot = compiler_.compile(b_.description, ++number_);
+    if (drawn) compiler_.report();
+    return snapshot;
+  }
   /// So much more than is in use.
   void leave(size_t bytes) { memory_->set_limit(memory_->in_use() + bytes); }
 
@@ -104,6 +108,28 @@ TEST_F(MemoryLacksTest, ABodyIsLeftOut) {
   EXPECT_GT(seen(without, 4, {-3, 0, 0}).mean, 0);
   ASSERT_EQ(whole_->instances.size(), 3u);
   EXPECT_EQ(whole_->bodies.size(), 3u);
+}
+
+TEST_F(MemoryLacksTest, ATryThatIsNotDrawnIsNotReported) {
+  b_.add(sphere(96), wax(50));
+  b_.add(testing::constant_dome(1, true));
+  b_.description.instances[0].name = "/fine";
+  const auto try_with = [&](size_t bytes, bool drawn) {
+    memory_->set_limit(MemoryBudget::kUnlimited);
+    compiler_.forget();
+    leave(bytes);
+    return compile(drawn)->lacks.size();
+  };
+  EXPECT_EQ(try_with(kMiB, false), 1u);
+  EXPECT_EQ(sink_.all().size(), 0u);
+  EXPECT_EQ(try_with(kMiB, true), 1u);
+  EXPECT_EQ(sink_.all().size(), 1u);
+  EXPECT_EQ(try_with(100 * kMiB, false), 0u);
+  EXPECT_EQ(try_with(kMiB, true), 1u);
+  EXPECT_EQ(sink_.all().size(), 1u) << "no scene has been drawn with the mesh";
+  EXPECT_EQ(try_with(100 * kMiB, true), 0u);
+  EXPECT_EQ(try_with(kMiB, true), 1u);
+  EXPECT_EQ(sink_.all().size(), 2u);
 }
 
 // The distance grid of a mesh takes 10 MB while it is built.

@@ -47,6 +47,7 @@ class Edited : public ::testing::Test {
   void compile() {
     before_ = now_;
     now_ = compiler_.compile(b_.description, ++number_);
+    compiler_.report();
     ASSERT_TRUE(now_);
   }
   // The picture must not depend on the snapshots before.

@@ -2,8 +2,10 @@
 #include <sys/ioctl.h>
 
 #include <cstdlib>
+#include <fstream>
 #include <nlohmann/json.hpp>
 #include <sstream>
+#include <utility>
 
 #include "delegate/cli/command_words.h"
 #include "testenv/unit/delegate/cli/run_program.h"
@@ -104,7 +106,8 @@ TEST_F(WordsTest, AMisspeltOptionNamesTheNearest) {
                {{"--spp", "1", "--target", "0.5"}, "--target-error", "--spp 1 --target-error 0.5"},
                {{"--spp", "1", "--quite"}, "--quiet", "--spp 1 --quiet"},
                {{"--spp", "1", "--noise", "0.9"}, "--target-error", "--spp 1 --target-error 0.9"},
-               {{"--spp", "1", "--env", "0.5"}, "--dome", "--spp 1 --dome 0.5"}};
+               {{"--spp", "1", "--env", "0.5"}, "--dome", "--spp 1 --dome 0.5"},
+               {{"--spp", "1", "--frame", "3"}, "--frames", "--spp 1 --frames 3:3"}};
   for (const auto& [wrong, option, right] : cases)
     expect_proposal(quick({"render"}, wrong), "Did you mean '" + option + "'?",
                     "alabaster render " + quick_text_ + " " + right);
@@ -142,6 +145,25 @@ TEST_F(WordsTest, ASettingWithoutAnOptionIsProposedAsAValueOfSet) {
   expect_proposal({"check", "patch.gltf", "--samples", "4"}, "Did you mean '--set samples=VALUE'?",
                   "alabaster check patch.gltf --set samples=4");
   EXPECT_HAS(run({"schema", "--glossy-filter", "0.5"}).err, "'alabaster schema' has no option '--glossy-filter'. Its");
+}
+
+TEST_F(WordsTest, ACommandWhoseProgramIsNotThereSaysHowToBuildIt) {
+  namespace fs = std::filesystem;
+  fs::copy_file(testing::kProgram, folder_ / "alabaster");
+  const auto run_copy = [&] {
+    const int status =
+        std::system(("cd '" + folder_.string() + "' && ./alabaster tradeoff patch.gltf 2> said.txt").c_str());
+    std::stringstream said;
+    said << std::ifstream(folder_ / "said.txt").rdbuf();
+    return std::pair(WEXITSTATUS(status), said.str());
+  };
+  const auto missing = run_copy();
+  EXPECT_EQ(missing.first, 2);
+  EXPECT_HAS(missing.second, "cmake --build build/release --target alabaster-tradeoff");
+  std::ofstream(folder_ / "alabaster-tradeoff") << "not a program";
+  const auto broken = run_copy();
+  EXPECT_EQ(broken.first, 4);
+  EXPECT_HAS(broken.second, "alabaster-tradeoff: It could not be started: ");
 }
 
 TEST_F(WordsTest, TheWindowNamesTheNearestOptionToo) {
