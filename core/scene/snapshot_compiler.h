@@ -24,8 +24,9 @@ class SnapshotCompiler {
   /// Shares with the last snapshot: the top level, where all shapes and places are equal; the BVHs of bodies of several
   /// members; the densities of images of lights; emissive meshes that stand where they stood; and where light falls on
   /// bodies, if shapes, places, lights and links are all equal. Null when Embree refuses (reported). Meshes, bodies and
-  /// lights for which memory runs out are left out (SceneSnapshot::lacks). Where it runs out for the scene as a whole, throws MemoryRefused, by the budget of the device, or
-  /// std::bad_alloc. Throws BuildCancelled. After an exception the next snapshot shares as this one would have.
+  /// lights for which memory runs out are left out (SceneSnapshot::lacks). Where it runs out for the scene as a whole,
+  /// throws MemoryRefused, by the budget of the device, or std::bad_alloc. Throws BuildCancelled. After an exception
+  /// the next snapshot shares as this one would have.
   std::shared_ptr<const SceneSnapshot> compile(const SceneDescription& description, uint64_t number,
                                                const CancelToken& cancel = {});
 

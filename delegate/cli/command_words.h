@@ -15,8 +15,8 @@ namespace alabaster::cli {
 /// Words of a command line. `words` of the functions below begin with the name of a command.
 using Words = std::vector<std::string>;
 
-/// A word of other programs, and ours. `value`: in the place of one that is a plain number, which % stands for; null: it
-/// stays.
+/// A word of other programs, and ours. `value`: in the place of one that is a plain number, which % stands for; null:
+/// it stays.
 struct Alias {
   const char *word, *ours, *value;
 };
