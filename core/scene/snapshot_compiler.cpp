@@ -551,7 +551,7 @@ std::shared_ptr<const SceneSnapshot> SnapshotCompiler::compile(const SceneDescri
 
 // A fault is reported again only where it was gone in between. The numbers in a refusal of memory differ from one try
 // to the next.
-void SnapshotCompiler::report() {
+void SnapshotCompiler::report_faults() {
   if (!found_) return;
   const auto is_known = [&](const Diagnostic& d) {
     return std::any_of(reported_.begin(), reported_.end(), [&](const Diagnostic& t) {
@@ -577,7 +577,7 @@ std::shared_ptr<const SceneSnapshot> compile_snapshot(const SceneDescription& de
                                                       const DiagnosticSink& sink) {
   SnapshotCompiler compiler(device, sink);
   auto snapshot = compiler.compile(description, number);
-  compiler.report();
+  compiler.report_faults();
   return snapshot;
 }
 

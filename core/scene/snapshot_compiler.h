@@ -32,7 +32,7 @@ class SnapshotCompiler {
 
   /// Reports faults of bodies and lacks of memory of the snapshot that compile() has just made, unless the one that was
   /// reported before had them, too. Not called for a snapshot that is not drawn.
-  void report();
+  void report_faults();
 
   /// Frees what the next snapshot would have shared. Reports about bodies and memory are not repeated all the same.
   void forget() { last_ = nullptr; }

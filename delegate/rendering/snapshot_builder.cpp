@@ -396,7 +396,7 @@ void SnapshotBuilder::compile(Variant* variant, BuiltScene scene, const std::sha
     in_vain_ = true;
     return;
   }
-  prims::guarded(param_->sink(), kWhere, [&] { variant->compiler.report(); });
+  prims::guarded(param_->sink(), kWhere, [&] { variant->compiler.report_faults(); });
   if (held) {
     variant->compiler.continue_from(held, scene.translation.scene);
     scene.snapshot = std::move(held);

@@ -55,7 +55,7 @@ class InstanceArrayTest : public ::testing::Test {
   std::shared_ptr<const SceneSnapshot> compile() {
     b_.description.arrays[0].places = std::make_shared<ListedPlaces>(places_);
     auto snapshot = compiler_.compile(b_.description, ++number_);
-    compiler_.report();
+    compiler_.report_faults();
     return snapshot;
   }
   // The same as instances that stand alone.

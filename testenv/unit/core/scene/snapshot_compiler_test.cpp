@@ -47,7 +47,7 @@ class Edited : public ::testing::Test {
   void compile() {
     before_ = now_;
     now_ = compiler_.compile(b_.description, ++number_);
-    compiler_.report();
+    compiler_.report_faults();
     ASSERT_TRUE(now_);
   }
   // The picture must not depend on the snapshots before.
