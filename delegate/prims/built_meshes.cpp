@@ -179,16 +179,16 @@ std::vector<BuiltMeshes::Entry*> BuiltMeshes::build_first(const std::vector<Entr
   for (Entry& entry : held_)
     if (const Held& held = entry.second; held.done && held.has_shape && known.insert(held.built.prototype.get()).second)
       all.push_back(&entry), built.push_back(held.job);
-  for (const Entry* entry : to_build) jobs.push_back(entry->second.job);
+  for (Entry* entry : to_build) all.push_back(entry), jobs.push_back(entry->second.job);
   const std::vector<size_t> first = find_equal_meshes(built, jobs, cancel);
-  all.insert(all.end(), to_build.begin(), to_build.end());
   std::vector<Entry*> alone, others;
   for (size_t i = 0; i < to_build.size(); ++i) (first[i] == built.size() + i ? alone : others).push_back(to_build[i]);
   build_batch(alone, param, cancel);
   for (size_t i = 0; i < to_build.size(); ++i) {
+    if (first[i] == built.size() + i) continue;  // in `alone`
     const Held& from = all[first[i]]->second;
     Held& held = to_build[i]->second;
-    if (&held == &from || !from.done || !from.has_shape) continue;
+    if (!from.done || !from.has_shape) continue;
     if (*held.job->slots == *from.job->slots) {
       adopt(&held, {from.built, {}}, param->sink());
       continue;
