@@ -143,6 +143,15 @@ TEST_F(FailingAllocations, FailuresOnOtherThreadsAreReportedAndRecovered) {
   });
 }
 
+/// Sets the mesh /other and refuses one allocation of its build after so many. False: there were no more.
+bool fails_in_the_build(Stage* stage, const host::MeshDescription& other, size_t allowed) {
+  const testing::FailingMemoryElsewhere failing(1, allowed);
+  stage->scene.SetMesh("/other", other);
+  stage->index->SyncAll();
+  stage->wait_for_scene();
+  return failing.failed();
+}
+
 // One refusal in the builder concerns one mesh or the scene as a whole. Where it concerns a mesh, the others are drawn.
 // promise: pipeline.memory.runs_out
 TEST_F(FailingAllocations, AMeshForWhichMemoryRunsOutIsLeftOutOfTheScene) {
@@ -152,15 +161,7 @@ TEST_F(FailingAllocations, AMeshForWhichMemoryRunsOutIsLeftOutOfTheScene) {
   int without_a_mesh = 0;
   for (size_t allowed = 0; allowed < 400; ++allowed) {
     other.transform[3][0] = 0.001 * double(allowed);
-    bool failed = false;
-    {
-      const testing::FailingMemoryElsewhere failing(1, allowed);
-      stage.scene.SetMesh("/other", other);
-      stage.index->SyncAll();
-      stage.wait_for_scene();
-      failed = failing.failed();
-    }
-    if (!failed) break;
+    if (!fails_in_the_build(&stage, other, allowed)) break;
     const std::string faults = stage.text_stat("scene.faults");
     const bool lacks_quad = faults.find("/quad: ") != faults.npos, lacks_other = faults.find("/other: ") != faults.npos;
     if (lacks_quad || lacks_other) {
@@ -186,15 +187,7 @@ TEST_F(FailingAllocations, AMeshThatIsNotBuiltForWantOfMemoryIsReportedWithAReme
   int reported = 0;
   for (size_t allowed = 0; allowed < 400; ++allowed) {
     other.primvars["points"].value = Array<Vec3f>{{-1, -1, 0}, {1, -1, 0}, {1, 1, 0}, {-1, 1, float(allowed) / 1000}};
-    bool failed = false;
-    {
-      const testing::FailingMemoryElsewhere failing(1, allowed);
-      stage.scene.SetMesh("/other", other);
-      stage.index->SyncAll();
-      stage.wait_for_scene();
-      failed = failing.failed();
-    }
-    if (!failed) break;
+    if (!fails_in_the_build(&stage, other, allowed)) break;
     for (const Diagnostic& d : stage.take_diagnostics()) {
       if (d.where != "/other") continue;
       EXPECT_TRUE(d.code.ends_with(".memory")) << d.code << " after " << allowed << " allocations: " << d.text;

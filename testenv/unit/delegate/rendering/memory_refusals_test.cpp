@@ -12,14 +12,18 @@ namespace {
 
 constexpr double kOneMiB = 1 << 20;
 
+void add_wax_cube(Stage* stage, int level) {
+  host::MeshDescription mesh = Stage::cube(level);
+  mesh.material = "/wax";
+  stage->scene.SetMesh("/cube", mesh);
+  stage->set_surface("/wax", {});
+}
+
 // promise: pipeline.memory.refusal
 TEST(MemoryRefusals, ARenderGoesOnWhileEachCommitLacksTheSameBody) {
   Drawing drawing(256);
   Stage& stage = drawing.stage;
-  host::MeshDescription mesh = Stage::cube(6);
-  mesh.material = "/wax";
-  stage.scene.SetMesh("/cube", mesh);
-  stage.set_surface("/wax", {});
+  add_wax_cube(&stage, 6);
   ASSERT_TRUE(drawing.draw());
   ASSERT_EQ(drawing.errors(), "");
   // Too little for the shells of a mesh that scatters.
@@ -127,10 +131,7 @@ TEST(MemoryRefusals, AMeshThatFitsIntoNoSceneTakesNothingFromTheOneThatIsDrawn) 
 TEST(MemoryRefusals, ADistanceGridThatIsRefusedIsAWarning) {
   Drawing drawing(256);
   Stage& stage = drawing.stage;
-  host::MeshDescription mesh = Stage::cube(4);
-  mesh.material = "/wax";
-  stage.scene.SetMesh("/cube", mesh);
-  stage.set_surface("/wax", {});
+  add_wax_cube(&stage, 4);
   ASSERT_TRUE(drawing.draw());
   stage.delegate->SetRenderSetting("memoryLimit", static_cast<int64_t>(stage.stat("memoryInUse") / kOneMiB + 3));
   stage.set_surface("/wax", {{"scatterDistance", Vec3f(0.01f, 0.01f, 0.01f)}});
