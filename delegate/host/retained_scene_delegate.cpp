@@ -167,8 +167,8 @@ void RetainedSceneDelegate::SetRenderSettings(const Path& id, RenderSettingsDesc
 
 bool RetainedSceneDelegate::Remove(const Path& id) {
   State& s = *state_;
+  const InstancerDescription instancer = value_in(s.instancers, id);  // first: memory may run out
   if (s.index) s.index->Remove(id);
-  const InstancerDescription instancer = value_in(s.instancers, id);
   size_t removed = 0;
   s.for_each_kind([&](auto& prims) { removed += prims.erase(id); });
   s.mark_prototypes(instancer, {});

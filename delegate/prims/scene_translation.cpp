@@ -508,7 +508,6 @@ Translation SceneTranslator::translate(const Parts& parts) {
   Run run{.translator = *this, .parts = parts, .out = {}, .category_sets = CategorySets(parts.records)};
   run.out.shutter = parts.shutter;
   run.out.memory = std::make_shared<MemoryReservation>(parts.memory, MemoryUse::scene);
-  run.out.scene.instances.reserve(parts.records.size());
   for (const auto& [path, record] : parts.records) {
     if (const auto* mesh = std::get_if<MeshRecord>(&record)) run.add_mesh(path, *mesh);
     if (const auto* light = std::get_if<LightRecord>(&record); light && light->visible) run.add_light(path, *light);
