@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cstring>
+#include <limits>
 #include <span>
 
 #include "delegate/support/float_values.h"
@@ -203,8 +204,10 @@ PlacementSource Placements::source(const Path& prototype, const Path& instancer,
   }
   PlacementSource source{record->points, indices, bases(instancer, *record)};
   if (!indices.empty() && source.bases->size() > kMaxInstances / indices.size()) throw TooManyInstances(prototype);
-  const bool dropped =
-      std::any_of(indices.begin(), indices.end(), [&](int32_t index) { return !source.has_point(index); });
+  const size_t points = record->points ? record->points->size() : std::numeric_limits<size_t>::max();
+  const bool dropped = std::any_of(indices.begin(), indices.end(), [points](int32_t index) {
+    return index < 0 || static_cast<size_t>(index) >= points;
+  });
   if (dropped && !source.bases->empty())
     warn("instancer.index", prototype,
          "some instance indices name no point of " + instancer.str() + "; those instances are left out");
