@@ -8,6 +8,7 @@
 #include <mutex>
 #include <system_error>
 #include <tuple>
+#include <type_traits>
 
 #include "delegate/api/types.h"
 
@@ -133,20 +134,22 @@ class EditedArray {
   }
   /// True if `now` is what the last edit() returned.
   bool is_latest(const Value& now) const {
-    const auto is = [&]<class T>(const ArrayTurns<T>& turns) {
-      const auto* array = now.get<Array<T>>();
-      return array && turns.is_latest(*array);
-    };
-    return std::apply([&](const auto&... turns) { return (is(turns) || ...); }, turns_);
+    return std::apply([&](const auto&... turns) { return (is_latest_of(turns, now) || ...); }, turns_);
   }
 
  private:
+  template <class T>
+  static bool is_latest_of(const ArrayTurns<T>& turns, const Value& now) {
+    const auto* array = now.get<Array<T>>();
+    return array && turns.is_latest(*array);
+  }
   /// call(array, part) if `elements` fit; else an empty value.
   template <class Call>
   static Value of_their_type(const Value& now, size_t first, const Value& elements, const Call& call) {
     Value result;
-    const auto try_type = [&]<class T>(const Array<T>&) {
-      const auto *array = now.get<Array<T>>(), *part = elements.get<Array<T>>();
+    const auto try_type = [&](const auto& empty) {
+      using Values = std::remove_cvref_t<decltype(empty)>;
+      const auto *array = now.get<Values>(), *part = elements.get<Values>();
       if (array && part && first <= array->size() && part->size() <= array->size() - first)
         result = call(*array, *part);
     };

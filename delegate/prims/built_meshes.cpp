@@ -119,11 +119,11 @@ BuiltMeshes::Held BuiltMeshes::make_held(MeshJob job, const Held* before, bool s
   if (before) {
     next.faults = before->faults;
     job.edits = next.edits = edits_after(*before, job, budget);
-  }
-  // Displacement is a material's.
-  if (same_shape && before->has_shape && job.request.displacements.empty()) {
-    job.shape = next.built = before->built;
-    next.has_shape = true;
+    // Displacement is a material's.
+    if (same_shape && before->has_shape && job.request.displacements.empty()) {
+      job.shape = next.built = before->built;
+      next.has_shape = true;
+    }
   }
   next.job = std::make_shared<const MeshJob>(std::move(job));
   return next;
