@@ -1,7 +1,6 @@
 #include "delegate/host/retained_scene_delegate.h"
 
 #include <algorithm>
-#include <utility>
 
 #include "delegate/host/array_turns.h"
 #include "delegate/host/scene_fields.h"
@@ -32,7 +31,6 @@ struct RetainedSceneDelegate::State {
   std::map<Path, RenderSettingsDescription> settings;
   std::map<std::pair<Path, Token>, EditedArray> edited;  // primvars of instancers
   RenderIndex* index = nullptr;
-  bool is_whole = true;  // the index has all prims
   RetainedSceneDelegate* scene = nullptr;
 
   /// Calls visit(map) with the prims of each kind, in the order in which they enter an index.
@@ -69,9 +67,7 @@ struct RetainedSceneDelegate::State {
     for_each_kind([&](const auto& prims) { is_of_another_kind |= prims.contains(id); });
     if (is_of_another_kind) scene->Remove(id);
     const auto entered = map.emplace(id, std::move(value)).first;
-    if (!index) return;
-    const bool has_others = std::exchange(is_whole, false);
-    is_whole = insert(id, entered->second) && has_others;
+    if (index) insert(id, entered->second);
   }
   void mark(const Path& id, DirtyBits bits) {
     if (index && index->Has(id)) index->GetChangeTracker().MarkDirty(id, bits);
@@ -167,8 +163,8 @@ void RetainedSceneDelegate::SetRenderSettings(const Path& id, RenderSettingsDesc
 
 bool RetainedSceneDelegate::Remove(const Path& id) {
   State& s = *state_;
-  const InstancerDescription instancer = value_in(s.instancers, id);  // first: memory may run out
   if (s.index) s.index->Remove(id);
+  const InstancerDescription instancer = value_in(s.instancers, id);
   size_t removed = 0;
   s.for_each_kind([&](auto& prims) { removed += prims.erase(id); });
   s.mark_prototypes(instancer, {});
@@ -199,19 +195,18 @@ void RetainedSceneDelegate::Populate(RenderIndex* index) {
   Depopulate();
   State& s = *state_;
   s.index = index;
-  s.is_whole = false;
-  PopulateRest();
+  if (index) PopulateRest();
 }
 
 bool RetainedSceneDelegate::PopulateRest() {
   State& s = *state_;
-  if (!s.index || s.is_whole) return true;
+  if (!s.index) return true;
   bool whole = true;
   s.for_each_kind([&](const auto& prims) {
     for (const auto& [id, value] : prims)
       if (!s.index->Has(id)) whole = s.insert(id, value) && whole;
   });
-  return s.is_whole = whole;
+  return whole;
 }
 
 void RetainedSceneDelegate::Depopulate() {
