@@ -143,7 +143,8 @@ TEST_F(FailingAllocations, FailuresOnOtherThreadsAreReportedAndRecovered) {
   });
 }
 
-/// Sets the mesh /other and refuses one allocation of its build after so many. False: there were no more.
+/// Sets the mesh /other. The builder's thread is refused the allocation that follows the first `allowed` ones. Returns
+/// false if the build made no further allocation.
 bool fails_in_the_build(Stage* stage, const host::MeshDescription& other, size_t allowed) {
   const testing::FailingMemoryElsewhere failing(1, allowed);
   stage->scene.SetMesh("/other", other);
