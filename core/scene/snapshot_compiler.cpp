@@ -43,15 +43,18 @@ bool has_shape(const InstanceDescription& d) {
   return d.prototype && d.prototype->object && !d.prototype->mesh.triangles.empty() && !d.materials.empty();
 }
 
-bool is_drawable(const InstanceDescription& d, const DiagnosticSink& sink, std::vector<std::string>* left_out) {
-  if (!has_shape(d)) return false;
+// Where it stands; none: it is not drawn.
+std::optional<BoundsDouble> drawn_bounds(const InstanceDescription& d, const DiagnosticSink& sink,
+                                         std::vector<std::string>* left_out) {
+  if (!has_shape(d)) return std::nullopt;
   if (!is_valid_affine(d.object_to_world) || !std::all_of(d.poses.begin(), d.poses.end(), is_valid_affine)) {
     leave_out(d, "the transform is not finite, not affine or not invertible in single precision", sink, left_out);
-    return false;
+    return std::nullopt;
   }
-  if (is_within_reach(world_bounds(d))) return true;
+  const BoundsDouble bounds = world_bounds(d);
+  if (is_within_reach(bounds)) return bounds;
   leave_out(d, "the transform takes it beyond 1e17", sink, left_out);
-  return false;
+  return std::nullopt;
 }
 
 // To the farthest corner.
@@ -209,9 +212,9 @@ struct SnapshotCompiler::Compilation {
   void choose_drawn() {
     BoundsDouble bounds;
     for (const auto& d : description.instances)
-      if (is_drawable(d, compiler.sink_, &snapshot->left_out)) {
+      if (const auto own = drawn_bounds(d, compiler.sink_, &snapshot->left_out)) {
         drawn.push_back(&d);
-        bounds.extend(world_bounds(d));
+        bounds.extend(*own);
       }
     for (const InstanceArrayDescription& array : description.arrays) {
       if (!has_shape(array.look)) continue;
@@ -253,9 +256,11 @@ struct SnapshotCompiler::Compilation {
     for (size_t i = 0; i < array.places->size(); ++i) {
       if (i % 1024 == 0) cancel.check();
       auto instance = array.instance(i);
-      if (!instance || !is_drawable(*instance, compiler.sink_, &snapshot->left_out)) continue;
+      if (!instance) continue;
+      const auto own = drawn_bounds(*instance, compiler.sink_, &snapshot->left_out);
+      if (!own) continue;
       drawn.push_back(&taken_apart.emplace_back(std::move(*instance)));
-      bounds->extend(world_bounds(*drawn.back()));
+      bounds->extend(*own);
     }
   }
 

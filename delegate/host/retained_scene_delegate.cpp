@@ -1,6 +1,7 @@
 #include "delegate/host/retained_scene_delegate.h"
 
 #include <algorithm>
+#include <utility>
 
 #include "delegate/host/array_turns.h"
 #include "delegate/host/scene_fields.h"
@@ -31,6 +32,7 @@ struct RetainedSceneDelegate::State {
   std::map<Path, RenderSettingsDescription> settings;
   std::map<std::pair<Path, Token>, EditedArray> edited;  // primvars of instancers
   RenderIndex* index = nullptr;
+  bool is_whole = true;  // the index has all prims
   RetainedSceneDelegate* scene = nullptr;
 
   /// Calls visit(map) with the prims of each kind, in the order in which they enter an index.
@@ -67,7 +69,9 @@ struct RetainedSceneDelegate::State {
     for_each_kind([&](const auto& prims) { is_of_another_kind |= prims.contains(id); });
     if (is_of_another_kind) scene->Remove(id);
     const auto entered = map.emplace(id, std::move(value)).first;
-    if (index) insert(id, entered->second);
+    if (!index) return;
+    const bool has_others = std::exchange(is_whole, false);
+    is_whole = insert(id, entered->second) && has_others;
   }
   void mark(const Path& id, DirtyBits bits) {
     if (index && index->Has(id)) index->GetChangeTracker().MarkDirty(id, bits);
@@ -163,8 +167,8 @@ void RetainedSceneDelegate::SetRenderSettings(const Path& id, RenderSettingsDesc
 
 bool RetainedSceneDelegate::Remove(const Path& id) {
   State& s = *state_;
+  const InstancerDescription instancer = value_in(s.instancers, id);  // first: memory may run out
   if (s.index) s.index->Remove(id);
-  const InstancerDescription instancer = value_in(s.instancers, id);
   size_t removed = 0;
   s.for_each_kind([&](auto& prims) { removed += prims.erase(id); });
   s.mark_prototypes(instancer, {});
@@ -195,18 +199,19 @@ void RetainedSceneDelegate::Populate(RenderIndex* index) {
   Depopulate();
   State& s = *state_;
   s.index = index;
-  if (index) PopulateRest();
+  s.is_whole = false;
+  PopulateRest();
 }
 
 bool RetainedSceneDelegate::PopulateRest() {
   State& s = *state_;
-  if (!s.index) return true;
+  if (!s.index || s.is_whole) return true;
   bool whole = true;
   s.for_each_kind([&](const auto& prims) {
     for (const auto& [id, value] : prims)
       if (!s.index->Has(id)) whole = s.insert(id, value) && whole;
   });
-  return whole;
+  return s.is_whole = whole;
 }
 
 void RetainedSceneDelegate::Depopulate() {

@@ -13,15 +13,16 @@ bool is_shown(const support::Selection& selection, const Path& path, const MeshR
 constexpr size_t kMostLeft = 3;  // batches, each of which takes the memory of a build
 
 // By the mesh's slots; empty if no material of it displaces.
-Displacements displacements_of(const MeshRecord& mesh, const Records& records) {
+Displacements displacements_of(const MeshRecord& mesh, MaterialLookup& materials) {
+  const auto displaces = [&](const Path& path) {
+    const MaterialRecord* record = materials.find(path);
+    return record && record->material->displacement;
+  };
   Displacements all;
-  bool any = false;
-  for (const Path& path : mesh.materials) {
-    const auto* record = find_record<MaterialRecord>(records, path);
-    all.push_back(record ? record->material->displacement : std::nullopt);
-    any |= all.back().has_value();
-  }
-  return any ? all : Displacements();
+  if (std::none_of(mesh.materials.begin(), mesh.materials.end(), displaces)) return all;
+  for (const Path& path : mesh.materials)
+    all.push_back(displaces(path) ? materials.find(path)->material->displacement : std::nullopt);
+  return all;
 }
 
 // One that deforms is the same mesh at all times.
@@ -50,9 +51,9 @@ bool is_refused(const BuiltMesh& built) {
   return built.fault && !built.fault->input;
 }
 
-MeshRequest request_of(const Path& path, const MeshRecord& mesh, const Records& records, const MeshView& view,
+MeshRequest request_of(const Path& path, const MeshRecord& mesh, MaterialLookup& materials, const MeshView& view,
                        support::Placements& placements) {
-  MeshRequest request{displacements_of(mesh, records), {}, {}, {}};
+  MeshRequest request{displacements_of(mesh, materials), {}, {}, {}};
   if (!view.primvars.empty()) request.primvars = {view.primvars, mesh.other_primvars};
   if (view.dicing.edge_length > 0 && is_diced(*mesh.source)) {
     request.dicing = view.dicing;
@@ -61,33 +62,7 @@ MeshRequest request_of(const Path& path, const MeshRecord& mesh, const Records& 
   return request;
 }
 
-// Meshes taken out of a map. They go back to it where memory runs out before replace().
-template <class Map, class Dropped>
-struct Taken {
-  Map* from;
-  Map meshes = {};
-  ~Taken() {
-    if (from) from->merge(meshes);
-  }
-  // The map has these alone from now on. Those that are left in it are dropped.
-  void replace(Dropped* dropped) {
-    dropped->reserve(dropped->size() + from->size());
-    for (auto& [path, held] : *from) dropped->push_back(std::move(held));
-    *from = std::move(meshes);
-    from = nullptr;
-  }
-};
-
 }  // namespace
-
-const BuiltMesh* BuiltMeshes::find(const Path& mesh) const {
-  const auto held = held_.find(mesh);
-  return held == held_.end() || !held->second.done ? nullptr : &held->second.built;
-}
-
-bool BuiltMeshes::incomplete() const {
-  return std::any_of(held_.begin(), held_.end(), [](const Entry& entry) { return !entry.second.done; });
-}
 
 SceneFaults BuiltMeshes::faults(const Records& records, const support::Selection& selection) const {
   SceneFaults faults;
@@ -104,40 +79,68 @@ std::vector<BuiltMeshes::Entry*> BuiltMeshes::collect(const Scene& scene, const 
   support::Placements placements(
       [&held = scene.records](const Path& path) { return find_record<InstancerRecord>(held, path); },
       [](const char*, const Path&, const std::string&) {}, hold_placements_in(budget));
-  Taken<std::map<Path, Held>, std::vector<Held>> needed{&held_};
+  MaterialLookup materials(records);
+  support::AscendingLookup known(held_);
+  ++collections_;
+  size_t kept = 0;
+  std::map<Path, Held> made;
   std::vector<Entry*> to_build;
   for (const auto& [path, record] : records) {
     const auto* mesh = std::get_if<MeshRecord>(&record);
     if (!mesh || !mesh->visible || !mesh->source || !mesh->slots) continue;
-    MeshJob job{path, mesh->source, mesh->slots, request_of(path, *mesh, scene.records, view, placements), nullptr, {}};
-    const auto held = held_.find(path);
-    const bool same_shape =
-        held != held_.end() && held->second.job->source == job.source && held->second.job->request == job.request;
-    if (same_shape && held->second.job->slots == job.slots && held->second.done) {
+    MeshRequest request = request_of(path, *mesh, materials, view, placements);
+    Held* const held = known.find(path);
+    const bool same_shape = held && held->job->source == mesh->source && held->job->request == request;
+    if (same_shape && held->job->slots == mesh->slots && held->done) {
       constexpr int kMostUnedited = 16;
-      if (held->second.edits && ++held->second.unedited_builds == kMostUnedited) held->second.edits->rest();
-      needed.meshes.insert(held_.extract(held));
+      if (held->edits && ++held->unedited_builds == kMostUnedited) held->edits->rest();
+      held->collection = collections_;
+      ++kept;
       continue;
     }
     if (std::none_of(selections.begin(), selections.end(),
                      [&id = path, &shown = *mesh](const auto& s) { return is_shown(s, id, shown); }))
       continue;
-    Held made{nullptr, {}};
-    if (held != held_.end()) {
-      made.faults = held->second.faults;
-      job.edits = made.edits = edits_after(held->second, job, budget);
-    }
-    // Displacement is a material's.
-    if (same_shape && held->second.has_shape && job.request.displacements.empty()) {
-      job.shape = made.built = held->second.built;
-      made.has_shape = true;
-    }
-    made.job = std::make_shared<const MeshJob>(std::move(job));
-    to_build.push_back(&*needed.meshes.emplace(path, std::move(made)).first);
+    MeshJob job{path, mesh->source, mesh->slots, std::move(request), nullptr, {}};
+    to_build.push_back(&*made.emplace(path, make_held(std::move(job), held, same_shape, budget)).first);
   }
-  needed.replace(&dropped_);
+  drop_all_but(kept);
+  held_.merge(made);
+  unbuilt_ = to_build.size();
   view_ = view;
   return to_build;
+}
+
+// A mesh to build, with what it takes from the one before it (may be null).
+BuiltMeshes::Held BuiltMeshes::make_held(MeshJob job, const Held* before, bool same_shape,
+                                         const std::shared_ptr<MemoryBudget>& budget) const {
+  Held next{nullptr, {}};
+  next.collection = collections_;
+  if (before) {
+    next.faults = before->faults;
+    job.edits = next.edits = edits_after(*before, job, budget);
+    // Displacement is a material's.
+    if (same_shape && before->has_shape && job.request.displacements.empty()) {
+      job.shape = next.built = before->built;
+      next.has_shape = true;
+    }
+  }
+  next.job = std::make_shared<const MeshJob>(std::move(job));
+  return next;
+}
+
+// Drops the meshes that the last collection has not kept. Where memory runs out, all are held still.
+void BuiltMeshes::drop_all_but(size_t kept) {
+  if (kept == held_.size()) return;
+  dropped_.reserve(dropped_.size() + held_.size() - kept);
+  for (auto held = held_.begin(); held != held_.end();) {
+    if (held->second.collection == collections_) {
+      ++held;
+      continue;
+    }
+    dropped_.push_back(std::move(held->second));
+    held = held_.erase(held);
+  }
 }
 
 // Where the topology is the same, the triangles mostly are. With motion samples there are several shapes to build.
@@ -159,6 +162,7 @@ void BuiltMeshes::adopt(Held* held, MeshResult result, const alabaster::Diagnost
   held->has_shape = result.built.prototype && !result.built.reported;
   held->built = std::move(result.built);
   held->done = !is_refused(held->built);
+  if (held->done) --unbuilt_;
   if (result.failure) result.reports = {*result.failure};
   held->faults.report(sink, std::move(result.reports));
 }

@@ -5,6 +5,7 @@
 
 #include "delegate/prims/equal_meshes.h"
 #include "delegate/prims/mesh_batch.h"
+#include "delegate/support/lookup.h"
 #include "delegate/support/selection.h"
 
 namespace alabaster::hd::prims {
@@ -34,8 +35,7 @@ class BuiltMeshes {
   void release_dropped() { dropped_.clear(); }
   /// No edits are expected for now: frees what would make those of points quick.
   void rest();
-  /// Null: it has not been built.
-  const BuiltMesh* find(const Path& mesh) const;
+  class Lookup;
   template <class Visit>
   void for_each(const Visit& visit) const {
     for (const auto& [path, held] : held_)
@@ -43,7 +43,7 @@ class BuiltMeshes {
   }
   bool is_built_for(const MeshView& view) const { return view == view_; }
   /// Memory or threads did not suffice for some mesh: the next build() tries again.
-  bool incomplete() const;
+  bool incomplete() const { return unbuilt_ > 0; }
   SceneFaults faults(const Records& records, const support::Selection& selection) const;
 
  private:
@@ -54,11 +54,14 @@ class BuiltMeshes {
     bool has_shape = false;                       // `built` may serve other slots, and meshes of equal geometry
     std::shared_ptr<PointEdits> edits = nullptr;  // null: none so far
     int unedited_builds = 0;                      // since the last edit
+    uint64_t collection = 0;                      // the last one that has kept it
     KnownFaults faults = {};
   };
   using Entry = std::pair<const Path, Held>;
   std::vector<Entry*> collect(const Scene& scene, const std::shared_ptr<MemoryBudget>& budget);
-  static void adopt(Held* held, MeshResult result, const alabaster::DiagnosticSink& sink);
+  Held make_held(MeshJob job, const Held* before, bool same_shape, const std::shared_ptr<MemoryBudget>& budget) const;
+  void drop_all_but(size_t kept);
+  void adopt(Held* held, MeshResult result, const alabaster::DiagnosticSink& sink);
   void build_missing(const Scene& scene, SceneParam* param, const CancelToken& cancel);
   std::vector<Entry*> build_first(const std::vector<Entry*>& to_build, SceneParam* param, const CancelToken& cancel);
   void build_batch(const std::vector<Entry*>& to_build, SceneParam* param, const CancelToken& cancel);
@@ -66,9 +69,25 @@ class BuiltMeshes {
                                           const std::shared_ptr<MemoryBudget>& budget) const;
 
   std::map<Path, Held> held_;
+  uint64_t collections_ = 0;  // so far
+  size_t unbuilt_ = 0;        // of the last collection: not `done`
   std::vector<Held> dropped_;
   MeshView view_;
   std::list<MeshBatch> left_;  // that were cancelled and had not ended
+};
+
+/// Finds built meshes by paths in ascending order.
+class BuiltMeshes::Lookup {
+ public:
+  explicit Lookup(const BuiltMeshes& meshes) : held_(meshes.held_) {}
+  /// Null: it has not been built.
+  const BuiltMesh* find(const Path& mesh) {
+    const Held* const held = held_.find(mesh);
+    return held && held->done ? &held->built : nullptr;
+  }
+
+ private:
+  support::AscendingLookup<const std::map<Path, Held>> held_;
 };
 
 }  // namespace alabaster::hd::prims

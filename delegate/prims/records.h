@@ -6,6 +6,7 @@
 #include <map>
 #include <optional>
 #include <string_view>
+#include <unordered_map>
 #include <variant>
 
 #include "core/camera/camera.h"
@@ -88,6 +89,25 @@ const T* find_record(const Records& records, const Path& path) {
   const auto found = records.find(path);
   return found == records.end() ? nullptr : std::get_if<T>(&found->second);
 }
+
+/// Finds the materials of records, which many meshes share: each path is searched for once.
+class MaterialLookup {
+ public:
+  explicit MaterialLookup(const Records& records) : records_(records) {}
+  /// Null: there is none of that path, or it is of another kind.
+  const MaterialRecord* find(const Path& path) {
+    const auto [found, is_new] = known_.try_emplace(path, nullptr);
+    if (is_new) found->second = find_record<MaterialRecord>(records_, path);
+    return found->second;
+  }
+
+ private:
+  struct Hash {
+    size_t operator()(const Path& path) const { return path.hash(); }
+  };
+  const Records& records_;
+  std::unordered_map<Path, const MaterialRecord*, Hash> known_;
+};
 
 /// True for cameras and settings, which no snapshot has: a render compares them when it starts.
 inline bool is_camera_or_settings(const Record& record) {

@@ -166,6 +166,8 @@ struct SceneTranslator::Run {
   SceneTranslator& translator;
   const Parts& parts;
   const Records& records = parts.records;
+  MaterialLookup materials{parts.records};
+  BuiltMeshes::Lookup meshes{parts.meshes};
   support::Placements placements{
       [this](const Path& path) { return find_instancer(path); },
       [this](const char* code, const Path& where, const std::string& text) { warn_of_instancer(code, where, text); },
@@ -211,7 +213,7 @@ struct SceneTranslator::Run {
   }
 
   void add_placed(const Path& path, const MeshRecord& mesh) {
-    const BuiltMesh* const built = parts.meshes.find(path);
+    const BuiltMesh* const built = meshes.find(path);
     if (!parts.selection.includes(path, mesh.visible, mesh.render_tag) || !built || !built->prototype) return;
     InstanceDescription instance;
     const auto moved = parts.deformed.find(path);
@@ -224,14 +226,15 @@ struct SceneTranslator::Run {
     const std::optional<OpenClears::value_type> open = check_closed(instance, mesh);
     check_direction(instance);
     instance.subsurface_set = set_of(instance, mesh);
-    const std::vector<Matrix4d> own =
-        mesh.motion.moves() ? even_poses(mesh.motion, parts.shutter) : std::vector<Matrix4d>{mesh.transform};
     instance.category_set = category_sets.of(mesh.categories);
-    if (mesh.instancer.empty()) {
-      place(own, &instance);
-      add(std::move(instance), mesh);
+    std::vector<Matrix4d> moving;
+    if (mesh.motion.moves()) moving = even_poses(mesh.motion, parts.shutter);
+    if (!mesh.instancer.empty()) {
+      add_instances(path, mesh, moving.empty() ? std::vector{mesh.transform} : std::move(moving), std::move(instance));
     } else {
-      add_instances(path, mesh, own, std::move(instance));
+      instance.object_to_world = mesh.transform;
+      if (!moving.empty()) place(std::move(moving), &instance);
+      add(std::move(instance), mesh);
     }
     if (open) note_open(*open);  // last: a mesh that is left out has no such report
   }
@@ -282,7 +285,7 @@ struct SceneTranslator::Run {
       hold(instance.poses.size() * sizeof(Matrix4d));
       instance.instance_id = static_cast<int32_t>(i);
       if (has_categories) instance.category_set = category_sets.of(categories_of(mesh, i));
-      add(instance, mesh);
+      add(InstanceDescription(instance), mesh);
     }
   }
 
@@ -431,17 +434,16 @@ struct SceneTranslator::Run {
                         "the mesh's space; give the mesh texture coordinates (st), whose u is the direction");
   }
 
-  void add(InstanceDescription instance, const MeshRecord& mesh) {
+  void add(InstanceDescription&& instance, const MeshRecord& mesh) {
     out.scene.instances.push_back(std::move(instance));
     out.material_paths.insert(out.material_paths.end(), mesh.materials.begin(), mesh.materials.end());
   }
 
-  std::shared_ptr<const DisneyMaterial> material(const Path& prim, const Path& id, const Mesh& mesh) {
+  const std::shared_ptr<const DisneyMaterial>& material(const Path& prim, const Path& id, const Mesh& mesh) {
     const auto& own =
         translator.default_materials_[(mesh.colors.empty() ? 0u : 1u) | (mesh.opacities.empty() ? 0u : 2u)];
     if (id.empty()) return own;
-    if (const auto* record = find_record<MaterialRecord>(records, id); record && record->material)
-      return record->material;
+    if (const MaterialRecord* record = materials.find(id); record && record->material) return record->material;
     translator.warn("mesh.material", prim,
                     "material " + id.str() + " does not exist; the default is used" + nearest<MaterialRecord>(id));
     return own;

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <string>
+#include <utility>
 
 namespace alabaster::hd::support {
 
@@ -25,6 +26,23 @@ auto first_in(const Map& lists, const Key& name) -> decltype(&lists.find(name)->
   const auto* list = find_in(lists, name);
   return list && !list->empty() ? &list->front() : nullptr;
 }
+
+/// Looks up names that come in ascending order, each one once: a step through the map takes less than a search. The map
+/// must stay as it is.
+template <class Map>
+class AscendingLookup {
+ public:
+  explicit AscendingLookup(Map& values) : at_(values.begin()), end_(values.end()) {}
+  /// Null: there is none of that name.
+  template <class Key>
+  auto find(const Key& name) -> decltype(&std::declval<Map&>().begin()->second) {
+    while (at_ != end_ && !(at_->first == name) && at_->first < name) ++at_;
+    return at_ != end_ && at_->first == name ? &(at_++)->second : nullptr;
+  }
+
+ private:
+  decltype(std::declval<Map&>().begin()) at_, end_;
+};
 
 /// The number of that name in a map of Values; `fallback` where there is none.
 template <class Map>

@@ -36,7 +36,8 @@ Selection::Selection(const std::vector<Token>& render_tags, const Collection& co
 
 bool Selection::includes(const Path& mesh, bool is_visible, const Token& render_tag) const {
   if (!is_visible) return false;
-  const bool tagged = tags_.empty() ? !(render_tag == Token("hidden")) : tags_.contains(render_tag);
+  static const Token hidden("hidden");
+  const bool tagged = tags_.empty() ? !(render_tag == hidden) : tags_.contains(render_tag);
   return tagged && (roots_.empty() || covers(roots_, mesh.str())) && !covers(excludes_, mesh.str());
 }
 
