@@ -336,14 +336,15 @@ class AccessorLoader : DocumentCheck {
     AccessorView plain = accessor;
     plain.normalized = false;
     const std::vector<float> values = read_floats(plain);
-    for (size_t i = 0; i < values.size(); ++i) {
-      const size_t c = i % accessor.components;
-      const double low = json["min"][c].get<double>(), high = json["max"][c].get<double>();
+    const size_t n = accessor.components;
+    for (size_t c = 0; c < n; ++c) {
+      double low = json["min"][c].get<double>(), high = json["max"][c].get<double>();
       const double slack = 1e-6 * std::max(std::abs(low), std::abs(high));
-      if (!(values[i] >= low - slack && values[i] <= high + slack))
-        return report_.warning(
-            "accessor.bounds", element,
-            "element " + std::to_string(i / accessor.components) + " lies outside min and max, which are ignored");
+      low -= slack, high += slack;
+      for (size_t i = c; i < values.size(); i += n)
+        if (!(values[i] >= low && values[i] <= high))
+          return report_.warning("accessor.bounds", element,
+                                 "element " + std::to_string(i / n) + " lies outside min and max, which are ignored");
     }
   }
 
