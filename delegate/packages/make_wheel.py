@@ -35,11 +35,11 @@ import sys
 folder = os.path.dirname(importlib.util.find_spec("hdalabaster").origin)
 os.execv(os.path.join(folder, "bin", "alabaster"), ["alabaster", *sys.argv[1:]])
 """
-TARGET = """
-if(NOT TARGET {name}::{library})
-  add_library({name}::{library} SHARED IMPORTED)
-  set_target_properties({name}::{library} PROPERTIES IMPORTED_LOCATION "{file}" INTERFACE_INCLUDE_DIRECTORIES "{include}"
-    INTERFACE_LINK_LIBRARIES "{needs}")
+OCIO_PACKAGE = """
+if(NOT TARGET OpenColorIO::OpenColorIO)
+  add_library(OpenColorIO::OpenColorIO SHARED IMPORTED)
+  set_target_properties(OpenColorIO::OpenColorIO PROPERTIES IMPORTED_LOCATION "{prefix}/lib/libOpenColorIO.so"
+    INTERFACE_INCLUDE_DIRECTORIES "{prefix}/include")
 endif()
 """
 
@@ -92,21 +92,12 @@ def version_values(prefix, version):
         f"{prefix}_VERSION": version, f"{prefix}_VERSION_RELEASE_TYPE": ""}
 
 
-def write_package(prefix, name, version, targets):
-    folder = prefix / "lib/cmake" / name
-    folder.mkdir(parents=True, exist_ok=True)
-    (folder / f"{name}Config.cmake").write_text("".join(
-        TARGET.format(name=name, library=library, file=prefix / "lib" / file, include=prefix / "include", needs=needs)
-        for library, file, needs in targets))
-    (folder / f"{name}ConfigVersion.cmake").write_text(f"set(PACKAGE_VERSION {version})\nset(PACKAGE_VERSION_COMPATIBLE TRUE)\n")
-
-
 def make_prefix(tools):
-    """A folder with headers, libraries and CMake packages of OpenImageIO and OpenColorIO."""
-    downloads, prefix = download(tools), WORK / "prefix"
+    """A folder with headers and libraries of OpenImageIO and OpenColorIO, and a CMake package of the latter."""
+    downloads, prefix = download(tools), WORK / "dependencies"
     if prefix.exists():
         return prefix, downloads
-    part = WORK / "prefix.part"
+    part = WORK / "dependencies.part"
     shutil.rmtree(part, ignore_errors=True)
     (part / "lib").mkdir(parents=True)
     oiio, ocio = (next((downloads / f"{name}.tar.gz").iterdir()) for name in ("openimageio", "opencolorio"))
@@ -121,11 +112,13 @@ def make_prefix(tools):
                version_values("OpenColorIO", OCIO) | {"OCIO_NAMESPACE": "OpenColorIO_v" + "_".join(OCIO.split(".")[:2])})
     for file in [*(downloads / "openimageio.whl/OpenImageIO/lib").glob("lib*.so.*"), downloads / "opencolorio.whl/PyOpenColorIO/libOpenColorIO.so"]:
         shutil.copy(file, part / "lib")
+    for name in ("OpenImageIO", "OpenImageIO_Util"):  # as CMake looks for them
+        (part / f"lib/lib{name}.so").symlink_to(f"lib{name}.so.{major}.{minor}.{patch}")
+    package = part / "lib/cmake/OpenColorIO"
+    package.mkdir(parents=True)
+    (package / "OpenColorIOConfig.cmake").write_text(OCIO_PACKAGE.format(prefix=prefix))
+    (package / "OpenColorIOConfigVersion.cmake").write_text(f"set(PACKAGE_VERSION {OCIO})\nset(PACKAGE_VERSION_COMPATIBLE TRUE)\n")
     part.rename(prefix)
-    release = f"{major}.{minor}.{patch}"
-    write_package(prefix, "OpenImageIO", release, [("OpenImageIO_Util", f"libOpenImageIO_Util.so.{release}", ""),
-                                                   ("OpenImageIO", f"libOpenImageIO.so.{release}", "OpenImageIO::OpenImageIO_Util")])
-    write_package(prefix, "OpenColorIO", OCIO, [("OpenColorIO", "libOpenColorIO.so", "")])
     return prefix, downloads
 
 
