@@ -337,15 +337,17 @@ class AccessorLoader : DocumentCheck {
     plain.normalized = false;
     const std::vector<float> values = read_floats(plain);
     const size_t n = accessor.components;
+    size_t first = values.size();  // outside
     for (size_t c = 0; c < n; ++c) {
       double low = json["min"][c].get<double>(), high = json["max"][c].get<double>();
       const double slack = 1e-6 * std::max(std::abs(low), std::abs(high));
       low -= slack, high += slack;
-      for (size_t i = c; i < values.size(); i += n)
-        if (!(values[i] >= low && values[i] <= high))
-          return report_.warning("accessor.bounds", element,
-                                 "element " + std::to_string(i / n) + " lies outside min and max, which are ignored");
+      for (size_t i = c; i < first; i += n)
+        if (!(values[i] >= low && values[i] <= high)) first = i;
     }
+    if (first < values.size())
+      report_.warning("accessor.bounds", element,
+                      "element " + std::to_string(first / n) + " lies outside min and max, which are ignored");
   }
 
   std::vector<View> views_;

@@ -168,12 +168,14 @@ void RetainedSceneDelegate::SetRenderSettings(const Path& id, RenderSettingsDesc
 bool RetainedSceneDelegate::Remove(const Path& id) {
   State& s = *state_;
   const InstancerDescription instancer = value_in(s.instancers, id);  // first: memory may run out
+  bool is_here = false;
+  s.for_each_kind([&](const auto& prims) { is_here |= prims.contains(id); });
+  if (!is_here) return false;
   if (s.index) s.index->Remove(id);
-  size_t removed = 0;
-  s.for_each_kind([&](auto& prims) { removed += prims.erase(id); });
+  s.for_each_kind([&](auto& prims) { prims.erase(id); });
   s.mark_prototypes(instancer, {});
   s.forget_edits(id);
-  return removed > 0;
+  return true;
 }
 
 const std::map<Path, MeshDescription>& RetainedSceneDelegate::GetMeshes() const {
@@ -217,6 +219,7 @@ bool RetainedSceneDelegate::PopulateRest() {
 void RetainedSceneDelegate::Depopulate() {
   State& s = *state_;
   if (!s.index) return;
+  s.is_whole = false;
   auto remove_all = [&](const auto& prims) {
     for (const auto& entry : prims) s.index->Remove(entry.first);
   };

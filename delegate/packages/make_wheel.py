@@ -123,7 +123,7 @@ def make_prefix(tools):
 
 
 def build(prefix, python, jobs):
-    run("cmake", "-S", TOP, "-B", WORK, "-G", "Ninja", "-DCMAKE_BUILD_TYPE=Release", f"-DCMAKE_PREFIX_PATH={prefix}",
+    run("cmake", "--fresh", "-S", TOP, "-B", WORK, "-G", "Ninja", "-DCMAKE_BUILD_TYPE=Release", f"-DCMAKE_PREFIX_PATH={prefix}",
         "-DALABASTER_TESTS=OFF", "-DALABASTER_BENCHMARKS=OFF", "-DALABASTER_WINDOW=OFF", f"-DPython_EXECUTABLE={python}",
         "-DALABASTER_PYTHON_FOLDER=lib/python/dist-packages", "-DCMAKE_INSTALL_LIBDIR=lib", *os.environ.get("ALABASTER_CMAKE_OPTIONS", "").split())
     run("cmake", "--build", WORK, "-j", jobs, "--target", "alabaster", "alabaster-tradeoff", "alabaster_python", "alabaster_images")

@@ -82,6 +82,7 @@ std::vector<BuiltMeshes::Entry*> BuiltMeshes::collect(const Scene& scene, const 
   MaterialLookup materials(records);
   support::AscendingLookup known(held_);
   ++collections_;
+  unbuilt_ = std::max<size_t>(unbuilt_, 1);  // until it is counted: memory may run out before
   size_t kept = 0;
   std::map<Path, Held> made;
   std::vector<Entry*> to_build;
@@ -129,7 +130,7 @@ BuiltMeshes::Held BuiltMeshes::make_held(MeshJob job, const Held* before, bool s
   return next;
 }
 
-// Drops the meshes that the last collection has not kept. Where memory runs out, all are held still.
+// Drops the meshes that this collection has not kept. Where memory runs out, all are held still.
 void BuiltMeshes::drop_all_but(size_t kept) {
   if (kept == held_.size()) return;
   dropped_.reserve(dropped_.size() + held_.size() - kept);

@@ -70,7 +70,7 @@ class BuiltMeshes {
 
   std::map<Path, Held> held_;
   uint64_t collections_ = 0;  // so far
-  size_t unbuilt_ = 0;        // of the last collection: not `done`
+  size_t unbuilt_ = 0;        // meshes that are held and not `done`
   std::vector<Held> dropped_;
   MeshView view_;
   std::list<MeshBatch> left_;  // that were cancelled and had not ended

@@ -28,7 +28,7 @@ auto first_in(const Map& lists, const Key& name) -> decltype(&lists.find(name)->
 }
 
 /// Looks up names that come in ascending order, each one once: a step through the map takes less than a search. The map
-/// must stay as it is.
+/// must stay as it is. A name that comes after a greater one is not found.
 template <class Map>
 class AscendingLookup {
  public:

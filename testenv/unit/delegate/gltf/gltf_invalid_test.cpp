@@ -180,9 +180,9 @@ const std::vector<Case> kCases = {
     {"image of another kind", [](Json& d) { d["images"][0]["bufferView"] = 0; }, "images[0]", false},
     {"bounds that lie",
      [](Json& d) {
-       accessor(d)["max"] = {0.5, 1, 0};
+       accessor(d)["max"] = {0.5, -1, 0};
      },
-     "accessors[0]", false},
+     "accessors[0] element 0 ", false},
     {"roughness out of range", [](Json& d) { d["materials"][0]["pbrMetallicRoughness"]["roughnessFactor"] = 2; },
      "roughnessFactor", false},
     {"rotation not of unit length",
