@@ -91,8 +91,8 @@ class ALABASTER_API RetainedSceneDelegate : public SceneDelegate {
   const std::map<Path, CameraDescription>& GetCameras() const;
   const std::map<Path, RenderSettingsDescription>& GetAllRenderSettings() const;
 
-  /// Inserts everything into `index` and keeps it informed. The index must outlive this, or Depopulate comes first. A prim
-  /// that others remove from the index is not made again.
+  /// Inserts everything into `index` and keeps it informed. The index must outlive this, or Depopulate comes first.
+  /// A prim that others remove from the index is not made again.
   void Populate(RenderIndex* index);
   /// Makes the prims that the index lacks because memory ran out when they were to be made. False if it does again.
   bool PopulateRest();
