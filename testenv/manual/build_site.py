@@ -29,6 +29,10 @@ def without_code(text):
     return CODE.sub(lambda match: re.sub(r"[^\n]", "", match[0]), text)
 
 
+def name_of(heading):
+    return re.sub(r"\W+", "-", heading.strip("# ")).strip("-")
+
+
 def for_site(text, page):
     """As MkDocs reads it: names of pages become links to them, and lists and tables stand apart; blocks of code stay as they are."""
     def link(match):
@@ -41,6 +45,10 @@ def for_site(text, page):
         part = re.sub(r"^([^|\n].*)\n(?=\|.*\n\|[-:| ]+\n)", r"\1\n\n", part, flags=re.M)
         # It shows the backslash of a bar in code in a table, and needs none there.
         part = re.sub(r"(?<=`)[^`\n]*\\\|[^`\n]*(?=`)", lambda match: match[0].replace("\\|", "|"), part)
+        # MkDocs' script for pages ends at an id that begins with a digit, before it styles the tables.
+        part = re.sub(r"^#+ (?=\d).*", lambda match: f"{match[0]} {{: #section-{name_of(match[0])} }}", part, flags=re.M)
+        # site.css keeps a short flag on one line.
+        part = re.sub(r"(?<![`\w\[])`--?[\w=-]{1,24}`(?![`{\w])", lambda match: match[0] + "{: .flag }", part)
         return NAMED.sub(link, part)
 
     parts = re.split(r"(^```.*?^```$)", text, flags=re.M | re.S)
