@@ -136,7 +136,7 @@ TEST_F(FailingAllocations, FailuresOnTheHostsThreadAreReportedAndRecovered) {
 // Two libraries do not survive a refusal of their own small allocations.
 // Embree: no more than two refusals in a row, and at random places. Where it has no memory to note that a thread
 // allocates for a scene, the thread goes on to do so after the scene is gone, and a later build may end the process.
-// TBB: where it has no memory to start a thread, it counts one that never ends (private_server::wake_some in 2021.8).
+// TBB: where it has no memory to start a thread, it counts one that never ends (private_worker::wake_or_launch).
 // The end of the last delegate calls tbb::finalize, which waits for that thread: another delegate outlives it.
 // promise: pipeline.memory.runs_out
 TEST_F(FailingAllocations, FailuresOnOtherThreadsAreReportedAndRecovered) {
