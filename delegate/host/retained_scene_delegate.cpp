@@ -32,7 +32,7 @@ struct RetainedSceneDelegate::State {
   std::map<Path, RenderSettingsDescription> settings;
   std::map<std::pair<Path, Token>, EditedArray> edited;  // primvars of instancers
   RenderIndex* index = nullptr;
-  bool is_whole = true;  // the index has all prims
+  bool is_whole = false;  // there is an index, and it has all prims
   RetainedSceneDelegate* scene = nullptr;
 
   /// Calls visit(map) with the prims of each kind, in the order in which they enter an index.
@@ -201,7 +201,6 @@ void RetainedSceneDelegate::Populate(RenderIndex* index) {
   Depopulate();
   State& s = *state_;
   s.index = index;
-  s.is_whole = false;
   PopulateRest();
 }
 

@@ -232,6 +232,16 @@ TEST(RetainedSceneDelegate, ALightOfAnotherTypeIsAnotherPrim) {
   EXPECT_EQ(s.sync(), (Lines{"sync /l", "commit"}));
 }
 
+TEST(RetainedSceneDelegate, APrimOfAnotherSceneIsNotRemoved) {
+  Scene s;
+  RetainedSceneDelegate other;
+  s.scene.SetMesh("/a", triangle());
+  s.scene.Populate(&s.index);
+  other.Populate(&s.index);
+  EXPECT_FALSE(other.Remove("/a"));
+  EXPECT_TRUE(s.index.Has("/a"));
+}
+
 TEST(RetainedSceneDelegate, DepopulateAndRemoveTakePrimsAway) {
   Scene s;
   s.scene.Populate(&s.index);
