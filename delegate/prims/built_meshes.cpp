@@ -1,5 +1,7 @@
 #include "delegate/prims/built_meshes.h"
 
+#include <tbb/parallel_for.h>
+
 #include <algorithm>
 #include <set>
 
@@ -9,8 +11,6 @@ namespace {
 bool is_shown(const support::Selection& selection, const Path& path, const MeshRecord& mesh) {
   return selection.includes(path, mesh.visible, mesh.render_tag);
 }
-
-constexpr size_t kMostLeft = 3;  // batches, each of which takes the memory of a build
 
 // By the mesh's slots; empty if no material of it displaces.
 Displacements displacements_of(const MeshRecord& mesh, MaterialLookup& materials) {
@@ -60,6 +60,25 @@ MeshRequest request_of(const Path& path, const MeshRecord& mesh, MaterialLookup&
     request.placements = placements_of(path, mesh, placements);
   }
   return request;
+}
+
+// None: it was cancelled.
+std::optional<MeshResult> build_one(const MeshJob& job, SceneParam* param, const CancelToken& cancel) {
+  if (cancel.is_cancelled()) return std::nullopt;
+  bool cancelled = false;
+  MeshResult result;
+  const auto keep = [&](const alabaster::Diagnostic& d) { result.failure = d; };
+  const auto build = [&] {
+    try {
+      result = build_mesh_job(job, param, cancel);
+    } catch (const BuildCancelled&) {
+      cancelled = true;
+    }
+  };
+  const bool built = guarded(keep, job.path.str(), build, "; the mesh is not drawn");
+  if (cancelled) return std::nullopt;
+  if (!built) result.built.fault = SceneFault{false, "the mesh could not be built"};
+  return result;
 }
 
 }  // namespace
@@ -168,7 +187,8 @@ void BuiltMeshes::adopt(Held* held, MeshResult result, const alabaster::Diagnost
   held->faults.report(sink, std::move(result.reports));
 }
 
-void BuiltMeshes::build_missing(const Scene& scene, SceneParam* param, const CancelToken& cancel) {
+void BuiltMeshes::build(const Scene& scene, SceneParam* param, const CancelToken& cancel) {
+  if (incomplete()) rest();  // it may be memory that they lack
   const std::vector<Entry*> to_build = collect(scene, param->memory());
   if (to_build.empty()) return;
   release_dropped();  // their memory may be needed
@@ -207,37 +227,16 @@ std::vector<BuiltMeshes::Entry*> BuiltMeshes::build_first(const std::vector<Entr
   return others;
 }
 
+// Embree and OpenSubdiv do not ask for a cancel at each moment of a large mesh.
 void BuiltMeshes::build_batch(const std::vector<Entry*>& to_build, SceneParam* param, const CancelToken& cancel) {
-  if (to_build.empty()) return;
-  std::vector<std::shared_ptr<const MeshJob>> jobs;
-  for (const Entry* entry : to_build) jobs.push_back(entry->second.job);
-  std::list<MeshBatch> batches;
-  MeshBatch& batch = batches.emplace_back(std::move(jobs), param);
-  const bool ended = batch.build(cancel);
-  for (size_t i = 0; i < to_build.size(); ++i) {
-    Held& held = to_build[i]->second;
-    auto result = batch.result(i);
-    if (result && is_refused(result->built) && !left_.empty()) continue;  // build() tries once more
-    if (result)
-      adopt(&held, std::move(*result), param->sink());
-    else if (!ended)
-      held.edits = nullptr;  // that build may still use them
-  }
-  if (!ended) {
-    batch.leave();
-    left_.splice(left_.end(), batches);
-    left_.remove_if([](const MeshBatch& left) { return left.has_ended(); });
-    while (left_.size() > kMostLeft) left_.pop_front();
-  }
+  std::vector<std::optional<MeshResult>> results(to_build.size());
+  param->run([&] {
+    tbb::parallel_for(size_t(0), to_build.size(),
+                      [&](size_t i) { results[i] = build_one(*to_build[i]->second.job, param, cancel); });
+  });
+  for (size_t i = 0; i < to_build.size(); ++i)
+    if (results[i]) adopt(&to_build[i]->second, std::move(*results[i]), param->sink());
   cancel.check();
-}
-
-void BuiltMeshes::build(const Scene& scene, SceneParam* param, const CancelToken& cancel) {
-  if (incomplete()) rest();  // it may be memory that they lack
-  build_missing(scene, param, cancel);
-  if (left_.empty() || !incomplete()) return;
-  left_.clear();  // or the memory of these
-  build_missing(scene, param, cancel);
 }
 
 }  // namespace alabaster::hd::prims

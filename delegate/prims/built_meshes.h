@@ -1,10 +1,8 @@
 // The meshes of a scene as they are traced.
 #pragma once
 
-#include <list>
-
 #include "delegate/prims/equal_meshes.h"
-#include "delegate/prims/mesh_batch.h"
+#include "delegate/prims/mesh_build.h"
 #include "delegate/support/lookup.h"
 #include "delegate/support/selection.h"
 
@@ -29,7 +27,7 @@ class BuiltMeshes {
   };
   /// Builds those that are missing, in the delegate's arena. A mesh that cannot be built is reported and not drawn; for
   /// want of memory the next build() tries again. Meshes that are done when the build is cancelled (BuildCancelled) are
-  /// kept. A large mesh that does not react to the cancel at once ends on a thread of its own.
+  /// kept. A build of a large mesh may take a fifth of a second to end.
   void build(const Scene& scene, SceneParam* param, const CancelToken& cancel);
   /// Frees the meshes that are gone or were built again, which the last build() put aside.
   void release_dropped() { dropped_.clear(); }
@@ -62,7 +60,6 @@ class BuiltMeshes {
   Held make_held(MeshJob job, const Held* before, bool same_shape, const std::shared_ptr<MemoryBudget>& budget) const;
   void drop_all_but(size_t kept);
   void adopt(Held* held, MeshResult result, const alabaster::DiagnosticSink& sink);
-  void build_missing(const Scene& scene, SceneParam* param, const CancelToken& cancel);
   std::vector<Entry*> build_first(const std::vector<Entry*>& to_build, SceneParam* param, const CancelToken& cancel);
   void build_batch(const std::vector<Entry*>& to_build, SceneParam* param, const CancelToken& cancel);
   std::shared_ptr<PointEdits> edits_after(const Held& from, const MeshJob& next,
@@ -73,7 +70,6 @@ class BuiltMeshes {
   size_t unbuilt_ = 0;        // meshes that are held and not `done`
   std::vector<Held> dropped_;
   MeshView view_;
-  std::list<MeshBatch> left_;  // that were cancelled and had not ended
 };
 
 /// Finds built meshes by paths in ascending order.

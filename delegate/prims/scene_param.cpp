@@ -178,11 +178,6 @@ std::shared_ptr<tbb::task_arena> SceneParam::arena() {
   return arena_;
 }
 
-void SceneParam::leave_arena() {
-  const std::lock_guard lock(mutex_);
-  arena_ = nullptr;
-}
-
 void SceneParam::post(Edit edit) {
   Shard& shard = shards_[(edit.id.hash() >> 5) % shards_.size()];
   const std::lock_guard lock(shard.mutex);

@@ -73,8 +73,6 @@ class SceneParam final : public RenderParam {
   void run(F&& work) {
     arena()->execute(work);
   }
-  /// Work that runs now stays in its arena. Later work has another.
-  void leave_arena();
   void set_threads(uint32_t threads) { threads_ = threads; }
   /// MiB, for images that are read from then on.
   void set_texture_memory(uint32_t mib);
