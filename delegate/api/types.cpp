@@ -1,7 +1,5 @@
 #include "delegate/api/types.h"
 
-#include <pthread.h>
-
 #include <charconv>
 #include <cmath>
 #include <cstddef>
@@ -23,13 +21,7 @@ struct TokenTable {
   std::unordered_set<std::string> strings;
 };
 TokenTable& token_table() {
-  static auto* table = [] {
-    auto* made = new TokenTable;
-    // A child that is forked while another thread holds the lock could never take it.
-    const auto unlock = [] { token_table().mutex.unlock(); };
-    pthread_atfork([] { token_table().mutex.lock(); }, unlock, unlock);
-    return made;
-  }();
+  static auto* table = new TokenTable;
   return *table;
 }
 

@@ -23,17 +23,16 @@
    callback keeps other threads out of its delegate, so two recordings whose callbacks call each other's delegate wait
    for one another without end. Report and release callbacks must not call the library: INVALID_ARGUMENT. All of them
    may destroy handles; a handle that a report or release callback destroys goes with the next call that may wait,
-   destroys included. They return: a thread that ends in one (pthread_exit) ends the process. A thread that is
-   cancelled (pthread_cancel) ends after the call.
+   destroys included. They return: a thread that ends in one (pthread_exit) or in a call (pthread_cancel) ends the
+   process.
 
    Calls run in the default floating-point environment, their callbacks included, and put the host's back. No number
    is read or written by the host's locale.
 
-   A forked child has none of the library's threads. It may destroy what its parent made, which frees nothing, and make
-   scenes. Scenes of its parent are its own, too, if at the fork no delegate drew them and no thread was in a call of
-   them. Other calls with handles of its parent are INVALID_ARGUMENT there. delegate_create fails there with
-   INPUT_FAILED if its parent had a delegate at the fork: TBB cannot be used without its threads. EXR files are refused
-   there if its parent has read or written one.
+   Spawn, do not fork: a forked child has none of the library's threads. Calls with handles of its parent are
+   INVALID_ARGUMENT there, but for destroys, which free nothing. delegate_create fails there with INPUT_FAILED if its
+   parent had a delegate at the fork: TBB cannot be used without its threads. EXR files are refused there if its parent
+   has read or written one.
 
    Matrices are 16 doubles, row after row, and points are rows: p' = p M, so a translation stands in the last row. */
 #ifndef ALABASTER_H

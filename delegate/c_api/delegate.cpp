@@ -110,7 +110,7 @@ AlabasterStatus delegate_create(const AlabasterDelegateOptions* given, Alabaster
     reader.take();
     if (const auto ocio = options.settings.find("ocio"); ocio != options.settings.end())
       data->colors.ocio = ocio->second.text_or("");
-    if (scene) scene->data->check_process();
+    if (scene) scene->data->process.check("the scene");
     data->delegate = CreateAlabasterRenderDelegate(kAbiVersion, &options);
     if (!data->delegate) throw Failure(ALABASTER_INPUT_FAILED, data->reports->take_error("the renderer cannot start"));
     data->index = std::make_unique<host::RenderIndex>(data->delegate);

@@ -22,8 +22,8 @@ std::atomic<Handle*> g_put_off{nullptr};
 }
 
 void destroy(Handle* handle) noexcept {
-  if (!handle) return;
-  const CallScope scope;
+  if (!handle || handle->process.is_another()) return;
+  const FloatEnvironment environment;
   if (!CallbackScope::is_open()) {
     delete handle;
     destroy_put_off();
@@ -64,25 +64,6 @@ DiagnosticSink sink_of(const std::shared_ptr<Reports>& reports) {
   return [reports](const Diagnostic& diagnostic) { (*reports)(diagnostic); };
 }
 
-SceneLock::SceneLock(SceneData& data) : data_(data) {
-  data.check_process();
-  const pid_t process = getpid();
-  SceneData::Callers callers = data.callers;
-  do {
-    if (callers.threads > 0 && callers.process != process)
-      refuse_in_child("the call in which the scene was at the fork");
-  } while (!data.callers.compare_exchange_weak(callers, {process, callers.threads + 1}));
-  data.mutex.lock();
-}
-
-SceneLock::~SceneLock() {
-  data_.mutex.unlock();
-  SceneData::Callers callers = data_.callers;
-  const pid_t process = getpid();  // a child that is forked within the call cannot unlock
-  while (callers.process == process && !data_.callers.compare_exchange_weak(callers, {process, callers.threads - 1})) {
-  }
-}
-
 void refuse_while_recording(const DelegateData& data, const char* function) {
   if (data.records)
     throw bad_argument(std::string(function) +
@@ -90,13 +71,9 @@ void refuse_while_recording(const DelegateData& data, const char* function) {
 }
 
 DelegateData::~DelegateData() {
-  bool draws_nothing = false;
-  if (!process.is_another()) try {
-      show(nullptr);
-      draws_nothing = true;
-    } catch (...) {  // memory ran out
-    }
-  if (!draws_nothing) {
+  try {
+    show(nullptr);
+  } catch (...) {  // memory ran out
     static_cast<void>(index.release());
     static_cast<void>(new (std::nothrow) std::shared_ptr<SceneData>(std::move(scene)));  // the index points at it
     return;
@@ -111,13 +88,11 @@ namespace {
 class ShownMark {
  public:
   explicit ShownMark(SceneData* scene) : scene_(scene) {
-    pid_t none = 0;
-    if (!scene || scene->shown_in.compare_exchange_strong(none, getpid())) return;
-    scene->check_process();
+    if (!scene || !scene->is_shown.exchange(true)) return;
     throw bad_argument("another delegate draws this scene: destroy it, or let it show another one");
   }
   ~ShownMark() {
-    if (scene_) scene_->shown_in = 0;
+    if (scene_) scene_->is_shown = false;
   }
   ShownMark(const ShownMark&) = delete;
   ShownMark& operator=(const ShownMark&) = delete;
@@ -135,7 +110,7 @@ void DelegateData::show(const std::shared_ptr<SceneData>& shown) {
     if (scene) {
       const SceneLock lock(*scene);
       scene->scene.Depopulate();
-      scene->shown_in = 0;
+      scene->is_shown = false;
     }
     scene = shown;
     mark.keep();
@@ -150,17 +125,13 @@ void DelegateData::show(const std::shared_ptr<SceneData>& shown) {
 }
 
 BufferData::~BufferData() {
-  if (!buffer || owner->process.is_another()) return;
+  if (!buffer) return;
   const HostLock lock(*owner);
   buffer->Finalize(owner->delegate->GetRenderParam());
   owner->delegate->DestroyBprim(buffer);
 }
 
 PassData::~PassData() {
-  if (owner->process.is_another()) {
-    static_cast<void>(pass.release());
-    return;
-  }
   const HostLock lock(*owner);
   pass.reset();
   bound.clear();

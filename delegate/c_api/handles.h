@@ -1,7 +1,6 @@
 // The C interface's handles and how its calls end. Internal to this room.
 #pragma once
 
-#include <pthread.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -46,18 +45,18 @@ class CallbackScope {
   static thread_local int depth;
 };
 
-/// How a call of the library runs: in the default floating-point environment, and to its end. A host's thread that is
-/// cancelled (pthread_cancel) meanwhile ends after it, for locks and destructors stand in the way of an earlier end.
-class CallScope {
+/// The process that made a handle. One that was forked from it has none of its threads, and locks may be held by them.
+class Process {
  public:
-  CallScope() { pthread_setcancelstate(PTHREAD_CANCEL_DISABLE, &cancel_state_); }
-  ~CallScope() { pthread_setcancelstate(cancel_state_, nullptr); }
-  CallScope(const CallScope&) = delete;
-  CallScope& operator=(const CallScope&) = delete;
+  bool is_another() const { return getpid() != id_; }
+  void check(const char* what) const {
+    if (is_another())
+      throw bad_argument(std::string(what) +
+                         " belongs to the process that made it, and this one was forked from it: spawn, do not fork");
+  }
 
  private:
-  const FloatEnvironment environment_;
-  int cancel_state_ = PTHREAD_CANCEL_ENABLE;
+  pid_t id_ = getpid();
 };
 
 /// A handle of a host. A callback that must not call the library may destroy it: the next call does so.
@@ -67,6 +66,7 @@ struct Handle {
   Handle& operator=(const Handle&) = delete;
   virtual ~Handle() = default;
   Handle* next = nullptr;
+  const Process process{};
 };
 /// A handle to data that other handles may share.
 template <class Data>
@@ -74,6 +74,7 @@ struct HandleTo : Handle {
   explicit HandleTo(std::shared_ptr<Data> held) : data(std::move(held)) {}
   const std::shared_ptr<Data> data;
 };
+/// Frees nothing in a process that was forked from the handle's.
 void destroy(Handle* handle) noexcept;
 void destroy_put_off() noexcept;
 template <class AnyHandle>
@@ -84,7 +85,7 @@ void destroy_handle(AnyHandle* handle) {
 /// Runs a call that may come at any time and waits for no other; no exception leaves it.
 template <class Call>
 AlabasterStatus guarded_at_any_time(const Call& call) noexcept {
-  const CallScope scope;
+  const FloatEnvironment environment;
   try {
     if (CallbackScope::is_open())
       throw bad_argument("the library is called by a report or release callback, which must not call it");
@@ -187,60 +188,29 @@ class Reports {
 };
 DiagnosticSink sink_of(const std::shared_ptr<Reports>& reports);
 
-[[noreturn]] inline void refuse_in_child(const char* what) {
-  throw bad_argument(std::string(what) +
-                     " belongs to the process that made it, and this one was forked from it: make another one");
-}
-
-/// The process that made it. A process that was forked from it has none of its threads, and locks may be held by them:
-/// nothing is waited for and nothing destroyed there.
-class Process {
- public:
-  bool is_another() const { return getpid() != id_; }
-  void check(const char* what) const {
-    if (is_another()) refuse_in_child(what);
-  }
-
- private:
-  pid_t id_ = getpid();
-};
-
 // Locks are taken in this order: the delegate's, the scene's, a buffer's. The first two are recursive: the progress
 // callback of record may call the library. An edit of a shown scene calls into its delegate, and so needs the scene's
 // lock to keep others out of both.
 struct SceneData {
-  /// The threads that hold the lock or wait for it, and their process.
-  struct alignas(8) Callers {  // so that one instruction exchanges both
-    pid_t process;
-    int32_t threads;
-  };
-
-  /// Fails in a process that was forked from one in which a delegate draws the scene.
-  void check_process() const {
-    const pid_t process = shown_in;
-    if (process != 0 && process != getpid()) refuse_in_child("the scene's delegate");
-  }
-
   std::recursive_mutex mutex;
   host::RetainedSceneDelegate scene;
   std::shared_ptr<Reports> reports;
   description::SceneFile loaded;
   std::set<std::string> loaded_texts;  // those of every load: another thread may still read them
-  std::atomic<pid_t> shown_in{0};      // the process of the delegate that draws it; 0: none does
-  std::atomic<Callers> callers{Callers{0, 0}};
+  std::atomic<bool> is_shown{false};   // a delegate draws it
+  const Process process{};
 };
 
-/// Held by the one thread that calls into a scene. Fails in a process that was forked while another thread held it or
-/// waited for it: the lock is never free there.
+/// Held by the one thread that calls into a scene.
 class SceneLock {
  public:
-  explicit SceneLock(SceneData& data);
-  ~SceneLock();
-  SceneLock(const SceneLock&) = delete;
-  SceneLock& operator=(const SceneLock&) = delete;
+  explicit SceneLock(SceneData& data) {
+    data.process.check("the scene");
+    lock_ = std::unique_lock(data.mutex);
+  }
 
  private:
-  SceneData& data_;
+  std::unique_lock<std::recursive_mutex> lock_;
 };
 
 struct DelegateData {

@@ -170,18 +170,6 @@ class Ends(unittest.TestCase):
                 print(os.waitstatus_to_exitcode(os.waitpid(child, 0)[1]))
                 """, "7\n")
 
-    def test_a_scene_that_is_not_drawn_is_the_child_s_too(self):
-        self.assert_ends("""
-            other = square()
-            renderer.start(**frame).wait(.1)
-            child = os.fork()
-            if child == 0:
-                other.set_visible("/square", True)
-                print(len(other.prims) == len(square().prims), flush=True)
-                sys.exit(0)
-            os.waitpid(child, 0)
-            """, "True\n")
-
     def test_a_fork_after_a_recording(self):
         """Libraries that read and write images have threads of their own."""
         self.assert_ends("""
@@ -206,30 +194,6 @@ class Ends(unittest.TestCase):
                     sys.exit(0)
                 print(os.waitstatus_to_exitcode(os.waitpid(child, 0)[1]), flush=True)  # else a child prints it, too
             """, "0\n" * 5)
-
-    def test_a_fork_while_other_threads_edit_a_scene(self):
-        """Locks that threads hold at the fork, or are about to take, are never free in the child."""
-        self.assert_ends("""
-            import signal
-            busy, idle = square(), square()
-            def work():
-                while True: busy.set_visible("/square", True)
-            for _ in range(2): threading.Thread(target=work, daemon=True).start()
-            for _ in range(150):
-                child = os.fork()
-                if child == 0:
-                    signal.alarm(10)  # ends a child that waits
-                    idle.set_visible("/square", True)
-                    try:
-                        busy.set_visible("/square", True)
-                    except hdalabaster.ArgumentError as error:
-                        assert "forked" in str(error)
-                    os._exit(7)
-                end = os.waitstatus_to_exitcode(os.waitpid(child, 0)[1])
-                if end != 7:
-                    break
-            print(end)
-            """, "7\n")
 
     def test_a_progress_callback_forks(self):
         done = run("""

@@ -1,5 +1,4 @@
 // Callbacks that call the library: allowed or refused, as the header says.
-#include <pthread.h>
 #include <unistd.h>
 
 #include <atomic>
@@ -59,19 +58,6 @@ TEST_F(DoorCallbacks, ARecordInARecordIsRefused) {
   EXPECT_EQ(started, ALABASTER_INVALID_ARGUMENT);
   EXPECT_TRUE(std::filesystem::exists(file_));
   EXPECT_EQ(record([] {}), ALABASTER_OK) << "the next one is none within another";
-}
-
-// pthread_cancel unwinds, which would end the process at the first function that lets no exception out.
-TEST_F(DoorCallbacks, AThreadThatIsCancelledEndsAfterItsCall) {
-  AlabasterStatus status = ALABASTER_INTERNAL;
-  std::thread host([&] {
-    status = record([&] { pthread_cancel(pthread_self()); });
-    pthread_testcancel();
-    status = ALABASTER_INTERNAL;  // is not reached
-  });
-  host.join();
-  EXPECT_EQ(status, ALABASTER_OK);
-  EXPECT_EQ(record([] {}), ALABASTER_OK) << "the delegate goes on";
 }
 
 TEST_F(DoorCallbacks, EverythingElseMayBeCalledInARecord) {

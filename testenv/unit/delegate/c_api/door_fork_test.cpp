@@ -131,33 +131,6 @@ TEST(DoorForkWithoutDelegates, AChildMakesItsOwn) {
             7);
 }
 
-// The lock of that thread stays taken in the child.
-TEST_F(DoorFork, AChildCannotUseASceneThatAThreadWasUsing) {
-  struct Loading {
-    AlabasterScene* scene = nullptr;
-    int status = 0;
-  };
-  Loading loading;
-  const auto report = [](void* user, const AlabasterDiagnostic*) {  // of a load, which holds the scene
-    auto& it = *static_cast<Loading*>(user);
-    std::thread([&] {
-      it.status = status_of_child([&] {
-        const bool refused = edit(it.scene, "/quad", {{"visible", flag(1)}}) == ALABASTER_INVALID_ARGUMENT;
-        api().scene_destroy(it.scene);
-        return refused && std::string(api().last_error()).find("forked") != std::string::npos ? 7 : 8;
-      });
-    }).join();
-  };
-  ASSERT_EQ(api().scene_create(report, &loading, &loading.scene), ALABASTER_OK);
-  EXPECT_EQ(status_of_child([&] {
-              return edit(loading.scene, "/quad", {{"visible", flag(1)}}) == ALABASTER_NOT_FOUND ? 7 : 8;
-            }),
-            7);
-  EXPECT_EQ(api().scene_load(loading.scene, "/nowhere/a.gltf", nullptr, nullptr), ALABASTER_INPUT_FAILED);
-  EXPECT_EQ(loading.status, 7);
-  api().scene_destroy(loading.scene);
-}
-
 class DoorFrame : public Door {};
 
 TEST_F(DoorFrame, ANegativeSizeIsRefused) {
