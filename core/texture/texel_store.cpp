@@ -5,26 +5,23 @@
 
 #include <algorithm>
 #include <cerrno>
+#include <cstdlib>
 #include <cstring>
-#include <filesystem>
 #include <string>
+
+#include "core/files/temporary_folder.h"
 
 namespace alabaster {
 namespace {
 
 constexpr size_t kLeastTiles = 16;
 
-// A file without a name, or with one that is gone at once where the file system has no such files.
+// A file whose name is gone at once.
 int open_unnamed() {
-  std::error_code error;
-  const std::string folder = std::filesystem::temp_directory_path(error).string();
-  if (error) return errno = error.value(), -1;
-  const int file = open(folder.c_str(), O_TMPFILE | O_RDWR | O_CLOEXEC, 0600);
-  if (file >= 0 || (errno != EOPNOTSUPP && errno != EISDIR && errno != EINVAL)) return file;
-  std::string name = folder + "/.alabaster-XXXXXX";
-  const int named = mkostemp(name.data(), O_CLOEXEC);
-  if (named >= 0) unlink(name.c_str());
-  return named;
+  std::string name = temporary_folder() + "/.alabaster-XXXXXX";
+  const int file = mkostemp(name.data(), O_CLOEXEC);
+  if (file >= 0) unlink(name.c_str());
+  return file;
 }
 
 }  // namespace

@@ -16,6 +16,7 @@ int run_convert(const ConvertArguments& arguments) {
   open_scene(arguments, options, console, console.sink(), &session);
   console.require_usage("--output", input_overwritten({arguments.output}, session, arguments.scene));
   const hd::archive::SceneInfo info = {session.file.settings, {session.colors().ocio, session.colors().ocio, nullptr}};
+  set_writing(true);
   console.require(kOutput, arguments.output,
                   hd::archive::WriteArchive(arguments.output, hd::archive::PrimsOf(session.scene), info,
                                             {.embed_images = arguments.embed, .sink = console.sink()}));

@@ -10,7 +10,7 @@
 
 namespace alabaster::cli {
 
-/// Installs the signal handlers.
+/// Installs the signal handlers. A signal that the parent ignores stays ignored (nohup, background jobs of a script).
 void catch_interrupts();
 /// Says if there is a picture that an interrupted run should still write.
 void set_worth_saving(bool worth_saving);

@@ -1,27 +1,24 @@
 #include "delegate/support/output_file.h"
 
-#include <dirent.h>
 #include <fcntl.h>
-#include <sys/file.h>
+#include <sys/random.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
 #include <algorithm>
-#include <atomic>
 #include <cerrno>
+#include <climits>
 #include <filesystem>
-#include <memory>
 #include <optional>
 #include <system_error>
 
 #include "core/files/real_path.h"
+#include "core/files/temporary_folder.h"
 
 namespace alabaster::hd::support {
 namespace {
 
 namespace fs = std::filesystem;
-
-constexpr std::string_view kTemporaryPrefix = ".alabaster-", kTemporarySuffix = ".tmp";
 
 std::string reason_of(int error) {
   return std::generic_category().message(error);
@@ -56,6 +53,18 @@ std::string folder_fault(const std::string& folder, int error) {
   return "the folder '" + folder + "' cannot be opened (" + reason_of(error) + "); " + remedy_of(error);
 }
 
+/// Errors of a flush that a file system does not have. Then the file counts as flushed.
+bool is_without_flush(int error) {
+  return error == EINVAL || error == ENOTSUP || error == EPERM || error == ENOSYS;
+}
+
+/// errno, 0 if it went well.
+int flush_file(int handle) {
+  while (::fsync(handle) != 0)
+    if (errno != EINTR) return is_without_flush(errno) ? 0 : errno;
+  return 0;
+}
+
 /// An open file that is closed at the end.
 class Handle {
  public:
@@ -71,7 +80,8 @@ class Handle {
   int close() {
     const int number = number_;
     number_ = -1;
-    return ::close(number) == 0 ? 0 : errno;
+    if (::close(number) == 0 || errno == EINTR || is_without_flush(errno)) return 0;
+    return errno;
   }
 
  private:
@@ -146,50 +156,53 @@ std::string kind_fault(const struct stat& now, int folder, const std::string& na
   return {};
 }
 
-/// A file without a name in the folder; -1 where the file system has none.
-int open_unnamed(int folder) {
-  return ::openat(folder, ".", O_WRONLY | O_TMPFILE | O_CLOEXEC, 0666);
-}
-
+/// No other process, on this machine or another, has a file of this name.
 std::string temporary_name() {
-  static std::atomic<uint64_t> counter{0};
-  return std::string(kTemporaryPrefix) + std::to_string(::getpid()) + "-" + std::to_string(counter++) +
-         std::string(kTemporarySuffix);
+  char host[HOST_NAME_MAX + 1] = {};
+  static_cast<void>(::gethostname(host, HOST_NAME_MAX));
+  uint64_t number = 0;
+  static_cast<void>(::getrandom(&number, sizeof number, 0));
+  std::string name =
+      ".alabaster-" + std::string(host) + "-" + std::to_string(::getpid()) + "-" + std::to_string(number) + ".tmp";
+  std::replace(name.begin(), name.end(), '/', '_');
+  return name;
 }
 
-/// A locked file under a temporary name. The lock vanishes with its process, which tells others that the file is stale.
-int open_named(int folder, std::string& name) {
-  for (int attempt = 0; attempt < 100; ++attempt) {
-    name = temporary_name();
-    const int handle = ::openat(folder, name.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
-    if (handle < 0 && errno == EEXIST) continue;
-    if (handle < 0) return handle;
-    const bool locked = ::flock(handle, LOCK_EX | LOCK_NB) == 0;
-    if (!locked && errno != EWOULDBLOCK) return handle;  // a file system without locks
-    struct stat now = {};
-    if (locked && ::fstat(handle, &now) == 0 && now.st_nlink > 0) return handle;
-    ::close(handle);  // somebody took it for stale
+/// A new file beside the target, which is removed at the end unless it was renamed.
+class Temporary {
+ public:
+  Temporary(int folder, mode_t mode) : folder_(folder), handle_(open(mode)), error_(handle_ ? 0 : errno) {}
+  ~Temporary() {
+    if (error_ == 0 && !name_.empty()) ::unlinkat(folder_, name_.c_str(), 0);
   }
-  errno = EEXIST;
-  return -1;
-}
+  Temporary(const Temporary&) = delete;
+  Temporary& operator=(const Temporary&) = delete;
+  /// errno of making it.
+  int error() const { return error_; }
+  int get() const { return handle_.get(); }
+  /// Closes it and replaces the file `name`. Returns errno, 0 if it went well.
+  int put_in_place(const std::string& name) {
+    if (const int error = handle_.close(); error != 0) return error;
+    if (::renameat(folder_, name_.c_str(), folder_, name.c_str()) != 0) return errno;
+    name_.clear();
+    return 0;
+  }
 
-/// Removes what processes that were killed left behind.
-void clear_stale(int folder) {
-  const int number = ::openat(folder, ".", O_RDONLY | O_DIRECTORY | O_CLOEXEC);
-  if (number < 0) return;
-  const std::unique_ptr<DIR, int (*)(DIR*)> list(::fdopendir(number), ::closedir);
-  if (!list) {
-    ::close(number);
-    return;
+ private:
+  int open(mode_t mode) {
+    for (int attempt = 0; attempt < 100; ++attempt) {
+      name_ = temporary_name();
+      const int number = ::openat(folder_, name_.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, mode);
+      if (number >= 0 || errno != EEXIST) return number;
+    }
+    return -1;
   }
-  while (const dirent* entry = ::readdir(list.get())) {
-    const std::string_view name = entry->d_name;
-    if (!name.starts_with(kTemporaryPrefix) || !name.ends_with(kTemporarySuffix)) continue;
-    const Handle handle(::openat(folder, entry->d_name, O_RDONLY | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC));
-    if (handle && ::flock(handle.get(), LOCK_EX | LOCK_NB) == 0) ::unlinkat(folder, entry->d_name, 0);
-  }
-}
+
+  int folder_;
+  std::string name_;
+  Handle handle_;
+  int error_;
+};
 
 /// Writes a file's bytes to an open file. Returns errno, 0 if it went well.
 using Writer = std::function<int(int handle)>;
@@ -218,29 +231,6 @@ std::string write_into(const Target& target, bool judged, const Writer& write) {
   return error == 0 ? std::string() : reason_of(error);
 }
 
-/// Gives the written file its name, which replaces a file of this name at once. `temporary` is its name so far; empty:
-/// it has none.
-int put_in_place(int handle, std::string temporary, int folder, const std::string& name) {
-  if (temporary.empty()) {
-    const std::string self = "/proc/self/fd/" + std::to_string(handle);
-    if (::linkat(AT_FDCWD, self.c_str(), folder, name.c_str(), AT_SYMLINK_FOLLOW) == 0) return 0;
-    if (errno != EEXIST) return errno;
-    static_cast<void>(::flock(handle, LOCK_EX | LOCK_NB));
-    temporary = temporary_name();
-    if (::linkat(AT_FDCWD, self.c_str(), folder, temporary.c_str(), AT_SYMLINK_FOLLOW) != 0) return errno;
-  }
-  if (::renameat(folder, temporary.c_str(), folder, name.c_str()) == 0) return 0;
-  const int error = errno;
-  ::unlinkat(folder, temporary.c_str(), 0);
-  return error;
-}
-
-/// The rename must reach the disk too. Some network file systems cannot sync a folder: that is no failure.
-void sync_folder(int folder) {
-  const Handle handle(::openat(folder, ".", O_RDONLY | O_DIRECTORY | O_CLOEXEC));
-  if (handle) static_cast<void>(::fsync(handle.get()));
-}
-
 /// A target and its new content.
 struct Replacement {
   const Target& target;
@@ -250,32 +240,20 @@ struct Replacement {
 };
 
 /// Writes a regular file by way of a new one. Returns errno, 0 if it went well.
-int write_new(const Replacement& file, bool named) {
-  const std::optional<struct stat>& old = file.target.now;
-  std::string temporary;
-  const int number = named ? open_named(file.folder, temporary) : open_unnamed(file.folder);
-  if (number < 0) return errno;
-  const Handle handle(number);
-  int error = 0;
-  if (old) {
-    static_cast<void>(::fchown(number, old->st_uid, old->st_gid));  // where we may
-    if (::fchmod(number, old->st_mode & 07777) != 0) error = errno;
-  }
-  if (error == 0) error = file.write(number);
-  if (error == 0 && file.flush == Flush::disk && ::fsync(number) != 0) error = errno;
-  if (error == 0) return put_in_place(number, temporary, file.folder, file.target.name());
-  if (!temporary.empty()) ::unlinkat(file.folder, temporary.c_str(), 0);
-  return error;
-}
-
 int replace_file(const Replacement& file) {
-  clear_stale(file.folder);
-  // Some systems make files without a name but let nobody name them.
-  if (::access("/proc/self/fd", X_OK) == 0) {
-    const int error = write_new(file, false);
-    if (error == 0 || error == ECANCELED) return error;
+  const std::optional<struct stat>& old = file.target.now;
+  Temporary written(file.folder, old ? old->st_mode & 0777 : 0666);
+  if (written.error() != 0) return written.error();
+  if (old) {  // where the file system permits it
+    static_cast<void>(::fchown(written.get(), old->st_uid, old->st_gid));
+    static_cast<void>(::fchmod(written.get(), old->st_mode & 07777));
   }
-  return write_new(file, true);
+  if (const int error = file.write(written.get()); error != 0) return error;
+  if (file.flush == Flush::none) return written.put_in_place(file.target.name());
+  if (const int error = flush_file(written.get()); error != 0) return error;
+  if (const int error = written.put_in_place(file.target.name()); error != 0) return error;
+  const Handle folder(::openat(file.folder, ".", O_RDONLY | O_DIRECTORY | O_CLOEXEC));
+  return folder ? flush_file(folder.get()) : 0;  // a folder may be written to and not read
 }
 
 std::string write_file(const Target& target, bool judged, const Writer& write, Flush flush) {
@@ -297,9 +275,7 @@ std::string write_file(const Target& target, bool judged, const Writer& write, F
     if (!S_ISREG(target.now->st_mode)) return write_into(target, judged, write);
   }
   const int error = replace_file({target, write, flush, folder.get()});
-  if (error != 0) return reason_of(error);
-  if (flush == Flush::disk) sync_folder(folder.get());
-  return {};
+  return error == 0 ? std::string() : reason_of(error);
 }
 
 }  // namespace
@@ -318,15 +294,8 @@ std::string OutputFault(const std::string& file, const std::string& within) {
     const std::string fault = kind_fault(*target.now, folder.get(), target.name());
     if (!fault.empty() || !S_ISREG(target.now->st_mode)) return fault;
   }
-  std::string temporary;
-  int number = open_unnamed(folder.get());
-  if (number < 0) number = open_named(folder.get(), temporary);
-  if (number < 0) {
-    const int error = errno;
+  if (const int error = Temporary(folder.get(), 0666).error(); error != 0)
     return "the folder '" + target.folder() + "' cannot be written to (" + reason_of(error) + "); " + remedy_of(error);
-  }
-  ::close(number);
-  if (!temporary.empty()) ::unlinkat(folder.get(), temporary.c_str(), 0);
   return {};
 }
 
@@ -337,12 +306,12 @@ std::string WriteOutputFile(const std::string& file, std::span<const uint8_t> by
 }
 
 std::string KeepElsewhere(const std::string& file, std::span<const uint8_t> bytes) {
-  std::error_code error;
-  std::string folder = (fs::temp_directory_path(error) / "alabaster_XXXXXX").string();
-  if (error || !::mkdtemp(folder.data())) return {};
+  std::string folder = temporary_folder() + "/alabaster_XXXXXX";
+  if (!::mkdtemp(folder.data())) return {};
   const fs::path kept = fs::path(folder) / fs::path(file).filename();
   if (WriteOutputFile(kept.string(), bytes).empty()) return kept.string();
-  fs::remove(folder, error);
+  std::error_code ignored;
+  fs::remove(folder, ignored);
   return {};
 }
 

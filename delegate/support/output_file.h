@@ -18,9 +18,10 @@ enum class Flush { disk, none };
 std::string OutputFault(const std::string& file, const std::string& within = {});
 
 /// Writes `bytes` to a file that nobody sees before it is complete. Returns nothing on success, else the reason; a
-/// regular file is then as it was before. Where the file system has files without a name, a process that is killed
-/// leaves nothing behind; elsewhere the next write into the folder removes what is left. `within`: as in OutputFault;
-/// it is judged as the folder is opened that the file is then written in. Any thread.
+/// regular file is then as it was before, or, where its folder cannot be flushed, new. The bytes go to a file
+/// `.alabaster-HOST-PROCESS-NUMBER.tmp` beside it, which is renamed; only a process that is killed leaves that behind.
+/// Owner, mode and flush are left out where the file system refuses them. `within`: as in OutputFault; it is judged as
+/// the folder is opened that the file is then written in. Any thread.
 std::string WriteOutputFile(const std::string& file, std::span<const uint8_t> bytes, Flush flush = Flush::disk,
                             const std::string& within = {});
 
@@ -31,7 +32,7 @@ std::string KeepElsewhere(const std::string& file, std::span<const uint8_t> byte
 /// Takes the next bytes of a file; false: they cannot be written.
 using ByteSink = std::function<bool(std::span<const uint8_t>)>;
 /// The same for a file too large to be in memory as a whole. `write` gives its bytes to the sink, in order, and returns
-/// false to give up; it may be called a second time, where the first way to write fails.
+/// false to give up.
 std::string StreamOutputFile(const std::string& file, const std::function<bool(const ByteSink&)>& write,
                              Flush flush = Flush::disk);
 

@@ -121,10 +121,8 @@ std::string StudyStore::clear() {
   spent = 0;
   std::error_code error;
   std::vector<fs::path> files{folder_ / "state.json"};
-  for (const fs::directory_entry& entry : fs::directory_iterator(folder_, error)) {
-    const std::string ending = entry.path().extension().string();  // .tmp: left by a run that was killed
-    if (ending == ".f32" || ending == ".tmp") files.push_back(entry.path());
-  }
+  for (const fs::directory_entry& entry : fs::directory_iterator(folder_, error))
+    if (entry.path().extension() == ".f32") files.push_back(entry.path());
   for (const fs::path& file : files)
     if (!error) fs::remove(file, error);
   return error ? folder_.string() + " cannot be emptied: " + error.message() + ". Choose another folder with -o." : "";

@@ -3,12 +3,13 @@
 #include <cstdlib>
 #include <system_error>
 
+#include "core/files/temporary_folder.h"
+
 namespace alabaster::tradeoff {
 
 TemporaryFolder::TemporaryFolder(const std::string& prefix) {
-  std::error_code error;
-  std::string pattern = (std::filesystem::temp_directory_path(error) / (prefix + "XXXXXX")).string();
-  if (!error && ::mkdtemp(pattern.data())) path_ = pattern;
+  std::string pattern = temporary_folder() + "/" + prefix + "XXXXXX";
+  if (::mkdtemp(pattern.data())) path_ = pattern;
 }
 
 TemporaryFolder::~TemporaryFolder() {

@@ -82,6 +82,8 @@ def main():
             finish(words)
             if not same_pixels(whole[mode], output):
                 sys.exit(f"trial {trials} ({mode}, seed {args.seed}): the picture differs from that of the render in one")
+            for file in folder.glob(".alabaster-*.tmp"):  # of a process that was killed while it wrote
+                file.unlink()
             if strangers := set(folder.iterdir()) - {checkpoint, output, *whole.values()}:
                 sys.exit(f"trial {trials} ({mode}, seed {args.seed}): files are left: {sorted(p.name for p in strangers)}")
             trials += 1

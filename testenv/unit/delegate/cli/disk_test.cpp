@@ -81,6 +81,19 @@ TEST_F(DiskTest, AFolderThatVanishesLosesNoPicture) {
   expect_picture(folder_ / "b.exr", 64, 48);
 }
 
+TEST_F(DiskTest, AnEmptyTmpdirIsAsNone) {
+  const int full = open("/dev/full", O_WRONLY | O_CLOEXEC);
+  if (full < 0) GTEST_SKIP() << "this system has no /dev/full";
+  close(full);
+  fs::create_symlink("/dev/full", folder_ / "full.exr");
+  const Outcome outcome =
+      run({"render", "patch.gltf", "--size", "16x12", "--spp", "1", "-o", "full.exr"}, [] { setenv("TMPDIR", "", 1); });
+  EXPECT_EQ(outcome.code, 5) << outcome.err;
+  EXPECT_TRUE(kept(outcome.err).starts_with("/tmp/alabaster_")) << outcome.err;
+  expect_picture(kept(outcome.err), 16, 12);
+  fs::remove_all(fs::path(kept(outcome.err)).parent_path());
+}
+
 TEST_F(DiskTest, AColorConfigurationThatVanishesLosesNoPicture) {
   write("ramp.spi1d", "Version 1\nFrom 0 1\nLength 2\nComponents 1\n{\n0\n1\n}\n");
   write("mine.ocio", R"(ocio_profile_version: 1

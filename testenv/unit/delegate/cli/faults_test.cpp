@@ -1,5 +1,6 @@
 // The program with damaged, hostile and impossible input: an error is never exit 0, and outputs harm nothing.
 #include <OpenImageIO/imageio.h>
+#include <poll.h>
 #include <sys/resource.h>
 #include <sys/stat.h>
 #include <sys/sysmacros.h>
@@ -436,7 +437,7 @@ TEST_F(FaultsTest, EverySignalThatEndsTheProgramKeepsThePicture) {
   for (const int number : {SIGHUP, SIGTERM, SIGPIPE, SIGXCPU, SIGXFSZ}) {
     std::filesystem::remove(folder_ / "a.exr");
     Program program(folder_, {"render", "patch.gltf", "--size", "64x48", "--spp", "1000000", "-o", "a.exr"},
-                    [] { ::signal(SIGHUP, SIG_DFL); });
+                    [=] { ::signal(number, SIG_DFL); });
     ASSERT_TRUE(program.wait_for("samples", 30)) << program.err();
     std::this_thread::sleep_for(std::chrono::milliseconds(200));
     program.send(number);
@@ -447,11 +448,63 @@ TEST_F(FaultsTest, EverySignalThatEndsTheProgramKeepsThePicture) {
   }
 }
 
+// promise: pipeline.signals.ignored
+TEST_F(FaultsTest, ASignalThatTheParentIgnoresStaysIgnored) {
+  constexpr int kNumbers[] = {SIGHUP, SIGINT, SIGTERM, SIGPIPE, SIGXCPU, SIGXFSZ};
+  Program program(folder_, {"render", "patch.gltf", "--size", "64x48", "--time-limit", "3", "-o", "a.exr"}, [&] {
+    for (const int number : kNumbers) ::signal(number, SIG_IGN);
+  });
+  ASSERT_TRUE(program.wait_for("rendering", 30)) << program.err();
+  for (const int number : kNumbers) program.send(number);
+  EXPECT_EQ(program.wait(), 0) << program.err();
+  const auto exr = OIIO::ImageInput::open(folder_ / "a.exr");
+  ASSERT_TRUE(exr) << OIIO::geterror();
+  EXPECT_EQ(exr->spec().get_int_attribute("alabaster/incomplete", 0), 0);
+}
+
+// A background job of a script: SIGINT is ignored, and the engine's SIGTERM is not.
+// promise: pipeline.signals.ignored
+TEST_F(FaultsTest, ABackgroundJobEndsBySigtermAndNotByCtrlC) {
+  Program program(folder_, {"render", "patch.gltf", "--size", "64x48", "--spp", "1000000", "-o", "a.exr"}, [] {
+    ::signal(SIGINT, SIG_IGN);
+    ::signal(SIGTERM, SIG_DFL);
+  });
+  ASSERT_TRUE(program.wait_for("samples", 30)) << program.err();
+  program.interrupt();
+  std::this_thread::sleep_for(std::chrono::milliseconds(500));
+  int status = 0;
+  EXPECT_EQ(waitpid(program.pid(), &status, WNOHANG), 0) << program.err();
+  program.send(SIGTERM);
+  EXPECT_EQ(program.wait(), 130) << program.err();
+  EXPECT_TRUE(exists("a.exr"));
+}
+
+// promise: pipeline.signals.ignored
+TEST_F(FaultsTest, AnIgnoredSigpipeIsAnErrorOfWriting) {
+  ASSERT_EQ(mkfifo((folder_ / "fifo.exr").c_str(), 0600), 0);
+  const int reader = open((folder_ / "fifo.exr").c_str(), O_RDONLY | O_NONBLOCK | O_CLOEXEC);
+  ASSERT_GT(fcntl(reader, F_SETPIPE_SZ, 4096), 0);
+  std::thread leaves([&] {
+    pollfd first{reader, POLLIN, 0};
+    poll(&first, 1, 30000);  // until the program writes more than a pipe holds
+    close(reader);
+  });
+  const Outcome outcome = run({"render", "patch.gltf", "--size", "256x256", "--spp", "1", "-o", "fifo.exr"}, [] {
+    ::signal(SIGPIPE, SIG_IGN);
+    ::setenv("TMPDIR", ".", 1);
+  });
+  leaves.join();
+  EXPECT_EQ(outcome.code, 5) << outcome.err;
+  EXPECT_HAS(outcome.err, "Broken pipe");
+}
+
 TEST_F(FaultsTest, ClosedStandardErrorKeepsThePicture) {
   int ends[2] = {-1, -1};
   ASSERT_EQ(pipe2(ends, O_CLOEXEC), 0);
-  Program program(folder_, {"render", "patch.gltf", "--size", "64x48", "--spp", "3000", "-o", "a.exr"},
-                  [&] { dup2(ends[1], STDERR_FILENO); });
+  Program program(folder_, {"render", "patch.gltf", "--size", "64x48", "--spp", "3000", "-o", "a.exr"}, [&] {
+    ::signal(SIGPIPE, SIG_DFL);
+    dup2(ends[1], STDERR_FILENO);
+  });
   close(ends[1]);
   char byte = 0;
   std::string seen;

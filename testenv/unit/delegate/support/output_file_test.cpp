@@ -3,22 +3,41 @@
 
 #include <fcntl.h>
 #include <gtest/gtest.h>
-#include <sys/file.h>
 #include <sys/resource.h>
 #include <sys/stat.h>
+#include <sys/syscall.h>
 #include <sys/sysmacros.h>
+#include <sys/wait.h>
 #include <unistd.h>
 
 #include <array>
+#include <cerrno>
+#include <climits>
 #include <filesystem>
 #include <fstream>
 #include <iterator>
+#include <new>
+#include <system_error>
 #include <thread>
 
 namespace alabaster::hd::support {
 namespace {
 
 namespace fs = std::filesystem;
+
+/// Errors that the system answers with, as shares do. 0: it does what it is asked.
+struct Errors {
+  int file_sync = 0, folder_sync = 0, mode = 0;
+};
+Errors g_errors;
+
+/// The system answers with them while it lives.
+struct Answers {
+  explicit Answers(const Errors& errors) { g_errors = errors; }
+  ~Answers() { g_errors = {}; }
+  Answers(const Answers&) = delete;
+  Answers& operator=(const Answers&) = delete;
+};
 
 class OutputFile : public ::testing::Test {
  protected:
@@ -173,18 +192,67 @@ TEST_F(OutputFile, UnwritableFileIsReportedBeforeWriting) {
   EXPECT_EQ(count(), 1u) << "the check leaves nothing behind";
 }
 
-// The temporary file of a process that was killed has no lock any more; that of a living one has.
+// Two processes, on one machine or two, write into one folder.
 // promise: pipeline.output.killed
-TEST_F(OutputFile, OnlyStaleTemporaryFilesAreRemoved) {
+TEST_F(OutputFile, NobodyRemovesTheFileOfAnother) {
   put(".alabaster-1-0.tmp", "of a run that was killed");
-  const int living = ::open(put(".alabaster-2-0.tmp", "of a run that writes").c_str(), O_RDWR);
-  ASSERT_EQ(::flock(living, LOCK_EX), 0);
-  put("other.tmp", "not ours");
-  EXPECT_EQ(write("a", "text"), "");
-  EXPECT_FALSE(fs::exists(path(".alabaster-1-0.tmp")));
-  EXPECT_TRUE(fs::exists(path(".alabaster-2-0.tmp")));
-  EXPECT_TRUE(fs::exists(path("other.tmp")));
-  ::close(living);
+  char host[HOST_NAME_MAX + 1] = {};
+  ASSERT_EQ(::gethostname(host, HOST_NAME_MAX), 0);
+  const std::string own = ".alabaster-" + std::string(host) + "-" + std::to_string(::getpid()) + "-";
+  const std::array<uint8_t, 4> bytes{'t', 'e', 'x', 't'};
+  const auto meanwhile = [&](const ByteSink& sink) {
+    size_t named = 0;
+    for (const auto& entry : fs::directory_iterator(folder_))
+      named += entry.path().filename().string().starts_with(own);
+    EXPECT_EQ(named, 1u);
+    const pid_t other = ::fork();
+    if (other == 0) ::_exit(write("b", "other").empty() ? 0 : 1);
+    int status = -1;
+    EXPECT_EQ(::waitpid(other, &status, 0), other);
+    EXPECT_EQ(status, 0);
+    return sink(bytes);
+  };
+  EXPECT_EQ(StreamOutputFile(path("a"), meanwhile), "");
+  EXPECT_EQ(text("a"), "text");
+  EXPECT_EQ(text("b"), "other");
+  EXPECT_TRUE(fs::exists(path(".alabaster-1-0.tmp")));
+  EXPECT_EQ(count(), 3u);
+}
+
+TEST_F(OutputFile, NothingIsLeftOfAFailedWrite) {
+  put("a", "before");
+  EXPECT_NE(StreamOutputFile(path("a"), [](const ByteSink&) { return false; }), "");
+  EXPECT_THROW(StreamOutputFile(path("a"), [](const ByteSink&) -> bool { throw std::bad_alloc(); }), std::bad_alloc);
+  EXPECT_EQ(text("a"), "before");
+  EXPECT_EQ(count(), 1u);
+}
+
+// promise: pipeline.output.share
+TEST_F(OutputFile, WhatAShareDoesNotPermitIsLeftOut) {
+  for (const int refused : {EPERM, EINVAL, ENOTSUP, ENOSYS}) {
+    const Answers answers({.file_sync = refused, .folder_sync = refused, .mode = refused});
+    EXPECT_EQ(write("new", "one"), "") << refused;
+    put("old", "before", 0600);
+    EXPECT_EQ(write("old", "after"), "") << refused;
+    EXPECT_EQ(text("old"), "after");
+    EXPECT_EQ(mode("old"), mode_t(S_IFREG | 0600)) << "no wider than before";
+  }
+  EXPECT_EQ(count(), 2u);
+}
+
+// promise: pipeline.output.share
+TEST_F(OutputFile, ErrorsOfADiskAreErrors) {
+  for (const int error : {EIO, ENOSPC, EDQUOT, ESTALE}) {
+    put("a", "before");
+    {
+      const Answers answers({.file_sync = error});
+      EXPECT_EQ(write("a", "after"), std::generic_category().message(error));
+      EXPECT_EQ(text("a"), "before");
+    }
+    const Answers answers({.folder_sync = error});
+    EXPECT_EQ(write("a", "after"), std::generic_category().message(error));
+  }
+  EXPECT_EQ(count(), 1u);
 }
 
 TEST_F(OutputFile, ThreadsReplaceOneFileWhole) {
@@ -200,3 +268,17 @@ TEST_F(OutputFile, ThreadsReplaceOneFileWhole) {
 
 }  // namespace
 }  // namespace alabaster::hd::support
+
+// These take the place of the C library's in this program.
+extern "C" int fsync(int file) {
+  struct stat now = {};
+  const bool folder = fstat(file, &now) == 0 && S_ISDIR(now.st_mode);
+  const auto& errors = alabaster::hd::support::g_errors;
+  if (const int error = folder ? errors.folder_sync : errors.file_sync; error != 0) return errno = error, -1;
+  return int(syscall(SYS_fsync, file));
+}
+
+extern "C" int fchmod(int file, mode_t mode) noexcept {
+  if (const int error = alabaster::hd::support::g_errors.mode; error != 0) return errno = error, -1;
+  return int(syscall(SYS_fchmod, file, mode));
+}
