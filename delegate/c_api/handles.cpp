@@ -38,7 +38,7 @@ void destroy_put_off() noexcept {
   if (!g_put_off) return;
   for (Handle* handle = g_put_off.exchange(nullptr); handle;) {
     Handle* const next = handle->next;
-    delete handle;
+    if (!handle->process.is_another()) delete handle;
     handle = next;
   }
 }

@@ -244,10 +244,13 @@ AlabasterStatus buffer_map(AlabasterBuffer* handle, AlabasterPixels* out) {
 
 AlabasterStatus pixels_unmap(AlabasterPixels* pixels) {
   return guarded([&] {
-    const std::unique_ptr<Mapping> mapping(static_cast<Mapping*>(sized(pixels, "pixels").mapping));
+    std::unique_ptr<Mapping> mapping(static_cast<Mapping*>(sized(pixels, "pixels").mapping));
     if (!mapping) throw bad_argument("these pixels are not mapped");
     pixels->data = nullptr, pixels->mapping = nullptr;
-    if (!mapping->buffer->owner->process.is_another()) mapping->buffer->buffer->Unmap();
+    if (mapping->buffer->owner->process.is_another())
+      static_cast<void>(mapping.release());  // it may be the last that keeps the buffer
+    else
+      mapping->buffer->buffer->Unmap();
   });
 }
 

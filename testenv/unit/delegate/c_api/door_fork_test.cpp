@@ -6,6 +6,7 @@
 #include <csignal>
 #include <functional>
 #include <thread>
+#include <utility>
 
 #include "testenv/unit/delegate/c_api/door_fixture.h"
 
@@ -72,6 +73,18 @@ TEST_F(DoorFork, AChildUnmapsWhatItsParentMapped) {
   AlabasterPixels pixels = {};
   pixels.size = sizeof pixels;
   ASSERT_EQ(api().buffer_map(color_, &pixels), ALABASTER_OK);
+  EXPECT_EQ(status_of_child([&] { return api().pixels_unmap(&pixels) == ALABASTER_OK ? 7 : 8; }), 7);
+  EXPECT_EQ(api().pixels_unmap(&pixels), ALABASTER_OK);
+}
+
+// Nothing but the mapping keeps the buffer.
+TEST_F(Door, AChildUnmapsABufferThatItsParentHasDestroyed) {
+  render();
+  AlabasterPixels pixels = {};
+  pixels.size = sizeof pixels;
+  ASSERT_EQ(api().buffer_map(color_, &pixels), ALABASTER_OK);
+  api().pass_destroy(std::exchange(pass_, nullptr));
+  api().buffer_destroy(std::exchange(color_, nullptr));
   EXPECT_EQ(status_of_child([&] { return api().pixels_unmap(&pixels) == ALABASTER_OK ? 7 : 8; }), 7);
   EXPECT_EQ(api().pixels_unmap(&pixels), ALABASTER_OK);
 }
