@@ -27,7 +27,7 @@ class BuiltMeshes {
   };
   /// Builds those that are missing, in the delegate's arena. A mesh that cannot be built is reported and not drawn; for
   /// want of memory the next build() tries again. Meshes that are done when the build is cancelled (BuildCancelled) are
-  /// kept. A build of a large mesh may take a fifth of a second to end.
+  /// kept. A build of a large mesh may take some tenths of a second to end.
   void build(const Scene& scene, SceneParam* param, const CancelToken& cancel);
   /// Frees the meshes that are gone or were built again, which the last build() put aside.
   void release_dropped() { dropped_.clear(); }
