@@ -361,8 +361,13 @@ bool Render::show(const Text& aov, const py::buffer& into, const py::object& dis
   now.memory.display = converts ? converts->handle().get() : nullptr;
   Shown before;  // ends when Python's lock is held
   bool same_size = true;
-  engine_->run([&](const AlabasterApi& api, AlabasterDelegate*, Unlocked&) {
+  engine_->run([&](const AlabasterApi& api, AlabasterDelegate* delegate, Unlocked&) {
     const SharedBuffer held = newest(api, aov);
+    int32_t format = ALABASTER_FORMAT_NONE;
+    c_api::check(api.aov_format(delegate, aov.c_str(), &format));
+    if (now.memory.format == ALABASTER_INT32 && format != ALABASTER_INT32)
+      throw c_api::Error(ALABASTER_INVALID_ARGUMENT,
+                         "an array of int32 shows no fractions, which AOV '" + aov + "' has: use float32");
     const std::lock_guard lock(showing_);
     Shown& known = shown_[aov];
     if (known.is_of(now)) now.memory.shown = known.memory.shown;

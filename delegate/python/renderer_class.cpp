@@ -359,7 +359,8 @@ void add_renders(py::module_& module) {
            "an ArgumentError that names both.")
       .def("show", &Render::show, py::arg("aov"), py::arg("into"), py::arg("display") = py::none(),
            py::arg("top_down") = true,
-           "Brings a contiguous array (height, width, components) of float32, float16 or uint8 up to date: converts "
+           "Brings a contiguous array (height, width, components) of float32, float16 or uint8, or int32 for ids, up "
+           "to date: converts "
            "what the array does not show yet, if it is the array of the last call. With a Display, for that display. "
            "False: the pixels have another size, and nothing was written.")
       .def(

@@ -245,6 +245,8 @@ class Arguments(unittest.TestCase):
             self.renderer.set(samples=2.5)
         self.renderer.set(samples=2, timeLimit=2.5, adaptive=False)
         self.assertEqual((self.renderer.get("samples"), self.renderer.get("timeLimit")), (2, 2.5))
+        self.renderer.set(samples=3.0)
+        self.assertEqual(self.renderer.get("samples"), 3)
 
     def test_names_in_messages(self):
         for call, kind, says in [
@@ -414,9 +416,9 @@ class Arguments(unittest.TestCase):
         for wrong in zeros("f", 16, 16, 4).toreadonly(), zeros("f", 32 * 16 * 4)[::2]:
             with self.assertRaisesRegex(ValueError, "array"):
                 render.read("color", wrong)
-        for aov, wrong in ("color", zeros("i", 16, 16)), ("primId", zeros("f", 16, 16)):
-            with self.assertRaises(ValueError):
-                render.show(aov, wrong)
+        with self.assertRaisesRegex(ValueError, "int32 shows no fractions"):
+            render.show("color", zeros("i", 16, 16))
+        self.assertTrue(render.show("primId", zeros("i", 16, 16)))
         shaped, flat = zeros("f", 16, 16, 4), zeros("f", 16 * 16 * 4)
         render.read("color", shaped), render.read("color", flat)
         self.assertEqual(shaped.tobytes(), flat.tobytes())
