@@ -106,7 +106,9 @@ std::string must_be(const Row& row, support::ParameterFault fault) {
       if (word) known += (known.empty() ? "" : ", ") + std::string(word);
     return "one of " + known;
   }
-  return row.is_color() ? "a colour: three numbers" : "a number";
+  if (row.is_color()) return "a colour: three numbers";
+  const auto is_whole = []<class M, class T>(M T::*) { return std::is_same_v<M, uint32_t>; };
+  return std::visit(is_whole, row.member) ? "a whole number" : "a number";
 }
 
 /// "": the value fits the row of that name. nullopt: there is none. Parameters of prims may be out of range: curves of

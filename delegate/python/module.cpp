@@ -20,7 +20,7 @@ void add_primvar(py::module_& module) {
 }
 
 py::class_<Scene> add_files(py::module_& module) {
-  py::class_<Scene> scene(module, "Scene",
+  py::class_<Scene> scene(module, "Scene", py::custom_type_setup(&show_report_to_collector<Scene>),
                           "Meshes, materials, lights, cameras and render settings by path. A set_ call replaces the "
                           "prim of that path and finds out what differs; it may come before or while a renderer draws "
                           "the scene. Arrays of float32 and int32 (float64 for matrices) that are contiguous are not "

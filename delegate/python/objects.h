@@ -24,8 +24,10 @@ namespace alabaster::python {
 /// Reports of the library, until Python is told.
 class Messages {
  public:
-  /// `listener`: called with severity, code, where and text; None logs them under the name "alabaster".
-  explicit Messages(py::object listener) : listener_(std::move(listener)) {}
+  /// `listener`: called with severity, code, where and text; None logs them under the name "hdalabaster". Borrowed:
+  /// the objects of Python that deliver hold it, so that the collector can count their references.
+  explicit Messages(py::handle listener) : listener_(listener) {}
+  py::object listener() const { return py::reinterpret_borrow<py::object>(listener_); }
   static void hear(void* user, const AlabasterDiagnostic* diagnostic);
   void deliver();
 
@@ -35,7 +37,7 @@ class Messages {
     std::string code, where, text;
   };
   std::optional<Message> next();
-  py::object listener_;
+  py::handle listener_;
   std::mutex mutex_;
   std::deque<Message> queue_;
 };
@@ -69,10 +71,37 @@ std::unique_ptr<T> make_object(Arguments&&... arguments) {
   return std::unique_ptr<T>(::new T(std::forward<Arguments>(arguments)...));
 }
 
+template <class T>
+int visit_report(PyObject* object, visitproc visit, void* arg) {
+  Py_VISIT(Py_TYPE(object));
+  const auto* made = reinterpret_cast<py::detail::instance*>(object);
+  if (made->simple_layout && made->simple_holder_constructed) {
+    PyObject* const report = static_cast<const T*>(made->simple_value_holder[0])->report().ptr();
+    Py_VISIT(report);
+  }
+  return 0;
+}
+
+/// pybind11 2.10 leaves an object that ends to the collector, while its destructor waits without Python's lock.
+inline void end_untracked(PyObject* object) {
+  PyObject_GC_UnTrack(object);
+  py::detail::pybind11_object_dealloc(object);
+}
+
+/// For a class whose objects hold a report: Python's collector sees it. They have no tp_clear, as tuples have none: a
+/// circle has an object besides that was changed after it was made, and the collector clears that one.
+template <class T>
+void show_report_to_collector(PyHeapTypeObject* type) {
+  type->ht_type.tp_flags |= Py_TPFLAGS_HAVE_GC;
+  type->ht_type.tp_traverse = &visit_report<T>;
+  type->ht_type.tp_dealloc = &end_untracked;
+}
+
 class Scene : public NeverImplicit {
  public:
   explicit Scene(py::object report);
   ~Scene();
+  const py::object& report() const { return report_; }
   const c_api::Scene& handle() const { return handle_; }
   Messages& messages() { return messages_; }
 
@@ -89,6 +118,7 @@ class Scene : public NeverImplicit {
   }
 
  private:
+  py::object report_;
   Messages messages_;
   c_api::Scene handle_;
 };
@@ -104,7 +134,7 @@ struct Primvar : NeverImplicit {
 
 /// The renderer's handles, shared by the renders that it made.
 struct Engine {
-  explicit Engine(py::object report) : messages(std::move(report)) {}
+  explicit Engine(py::handle report) : messages(report) {}
   ~Engine() { drop(delegate); }
   /// `call(api, delegate, unlocked)`. Fails in a process that was forked: its locks may be held by threads that it
   /// lacks.
@@ -150,9 +180,11 @@ class Pixels : public NeverImplicit {
   ~Pixels();
   py::buffer_info info() const;
   const AlabasterPixels& get() const { return held_->get(); }
+  const py::object& report() const { return report_; }
 
  private:
   std::shared_ptr<Engine> engine_;
+  py::object report_;
   std::unique_ptr<c_api::Pixels> held_;
 };
 
@@ -195,6 +227,7 @@ class Render : public NeverImplicit {
  public:
   explicit Render(std::shared_ptr<Engine> engine);
   ~Render();
+  const py::object& report() const { return report_; }
   void update(const FrameChanges& changes);
   bool wait(const py::object& seconds, const py::object& progress);
   std::string state();
@@ -226,6 +259,7 @@ class Render : public NeverImplicit {
   SharedBuffer newest(const AlabasterApi& api, const std::string& aov);
 
   std::shared_ptr<Engine> engine_;
+  py::object report_;
   c_api::Pass pass_;
   std::mutex mutex_;  // guards these two, for look-ups only
   FrameOptions options_;

@@ -62,7 +62,7 @@ py::dict progress_of(const AlabasterProgress& progress) {
 
 // Pixels -------------------------------------------------------------------------------------------
 Pixels::Pixels(std::shared_ptr<Engine> engine, std::unique_ptr<c_api::Pixels> held)
-    : engine_(std::move(engine)), held_(std::move(held)) {}
+    : engine_(std::move(engine)), report_(engine_->messages.listener()), held_(std::move(held)) {}
 Pixels::~Pixels() {
   drop(held_);
 }
@@ -103,7 +103,7 @@ FrameOptions changed(FrameOptions options, const FrameChanges& changes) {
   return options;
 }
 
-Render::Render(std::shared_ptr<Engine> engine) : engine_(std::move(engine)) {
+Render::Render(std::shared_ptr<Engine> engine) : engine_(std::move(engine)), report_(engine_->messages.listener()) {
   engine_->run([&](const AlabasterApi&, AlabasterDelegate*, Unlocked&) {
     pass_ = c_api::make_pass(engine_->delegate);
     return int32_t(ALABASTER_OK);
@@ -269,11 +269,24 @@ std::unique_ptr<Pixels> Render::pixels(const Text& aov) {
 
 namespace {
 
+py::buffer_info writable(const py::buffer& into) {
+  try {
+    return into.request(true);
+  } catch (py::error_already_set& error) {
+    if (!error.matches(PyExc_BufferError)) throw;
+    throw py::value_error("the array cannot be written to, or its elements lie apart");
+  }
+}
+
+/// The format without the order of the machine.
+std::string kind_of(const py::buffer_info& info) {
+  return info.format.substr(info.format.find_first_of("@=<") == 0 ? 1 : 0);
+}
+
 /// Memory that bytes may be written to: never that of an array of objects, which are pointers.
 py::buffer_info contiguous(const py::buffer& into) {
-  py::buffer_info info = into.request(true);
-  const size_t prefix = info.format.find_first_of("@=<") == 0 ? 1 : 0;
-  const std::string kind = info.format.substr(prefix);
+  py::buffer_info info = writable(into);
+  const std::string kind = kind_of(info);
   if (kind.size() != 1 || !std::strchr("bBhHiIlLqQefdc", kind[0]))
     throw py::value_error("pixels cannot be written to an array of type '" + info.format + "'; use float32 or uint8");
   Py_ssize_t stride = info.itemsize;
@@ -302,10 +315,34 @@ AlabasterMemory memory_of(const py::buffer_info& info) {
 
 }  // namespace
 
+namespace {
+
+std::string type_and_shape(const std::string& kind, Py_ssize_t bytes, const std::vector<Py_ssize_t>& shape) {
+  std::string axes;
+  for (const Py_ssize_t length : shape) axes += (axes.empty() ? "" : ", ") + std::to_string(length);
+  return "of type '" + kind + "' (" + std::to_string(8 * bytes) + " bits) and shape (" + axes + ")";
+}
+
+/// The array takes these pixels as they are: it has their type and shape, or one axis with as many numbers.
+void check_takes(const py::buffer_info& info, const AlabasterPixels& pixels) {
+  const auto [name, bytes, components] = kFormats[pixels.format];
+  std::vector<Py_ssize_t> shape = {pixels.height, pixels.width};
+  if (components > 1) shape.push_back(components);
+  const bool is_flat = info.ndim == 1 && info.size == shape[0] * shape[1] * components;
+  if (kind_of(info) == name && info.itemsize == bytes && (is_flat || info.shape == shape)) return;
+  throw c_api::Error(ALABASTER_INVALID_ARGUMENT, "the pixels are " + type_and_shape(name, bytes, shape) +
+                                                     ", and the array is " +
+                                                     type_and_shape(info.format, info.itemsize, info.shape));
+}
+
+}  // namespace
+
 void Render::read(const Text& aov, const py::buffer& into, bool top_down) {
   const py::buffer_info info = contiguous(into);
   engine_->run([&](const AlabasterApi& api, AlabasterDelegate*, Unlocked&) {
-    return api.buffer_read(newest(api, aov)->get(), info.ptr, size_t(info.size * info.itemsize), top_down);
+    const SharedBuffer held = newest(api, aov);
+    check_takes(info, c_api::Pixels(*held).get());
+    return api.buffer_read(held->get(), info.ptr, size_t(info.size * info.itemsize), top_down);
   });
 }
 
@@ -324,8 +361,13 @@ bool Render::show(const Text& aov, const py::buffer& into, const py::object& dis
   now.memory.display = converts ? converts->handle().get() : nullptr;
   Shown before;  // ends when Python's lock is held
   bool same_size = true;
-  engine_->run([&](const AlabasterApi& api, AlabasterDelegate*, Unlocked&) {
+  engine_->run([&](const AlabasterApi& api, AlabasterDelegate* delegate, Unlocked&) {
     const SharedBuffer held = newest(api, aov);
+    int32_t format = ALABASTER_FORMAT_NONE;
+    c_api::check(api.aov_format(delegate, aov.c_str(), &format));
+    if (now.memory.format == ALABASTER_INT32 && format != ALABASTER_INT32)
+      throw c_api::Error(ALABASTER_INVALID_ARGUMENT,
+                         "an array of int32 shows no fractions, which AOV '" + aov + "' has: use float32");
     const std::lock_guard lock(showing_);
     Shown& known = shown_[aov];
     if (known.is_of(now)) now.memory.shown = known.memory.shown;

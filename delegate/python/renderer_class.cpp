@@ -38,11 +38,11 @@ struct SettingAnswer {
 
 class Renderer : public NeverImplicit {
  public:
-  Renderer(const py::object& scene, py::object report, const py::dict& settings) {
+  Renderer(const py::object& scene, py::object report, const py::dict& settings) : report_(std::move(report)) {
     const c_api::Parameters held = parameters(settings, "settings");
     const c_api::Scene none;
     const c_api::Scene& shown = scene.is_none() ? none : scene_of(scene).handle();
-    const auto engine = std::make_shared<Engine>(std::move(report));
+    const auto engine = std::make_shared<Engine>(report_);
     engine->run([&](const AlabasterApi&, AlabasterDelegate*, Unlocked&) {
       engine->delegate = c_api::make_delegate(shown, held, &Messages::hear, &engine->messages);
       return int32_t(ALABASTER_OK);
@@ -50,6 +50,7 @@ class Renderer : public NeverImplicit {
     keep(engine);
     engine_ = engine;
   }
+  const py::object& report() const { return report_; }
   /// `call(api, delegate)`
   template <class Call>
   void run(const Call& call) {
@@ -113,6 +114,7 @@ class Renderer : public NeverImplicit {
     return object_of<Scene>(scene, "scene", "an hdalabaster.Scene or None");
   }
   static py::object last_of(const Answers& told) { return told.empty() ? py::none() : told.back().second.to_python(); }
+  py::object report_;
   std::shared_ptr<Engine> engine_;
 };
 
@@ -321,6 +323,7 @@ void add_renders(py::module_& module) {
   py::class_<Pixels>(
       module, "Pixels", py::buffer_protocol(), py::custom_type_setup([](PyHeapTypeObject* type) {
         g_get_buffer = std::exchange(type->as_buffer.bf_getbuffer, &get_buffer);
+        show_report_to_collector<Pixels>(type);
       }),
       "Pixels of one AOV as they were when they were taken. They lie where the renderer wrote them, with the uppermost "
       "row first: numpy.asarray(pixels) copies nothing, and the array may outlive everything.")
@@ -335,7 +338,8 @@ void add_renders(py::module_& module) {
           "numpy", [](const py::object& self) { return py::module_::import("numpy").attr("asarray")(self); },
           "The pixels as an array of (height, width) or (height, width, components), without a copy.");
 
-  py::class_<Render>(module, "Render", "A render that runs in the background. Renderer.start makes it.")
+  py::class_<Render>(module, "Render", py::custom_type_setup(&show_report_to_collector<Render>),
+                     "A render that runs in the background. Renderer.start makes it.")
       .def(
           "update", [](Render& r, const py::kwargs& changes) { r.update(frame_changes(changes)); },
           py::call_guard<FreeReturned>(),
@@ -350,10 +354,13 @@ void add_renders(py::module_& module) {
       .def("pixels", &Render::pixels, py::arg("aov") = "color", "The pixels of an AOV as they are now.")
       .def("__getitem__", &Render::pixels, "The same as pixels(aov).")
       .def("read", &Render::read, py::arg("aov"), py::arg("into"), py::arg("top_down") = true,
-           "Copies the pixels of an AOV into a contiguous array of their size.")
+           "Copies the pixels of an AOV into a contiguous array of their type and shape, or of one axis. Another array "
+           "is "
+           "an ArgumentError that names both.")
       .def("show", &Render::show, py::arg("aov"), py::arg("into"), py::arg("display") = py::none(),
            py::arg("top_down") = true,
-           "Brings a contiguous array (height, width, components) of float32, float16 or uint8 up to date: converts "
+           "Brings a contiguous array (height, width, components) of float32, float16 or uint8, or int32 for ids, up "
+           "to date: converts "
            "what the array does not show yet, if it is the array of the last call. With a Display, for that display. "
            "False: the pixels have another size, and nothing was written.")
       .def(
@@ -376,15 +383,14 @@ void add_renders(py::module_& module) {
 }
 
 py::class_<Renderer> renderer_class(py::module_& module) {
-  py::class_<Renderer> renderer(module, "Renderer",
+  py::class_<Renderer> renderer(module, "Renderer", py::custom_type_setup(&show_report_to_collector<Renderer>),
                                 "Draws a scene. Settings are those of schemas/render_settings.json.");
   renderer
       .def(py::init([](const py::object& scene, const py::object& report, const py::kwargs& settings) {
              return make_object<Renderer>(scene, report, settings);
            }),
            py::arg("scene") = py::none(), py::kw_only(), py::arg("report") = py::none(), py::call_guard<FreeReturned>(),
-           "report(severity, code, where, text) hears of faults; by default they are logged under 'hdalabaster'. A "
-           "report that holds the renderer keeps it for good: Python's collector does not see this circle.")
+           "report(severity, code, where, text) hears of faults; by default they are logged under 'hdalabaster'.")
       .def("show", &Renderer::show, py::arg("scene"), "Draws another scene; None: none.")
       .def(
           "set", [](Renderer& r, const py::kwargs& settings) { r.set(settings); }, py::call_guard<FreeReturned>(),

@@ -34,7 +34,7 @@ c_api::Parameters all_fields(const std::string& kind, const py::object& given, c
 }  // namespace
 
 Scene::Scene(py::object report)
-    : messages_(std::move(report)), handle_(c_api::make_scene(&Messages::hear, &messages_)) {}
+    : report_(std::move(report)), messages_(report_), handle_(c_api::make_scene(&Messages::hear, &messages_)) {}
 Scene::~Scene() {
   drop(handle_);
 }

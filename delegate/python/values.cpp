@@ -103,30 +103,45 @@ template <class T>
 class Numbers {
  public:
   explicit Numbers(std::string name) : name_(std::move(name)) {}
-  void read(py::handle values, int depth = 0) {
+  /// False: `values` is one number.
+  bool read(py::handle values, int depth = 0) {
     if (is_characters(values)) throw wrong_type(name_, "numbers", values);
     if (depth > kMostNested) throw py::value_error(name_ + ": lists are nested too deeply");
-    if (const View view(values); view) return read_view(view, values);
-    if (PyFloat_Check(values.ptr()) || PyLong_Check(values.ptr()) || !PySequence_Check(values.ptr()))
-      return held.push_back(one(values, depth == 0 ? name_ : "each of " + name_));
-    const Py_ssize_t length = PySequence_Size(values.ptr());
-    if (length < 0) throw py::error_already_set();
-    size_t row = 0;
-    for (Py_ssize_t i = 0; i < length; ++i) {
-      const auto item = py::reinterpret_steal<py::object>(PySequence_GetItem(values.ptr(), i));
-      if (!item) throw py::error_already_set();
-      const size_t before = held.size();
-      read(item, depth + 1);
-      if (i == 0) row = held.size() - before;
-      if (!kWhole && held.size() - before != row)  // faces may have different numbers of corners
-        throw py::value_error(name_ + ": row " + std::to_string(i) + " has " + std::to_string(held.size() - before) +
-                              " numbers, and the first has " + std::to_string(row));
+    if (const View view(values); view) {
+      read_view(view, values);
+      return view.get().ndim > 0;
     }
+    if (PyFloat_Check(values.ptr()) || PyLong_Check(values.ptr()) || !PySequence_Check(values.ptr())) {
+      held.push_back(one(values, depth == 0 ? name_ : "each of " + name_));
+      return false;
+    }
+    read_rows(values, depth);
+    return true;
   }
   std::vector<T> held;
 
  private:
   static constexpr bool kWhole = std::is_same_v<T, int32_t>;
+
+  void read_rows(py::handle values, int depth) {
+    const Py_ssize_t length = PySequence_Size(values.ptr());
+    if (length < 0) throw py::error_already_set();
+    size_t row = 0;
+    bool has_rows = false;
+    for (Py_ssize_t i = 0; i < length; ++i) {
+      const auto item = py::reinterpret_steal<py::object>(PySequence_GetItem(values.ptr(), i));
+      if (!item) throw py::error_already_set();
+      const size_t before = held.size();
+      const bool is_row = read(item, depth + 1);
+      if (i == 0) row = held.size() - before, has_rows = is_row;
+      if (is_row != has_rows)
+        throw py::value_error(name_ + ": element " + std::to_string(i) + (is_row ? " is a row" : " is a number") +
+                              ", and the first is not");
+      if (held.size() - before != row)
+        throw py::value_error(name_ + ": row " + std::to_string(i) + " has " + std::to_string(held.size() - before) +
+                              " numbers, and the first has " + std::to_string(row));
+    }
+  }
 
   static T one(py::handle value, const std::string& name) {
     if constexpr (kWhole)
@@ -185,7 +200,8 @@ void check_rows(const std::vector<size_t>& shape, size_t components, const std::
   for (size_t axis = 1; axis < shape.size(); ++axis) row *= shape[axis];
   const bool is_empty = shape.size() < 2 || shape[0] == 0 || row == 0;
   const bool is_one_matrix = components == 16 && row * shape[0] == components;
-  if (is_empty || components == 1 || row == components || is_one_matrix) return;
+  const bool are_rows = components != 16 || shape.back() == 4 || shape.back() == 16;
+  if (is_empty || components == 1 || (are_rows && (row == components || is_one_matrix))) return;
   throw py::value_error(name + " must have the shape (n, " + (components == 16 ? "4, 4" : std::to_string(components)) +
                         "), or be their numbers one after the other");
 }
@@ -315,8 +331,10 @@ Value array_by_shape(py::handle values, const std::string& name) {
 
 std::array<double, 16> matrix(py::handle values, const std::string& name) {
   if (values.is_none()) return {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1};
+  const std::vector<size_t> shape = shape_of(values, name);
   const std::vector<double> numbers = numbers_of<double>(values, name);
-  if (numbers.size() != 16) throw py::value_error(name + " must have 4 x 4 numbers");
+  if (numbers.size() != 16 || (shape.back() != 4 && shape.back() != 16))
+    throw py::value_error(name + " must have 4 x 4 numbers");
   std::array<double, 16> read{};
   std::copy(numbers.begin(), numbers.end(), read.begin());
   return read;

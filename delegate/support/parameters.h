@@ -1,6 +1,8 @@
 // Values of the contract to and from members of core's structs, through the rows of core's tables of parameters.
 #pragma once
 
+#include <cmath>
+
 #include "core/parameter/parameter.h"
 #include "delegate/api/types.h"
 
@@ -30,6 +32,7 @@ ParameterFault set_parameter(const Parameter<T, Words...>& row, const Value& val
           constexpr bool kSwitch = std::is_same_v<Member, bool>;  // 0 is off, all else on
           double read = 0;
           const ParameterFault fault = read_number(value, row.minimum, row.maximum, &read);
+          if (std::is_integral_v<Member> && !kSwitch && read != std::floor(read)) return ParameterFault::type;
           if (fault != ParameterFault::type) out = kSwitch ? read != 0 : static_cast<Member>(read);
           return fault;
         }

@@ -29,12 +29,32 @@ def _primvar(values: Any, interpolation: str = "vertex", role: str = "") -> Any:
     return values if values is None or isinstance(values, Primvar) else Primvar(values, interpolation, role=role)
 
 
-def _counts(indices: Any) -> memoryview:
-    """The sizes of faces whose corners are rows, or three numbers each. Read-only memory is not copied."""
+def _faces(indices: Any, counts: Any) -> Tuple[Any, Any]:
+    """The corners of faces and the sizes of these: rows of several lengths one after the other, and without counts those of the rows,
+    or three numbers each. Read-only memory is not copied."""
     shape = _shape_of(indices, "indices")
-    corners = shape[1] if len(shape) == 2 else 3
-    faces = 0 if not shape or corners == 0 else shape[0] if len(shape) == 2 else shape[0] // 3
-    return memoryview(array.array("i", [corners] * faces).tobytes()).cast("i")
+    if len(shape) < 2:
+        sizes = [3] * (shape[0] // 3) if shape else []
+    elif len(shape) > 2 and 0 not in shape:
+        raise ValueError("indices must have the shape (n) or (n, corners), or rows of several lengths")
+    else:
+        sizes = [shape[1]] * shape[0]
+        if isinstance(indices, (list, tuple)):
+            rows = [_shape_of(row, "indices") for row in indices]
+            for number, row in enumerate(rows):
+                if len(row) != 1:
+                    raise ValueError(f"indices: element {number} is not a row of numbers, and the first is")
+            sizes = [row[0] for row in rows]
+            if len(set(sizes)) > 1:
+                indices = [corner for row in indices for corner in row]
+        if counts is not None and _shape_of(counts, "counts") != [len(sizes)]:
+            raise ValueError(f"indices has {len(sizes)} rows, and counts has the shape {tuple(_shape_of(counts, 'counts'))}")
+        for number, size in enumerate(sizes if counts is not None else []):
+            if counts[number] != size:
+                raise ValueError(f"indices: row {number} has {size} corners, and counts says {counts[number]}")
+    if counts is None:
+        counts = memoryview(array.array("i", sizes if any(sizes) else []).tobytes()).cast("i")
+    return indices, counts
 
 
 class SceneMethods:
@@ -47,10 +67,10 @@ class SceneMethods:
                  subsets: Optional[Mapping[str, _Array]] = None, subdiv_tags: Optional[Mapping[str, Union[str, _Array]]] = None,
                  left_handed: bool = False, holes: Optional[_Array] = None, motion: _Motion = None, **fields: Unpack[Mesh]) -> None:
         """points: (n, 3), or a Primvar. indices: the corners of all faces, one after the other, with the size of each face in counts;
-        without counts a row is a face, or three numbers are. primvars={'st': array or Primvar}, subsets={material: faces},
+        without counts a row is a face, of any length, or three numbers are. primvars={'st': array or Primvar}, subsets={material: faces},
         subdiv_tags={'crease_indices': ..., ...}, motion=[(time, transform), ...], and fields of a mesh."""
-        given = {"points": _primvar(points, role="point"), "counts": _counts(indices) if counts is None else counts, "indices": indices,
-                 "holes": holes, "motion": motion, **fields}
+        indices, counts = _faces(indices, counts)
+        given = {"points": _primvar(points, role="point"), "counts": counts, "indices": indices, "holes": holes, "motion": motion, **fields}
         given.update(("primvars:" + name, _primvar(values)) for name, values in _entries(primvars, "primvars"))
         given.update(_entries(subdiv_tags, "subdiv_tags"))
         for number, (material, faces) in enumerate(_entries(subsets, "subsets")):

@@ -2,6 +2,7 @@
 import array
 import ctypes
 import gc
+import math
 import pathlib
 import sys
 import tempfile
@@ -205,6 +206,48 @@ class Arguments(unittest.TestCase):
         for matrices in ([BACK], BACK, [[c for row in BACK for c in row]]):
             self.scene.set_instancer("/i", {"/m": [0]}, transforms=matrices)
 
+    def test_rows_of_several_lengths_are_faces_of_several_sizes(self):
+        five = CORNERS + [(2, 0, 0)]
+
+        def covered(indices, counts=None):
+            self.scene.set_mesh("/square", five, indices, counts, material="/wax")
+            view = memoryview(draw(self.renderer).pixels())
+            return sum(view[y, x, 3] for y in range(16) for x in range(16))
+
+        right = covered([0, 1, 2, 3, 1, 4, 2], [4, 3])
+        self.assertGreater(right, covered([[0, 1, 2, 3]]))
+        rows = [[0, 1, 2, 3], [1, 4, 2]]
+        for same in [rows, rows[::-1], tuple(map(tuple, rows)), [array.array("i", row) for row in rows]]:
+            self.assertEqual(covered(same), right)
+        self.assertEqual(covered(rows, [4, 3]), right)
+        for wrong, counts, says in [(rows, [3, 4], "row 0 has 4 corners, and counts says 3"), (rows, [7], "2 rows"),
+                                    ([[0, 1, 2], 3], None, "element 1"), ([0, 1, 2, [3]], None, "element 3 is a row"),
+                                    ([[[0, 1, 2]]], None, "shape")]:
+            with self.assertRaisesRegex(ValueError, "indices.*" + says):
+                covered(wrong, counts)
+        for name, call in [("holes", lambda v: self.scene.set_mesh("/m", five, rows, holes=v)),
+                           ("subsets", lambda v: self.scene.set_mesh("/m", five, rows, subsets={"/wax": v})),
+                           ("st", lambda v: self.scene.set_primvar("/square", "st", v))]:
+            with self.assertRaisesRegex(ValueError, name + ".*: row 1 has 1 numbers, and the first has 2"):
+                call([[0, 1], [0]])
+        with self.assertRaisesRegex(ValueError, "transform must have 4 x 4"):
+            self.scene.set_transform("/square", [[1, 0, 0, 0, 0, 1, 0, 0], [0, 0, 1, 0, 0, 0, 0, 1]])
+
+    def test_fractions_are_no_whole_numbers(self):
+        nan, infinite = float("nan"), float("inf")
+        for name in "samples", "maxDepth", "seed":
+            for wrong in 2.5, nan, infinite, 1e300:
+                for call in [lambda v: hdalabaster.Renderer(self.scene, **v), lambda v: self.renderer.set(**v),
+                             lambda v: self.scene.set_render_settings("/r", **v)]:
+                    with self.assertRaisesRegex((ValueError, TypeError), name, msg=f"{name} {wrong}"):
+                        call({name: wrong})
+        with self.assertRaisesRegex(hdalabaster.ArgumentError, "'samples'.*a whole number"):
+            self.renderer.set(samples=2.5)
+        self.renderer.set(samples=2, timeLimit=2.5, adaptive=False)
+        self.assertEqual((self.renderer.get("samples"), self.renderer.get("timeLimit")), (2, 2.5))
+        self.renderer.set(samples=3.0)
+        self.assertEqual(self.renderer.get("samples"), 3)
+
     def test_names_in_messages(self):
         for call, kind, says in [
                 (lambda: self.renderer.render(width=-5, height=8), ValueError, "width.*-5"),
@@ -359,6 +402,27 @@ class Arguments(unittest.TestCase):
                 render.read("color", wrong)
         with self.assertRaises(TypeError):
             render.show("color", bytearray(1024), display=5)
+
+        def zeros(letter, *shape):
+            memory = bytearray(array.array(letter).itemsize * math.prod(shape))
+            return memoryview(memory).cast(letter, shape) if len(shape) > 1 else memoryview(memory).cast(letter)
+
+        render = draw(self.renderer, aovs=["color", "primId"])
+        for aov, wrong in [("color", zeros("d", 16, 16, 4)), ("color", zeros("i", 16, 16, 4)), ("color", zeros("f", 32, 16, 4)),
+                           ("color", zeros("f", 16, 4, 16)), ("color", zeros("B", 16 * 16 * 16)), ("color", zeros("f", 16)),
+                           ("primId", zeros("f", 16, 16)), ("primId", zeros("q", 16, 16)), ("primId", zeros("I", 16, 16))]:
+            with self.assertRaisesRegex(ValueError, "the pixels are of type '[fi]'.*shape.*and the array is of type"):
+                render.read(aov, wrong)
+        for wrong in zeros("f", 16, 16, 4).toreadonly(), zeros("f", 32 * 16 * 4)[::2]:
+            with self.assertRaisesRegex(ValueError, "array"):
+                render.read("color", wrong)
+        with self.assertRaisesRegex(ValueError, "int32 shows no fractions"):
+            render.show("color", zeros("i", 16, 16))
+        self.assertTrue(render.show("primId", zeros("i", 16, 16)))
+        shaped, flat = zeros("f", 16, 16, 4), zeros("f", 16 * 16 * 4)
+        render.read("color", shaped), render.read("color", flat)
+        self.assertEqual(shaped.tobytes(), flat.tobytes())
+        self.assertEqual(shaped[8, 8, 3], 1)
         if numpy:
             for wrong in [numpy.zeros((16, 16, 0)), numpy.zeros(()), numpy.zeros((16, 16, 4, 1)), numpy.zeros((16, 16), "V0"),
                           numpy.zeros((16, 16, 4), ">f4")]:

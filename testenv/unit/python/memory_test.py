@@ -1,7 +1,9 @@
 """Tests of the Python module's memory; alabaster_test.py runs them."""
 import ctypes
+import functools
 import gc
 import unittest
+import weakref
 
 import hdalabaster
 from square_scene import CORNERS, draw, moved, square
@@ -109,3 +111,46 @@ class Memory(unittest.TestCase):
                 settled = allocated()
         # Malloc keeps up to 42 kB more for threads on a busy machine.
         self.assertLess(allocated() - settled, 1 << 16)
+
+class Host:
+    """Owns what it hears of, as a viewport does."""
+
+    def __init__(self, of, make_report):
+        def report(who):
+            return {"report": make_report(self)} if who == of else {}
+        self.heard = []
+        self.scene = square(**report("scene"))
+        self.renderer = hdalabaster.Renderer(self.scene, samples=1, **report("renderer"))
+        self.render = draw(self.renderer)
+        self.pixels = self.render.pixels()
+
+    def hear(self, *message):
+        self.heard.append(message)
+
+
+class Circles(unittest.TestCase):
+    REPORTS = {"a method": lambda host: host.hear, "a lambda": lambda host: lambda *message: host.hear(*message),
+               "a partial": lambda host: functools.partial(Host.hear, host)}
+
+    def test_the_collector_frees_a_host_that_hears_of_what_it_owns(self):
+        for of in "nobody", "scene", "renderer":
+            for what, make_report in self.REPORTS.items():
+                host = Host(of, make_report)
+                seen = [weakref.ref(host), weakref.ref(host.hear.__self__)]
+                del host
+                gc.collect()
+                self.assertEqual([one() for one in seen], [None, None], f"{of} {what}")
+
+    def test_the_collector_leaves_what_is_in_use(self):
+        for keep in "renderer", "render", "pixels":
+            host = Host("renderer", lambda host: host.hear)
+            kept, seen = getattr(host, keep), weakref.ref(host)
+            del host
+            gc.collect()
+            self.assertIsNotNone(seen(), keep)  # through the report
+            seen().scene.set_mesh("/square", CORNERS, [[0, 1, 2, 9]], material="/wax")
+            draw(seen().renderer)
+            self.assertTrue(seen().heard, keep)
+            del kept
+            gc.collect()
+            self.assertIsNone(seen(), keep)
