@@ -26,7 +26,7 @@ std::string digest_of(const std::vector<uint8_t>& bytes) {
   return digest.text();
 }
 
-/// Of all images of a set with their places, each of which hold(size) has memory for.
+/// The digest of all images of a set, with their places. hold(file, size) takes memory for one.
 template <class Hold>
 std::string digest_of(const std::vector<UdimTile>& tiles, const std::string& within, const Hold& hold) {
   Digest digest;

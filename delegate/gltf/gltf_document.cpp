@@ -68,6 +68,17 @@ void check_version(const Json& root, Report& report) {
   }
 }
 
+// False after an error.
+bool check_root(Json& root, Report& report) {
+  if (is_version_1(root)) {
+    report.error("version", "asset.version", kIsVersion1);
+    return false;
+  }
+  check_structure(root, report);
+  if (!report.failed()) check_version(root, report);
+  return !report.failed();
+}
+
 void read_extension_lists(const Json& root, Report& report, Document* document) {
   const auto read = [&](const char* name, std::vector<std::string>* names) {
     const std::set<std::string> all = root.value(name, std::set<std::string>());
@@ -140,14 +151,7 @@ bool read_document(const std::string& file, const GltfOptions& options, Report& 
   Container container;
   if (!read_container({file, options.within, max_bytes}, &document->memory, report, &container)) return false;
   Json& root = container.root;
-  if (is_version_1(root)) {
-    report.error("version", "", kIsVersion1);
-    return false;
-  }
-  check_structure(root, report);
-  if (report.failed()) return false;
-  check_version(root, report);
-  if (report.failed()) return false;
+  if (!check_root(root, report)) return false;
   choose(root, options, report, document);
   if (report.failed()) return false;
   if (container.is_glb && !container.binary_chunk && root.contains("buffers"))

@@ -312,16 +312,14 @@ Path node_path(const Path& material, const std::string& name) {
 FieldResult SubsetFields::set(const std::string& name, const Value& value) {
   const auto [text, suffix] = split_suffix(after(name, "subsets:").value_or(""), {"faces", "material"});
   if (suffix.empty()) return std::nullopt;
-  if (places_.empty())
-    for (size_t i = 0; i < subsets_.size(); ++i) places_.emplace(subsets_[i].id, i);
+  for (; known_ < subsets_.size(); ++known_) places_.emplace(subsets_[known_].id, known_);
   const Path id(text);
   const auto [place, is_new] = places_.emplace(id, subsets_.size());
-  if (is_new) subsets_.push_back({id, {}, {}});
+  if (is_new) subsets_.push_back({id, {}, {}}), ++known_;
   GeomSubset& subset = subsets_[place->second];
   if (suffix == "material") return read_into(name, value, {}, &subset.materialId);
   if (!value.empty()) return read_into(name, value, {}, &subset.indices);
-  subset.id = Path(), places_.erase(place);
-  return "";
+  return subset.id = Path(), places_.erase(place), "";
 }
 
 void SubsetFields::finish() {

@@ -28,6 +28,7 @@ class SubsetFields {
  private:
   std::vector<GeomSubset>& subsets_;
   std::map<Path, size_t> places_;
+  size_t known_ = 0;  // so many of them have places
 };
 /// All but the fields of subsets.
 FieldResult set_open_field(MeshDescription* mesh, const std::string& name, const Value& value);

@@ -212,10 +212,10 @@ TEST_F(DescriptionErrors, NamesThatAreNoPathsHereAreToldAsWhatTheyAre) {
   for (const auto& [file, said] : {std::pair{"http://host/sky.png", "a URI with the scheme 'http:'"},
                                    {"file:///sky.png", "a URI with the scheme 'file:'"},
                                    {"data:image/png;base64,AAAA", "a data URI"},
-                                   {R"(C:\sky.png)", "a drive letter, 'C:'"},
+                                   {R"(C:\\sky.png)", "a drive letter, 'C:'"},
                                    {"d:/sky.png", "a drive letter, 'd:'"},
-                                   {R"(\\server\sky.png)", "a share of Windows"},
-                                   {R"(maps\sky.png)", "does not separate folders"},
+                                   {R"(\\\\server\\sky.png)", "a share of Windows"},
+                                   {R"(maps\\sky.png)", "does not separate folders"},
                                    {"/elsewhere/sky.png", "an absolute path"},
                                    {"../sky.png", "outside the folder"}}) {
     const std::string name = std::string("\"") + file + "\"";
