@@ -3,13 +3,19 @@
 
 #include <cstdint>
 #include <string>
+#include <string_view>
 
 namespace alabaster {
+
+/// Why a part of a path, or the beginning of one, is of no file of this system, with the remedy: it is a URI with a
+/// scheme, has a drive letter, or has backslashes. Else empty.
+std::string foreign_name(std::string_view part);
 
 /// An open file. It is judged after it is opened, and stays the same file when its name changes.
 class InputFile {
  public:
-  enum class Fault { none, missing, not_regular, outside, unreadable };
+  /// foreign: there is no such file, since its name is no path of this system.
+  enum class Fault { none, missing, foreign, not_regular, outside, unreadable };
 
   /// `within`: a real path (core/files/real_path.h) of a folder that the file must lie in or below; empty: anywhere.
   explicit InputFile(const std::string& path, const std::string& within = {});
@@ -35,7 +41,7 @@ class InputFile {
 
  private:
   bool fail(Fault fault, const std::string& reason);
-  bool fail(int error);
+  bool fail(int error, const std::string& path);
   bool open(const std::string& path, const std::string& within);
 
   Fault fault_ = Fault::none;

@@ -120,6 +120,7 @@ bool ImageReader::check_hdr(const DiagnosticSink& sink) {
 
 // Finds the format, and checks the file as far as OpenImageIO does not. `limits.memory` counts what is kept of it.
 bool ImageReader::load_bytes(const TextureSource& source, const ImageLimits& limits, const DiagnosticSink& sink) {
+  if (!source.fault.empty()) return fail(sink, "texture.unusable", source.fault);
   bytes_ = source.bytes;
   std::array<uint8_t, 64> head{};
   size_t head_size = 0;

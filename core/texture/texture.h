@@ -32,6 +32,7 @@ struct TextureSource {
   std::string layer = {};       // of an EXR (core/texture/exr_layers.h); empty: the picture
   bool is_environment = false;  // a cube, as an EXR's header calls it, becomes latitude and longitude
   bool is_straight = false;     // colours that the file multiplies by alpha are divided by it
+  std::string fault = {};       // why there is no image to read, if that is known
   bool operator==(const TextureSource&) const = default;
   /// True if both have the same texels: wrap modes and the filter do not count.
   bool is_same_image(const TextureSource& o) const {

@@ -145,6 +145,8 @@ struct AssetPath {
   /// The real path of a folder that the file must lie in or below when it is opened, symbolic links followed: that of
   /// the untrusted file that names it. Empty: anywhere.
   std::string within = {};
+  /// Why there is no file to read, as the reader of a scene file found; reported where the asset is used.
+  std::string fault = {};
   bool operator==(const AssetPath&) const = default;
 };
 

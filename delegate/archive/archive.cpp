@@ -8,6 +8,7 @@
 #include "core/files/input_file.h"
 #include "core/files/real_path.h"
 #include "core/memory/memory_budget.h"
+#include "core/texture/udim.h"
 #include "delegate/archive/tensors.h"
 #include "delegate/host/scene_fields.h"
 #include "delegate/support/output_file.h"
@@ -22,6 +23,20 @@ constexpr const char* kScene = "scene.json";
 std::string digest_of(const std::vector<uint8_t>& bytes) {
   Digest digest;
   digest.add(bytes);
+  return digest.text();
+}
+
+/// The digest of all images of a set, with their places. hold(file, size) takes memory for one.
+template <class Hold>
+std::string digest_of(const std::vector<UdimTile>& tiles, const std::string& within, const Hold& hold) {
+  Digest digest;
+  for (const UdimTile& tile : tiles) {
+    std::vector<uint8_t> bytes;
+    const InputFile file(tile.path, within);
+    [[maybe_unused]] const auto held = hold(tile.path, file ? file.size() : 0);
+    if (file && !file.read(&bytes)) bytes.clear();
+    digest.add(tile.place.x), digest.add(tile.place.y), digest.add(bytes);
+  }
   return digest.text();
 }
 
@@ -129,6 +144,9 @@ class Writer {
     }
     if (!bytes && is_file && embeds)
       throw Fault(path.resolved + " is not stored: it cannot be read, or names a set of images");
+    if (!path.fault.empty()) written["fault"] = path.fault;
+    if (const auto tiles = udim_tiles(path.resolved); is_file && !bytes && !tiles.empty())
+      written["digest"] = digest_of(tiles, path.within, [](const auto&, uint64_t size) { return size; });
     if (!bytes) return written;
     written["digest"] = digest_of(*bytes);
     if (is_file && !embeds) return written;
@@ -293,6 +311,7 @@ class Reader {
       return path;
     }
     const std::string name = text("file");
+    path.fault = text("fault");
     if (name.empty()) return path;
     path.resolved = resolved(name);
     path.within = within_;
@@ -300,11 +319,18 @@ class Reader {
     return path;
   }
   void check_digest(const AssetPath& path, const std::string& digest) {
-    if (!compared_.insert({path.resolved, digest}).second) return;
-    std::vector<uint8_t> bytes;
-    const InputFile file(path.resolved, path.within);
-    const MemoryReservation read(memory_, MemoryUse::scene, file ? file.size() : 0, path.resolved);
-    if (digest.empty() || !file || !file.read(&bytes) || digest_of(bytes) == digest || !sink_) return;
+    if (digest.empty() || !sink_ || !compared_.insert({path.resolved, digest}).second) return;
+    const auto hold = [this](const std::string& file, uint64_t size) {
+      return MemoryReservation(memory_, MemoryUse::scene, size, file);
+    };
+    if (const auto tiles = udim_tiles(path.resolved); !tiles.empty()) {
+      if (digest_of(tiles, path.within, hold) == digest) return;
+    } else {
+      std::vector<uint8_t> bytes;
+      const InputFile file(path.resolved, path.within);
+      const MemoryReservation read = hold(path.resolved, file ? file.size() : 0);
+      if (!file || !file.read(&bytes) || digest_of(bytes) == digest) return;
+    }
     sink_({Severity::warning, "archive.image", file_ + ": " + path.resolved,
            "The file has changed since the archive was written. Images can be stored in it (convert --embed)."});
   }

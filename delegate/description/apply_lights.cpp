@@ -1,10 +1,10 @@
 #include <algorithm>
 
 #include "delegate/description/load_state.h"
-#include "delegate/description/name_match.h"
 #include "delegate/description/placement.h"
 #include "delegate/description/schema_check.h"
 #include "delegate/support/json_values.h"
+#include "delegate/support/lookup.h"
 
 namespace alabaster::hd::description {
 namespace {
@@ -58,7 +58,7 @@ void place_light(LoadState& load, const std::string& pointer, const json& entry,
   for (int i = 0; i < 3; ++i) m[3][i] = position[i];
 }
 
-// Puts the meshes that the names match in a category of the light's own.
+// Checks the names of meshes for a category of the light's own, which apply_links gives them.
 void link(LoadState& load, const std::string& pointer, const json& names, const std::string& category) {
   for (size_t i = 0; i < names.size(); ++i) {
     const std::string place = pointer + "/" + std::to_string(i);
@@ -66,8 +66,7 @@ void link(LoadState& load, const std::string& pointer, const json& names, const 
       if (!matches(names[i], path, true))
         load.warn(place, "Applies to all of mesh '" + path.str() + "', of which the name means a part.");
   }
-  load.links.push_back({Token(category), names.get<std::vector<std::string>>()});
-  apply_link(load.links.back(), load.scene);
+  load.links[Token(category)] = names.get<std::vector<std::string>>();
 }
 
 void change_light(LoadState& load, const std::string& pointer, const json& entry, const Path& path,
@@ -112,22 +111,26 @@ void apply_light_entry(LoadState& load, const std::string& pointer, const json& 
   host::LightDescription light;
   light.type = entry["type"].get<std::string>();
   change_light(load, pointer, entry, path, std::move(light));
+  add_name(load, PrimKind::light, path);
 }
 
 }  // namespace
 
-void apply_link(const MeshLink& link, host::RetainedSceneDelegate* scene) {
-  for (const auto& [path, mesh] : scene->GetMeshes()) {
+void apply_links(LoadState& load) {
+  if (load.links.empty()) return;
+  std::map<Path, std::set<Token>> linked;
+  for (const auto& [category, patterns] : load.links)
+    for (const std::string& pattern : patterns)
+      for (const Path& path : find_prims(load, PrimKind::mesh, pattern, "")) linked[path].insert(category);
+  for (const auto& [path, mesh] : load.scene->GetMeshes()) {
     std::vector<Token> categories = mesh.categories;
-    std::erase(categories, link.category);
-    const auto is_match = [&, &mesh_path = path, &topology = mesh.topology](const std::string& pattern) {
-      return matches(pattern, mesh_path, true) || !matching_subsets(pattern, topology).empty();
-    };
-    if (std::any_of(link.patterns.begin(), link.patterns.end(), is_match)) categories.push_back(link.category);
+    std::erase_if(categories, [&](const Token& category) { return load.links.contains(category); });
+    const std::set<Token> own = support::value_in(linked, path);
+    categories.insert(categories.end(), own.begin(), own.end());
     if (categories == mesh.categories) continue;
-    host::MeshDescription linked = mesh;
-    linked.categories = std::move(categories);
-    scene->SetMesh(path, std::move(linked));
+    host::MeshDescription changed = mesh;
+    changed.categories = std::move(categories);
+    load.scene->SetMesh(path, std::move(changed));
   }
 }
 
@@ -147,9 +150,10 @@ void apply_lights(LoadState& load) {
   const std::string dome =
       lights && !load.options.dome.empty() ? "/lights/" + std::to_string(lights->size() - 1) : std::string();
   load.for_each_entry("lights", [&](const std::string& pointer, const json& entry) {
-    if (pointer == dome) remove_domes(load.scene);
+    if (pointer == dome) remove_domes(load.scene), load.names.erase(PrimKind::light);
     apply_light_entry(load, pointer, entry);
   });
+  apply_links(load);
 }
 
 }  // namespace alabaster::hd::description

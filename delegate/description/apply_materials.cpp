@@ -125,6 +125,7 @@ void apply_material_entry(LoadState& load, const std::string& pointer, const jso
     MaterialNetwork network = keep ? known->second : plain_network(path);
     change_network(load, pointer, entry, path, &network);
     load.scene->SetMaterial(path, std::move(network));
+    if (entry.contains("name")) add_name(load, PrimKind::material, path);
   }
 }
 

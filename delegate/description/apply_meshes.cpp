@@ -2,7 +2,6 @@
 
 #include "delegate/description/apply_motion.h"
 #include "delegate/description/load_state.h"
-#include "delegate/description/name_match.h"
 #include "delegate/gltf/gltf_scene.h"
 #include "delegate/support/json_values.h"
 
@@ -135,22 +134,39 @@ void add_fields(LoadState& load, const std::string& pointer, const std::string& 
 
 // glTF splits vertices at seams of normals, texture coordinates and materials, which would cut the refined surface.
 void weld_triangles(LoadState& load, const std::string& pointer, const Path& path) {
-  const auto is_its_model = [&](const std::string& name) { return path.str().starts_with(name + "/"); };
   host::MeshDescription mesh = load.scene->GetMeshes().at(path);
-  if (std::none_of(load.model_names.begin(), load.model_names.end(), is_its_model) ||
-      !(mesh.topology.scheme == Token("none")))
-    return;
+  if (!is_of_model(load, path.str()) || !(mesh.topology.scheme == Token("none"))) return;
   if (const size_t dropped = gltf::WeldVertices(&mesh); dropped > 0 && !load.posing)
     load.warn(pointer,
               std::to_string(dropped) + " triangles of mesh '" + path.str() + "' have no area and are left out.");
   load.scene->SetMesh(path, std::move(mesh));
 }
 
+/// Materials of parts, by mesh: a mesh of many parts is changed once, and not copied for each of them.
+using PartMaterials = std::map<Path, std::vector<std::pair<size_t, Path>>>;
+
+void give_materials(LoadState& load, const Path& path, PartMaterials* waiting) {
+  const auto found = waiting->find(path);
+  if (found == waiting->end()) return;
+  host::MeshDescription mesh = load.scene->GetMeshes().at(path);
+  for (const auto& [part, material] : found->second) mesh.topology.geomSubsets[part].materialId = material;
+  load.scene->SetMesh(path, std::move(mesh));
+  waiting->erase(found);
+}
+
+/// True if the entry gives nothing but a material, to parts of the mesh: it then waits.
+bool waits(LoadState& load, const std::string& pointer, const json& entry, const Path& path, PartMaterials* waiting) {
+  if (entry.size() != 2 || !entry.contains("material")) return false;
+  const std::vector<size_t> parts = find_parts(load, entry["match"], path);
+  if (parts.empty()) return false;
+  const Path material = find_material(load, pointer_append(pointer, "material"), entry["material"]);
+  for (const size_t part : parts) (*waiting)[path].emplace_back(part, material);
+  return true;
+}
+
 void change_mesh(LoadState& load, const std::string& pointer, const json& entry, const Path& path) {
   if (entry.value("scheme", "none") != "none") weld_triangles(load, pointer + "/scheme", path);
-  const std::string pattern = entry["match"];
-  Target target{path, load.scene->GetMeshes().at(path), {}};
-  if (!matches(pattern, path, true)) target.parts = matching_subsets(pattern, target.mesh.topology);
+  Target target{path, load.scene->GetMeshes().at(path), find_parts(load, entry["match"], path)};
   if (!target.parts.empty()) warn_of_parts(load, pointer, entry, path);
   host::Fields fields;
   for (const auto& [name, value] : entry.items())
@@ -174,11 +190,17 @@ void move_meshes(LoadState& load, const std::string& pointer, const json& motion
 }  // namespace
 
 void apply_meshes(LoadState& load) {
+  PartMaterials waiting;
   load.for_each_entry("meshes", [&](const std::string& pointer, const json& entry) {
     const auto paths = find_prims(load, PrimKind::mesh, entry["match"], pointer + "/match");
-    for (const Path& path : paths) change_mesh(load, pointer, entry, path);
+    for (const Path& path : paths) {
+      if (waits(load, pointer, entry, path, &waiting)) continue;
+      give_materials(load, path, &waiting);
+      change_mesh(load, pointer, entry, path);
+    }
     if (entry.contains("motion")) move_meshes(load, pointer + "/motion", entry["motion"], paths);
   });
+  while (!waiting.empty()) give_materials(load, Path(waiting.begin()->first), &waiting);
 }
 
 }  // namespace alabaster::hd::description

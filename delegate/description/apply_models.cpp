@@ -13,9 +13,9 @@ namespace {
 Path root_for(const std::string& file, LoadState* state) {
   const std::string names = "/gltf/" + std::filesystem::path(file).stem().string();
   std::string root;
-  for (int copy = 2; has_archive_prims_at(*state, root + names) || !state->model_names.insert(root + names).second;
-       ++copy)
-    root = "/copy" + std::to_string(copy);
+  for (int& copy = state->copies.emplace(names, 1).first->second;
+       has_archive_prims_at(*state, root + names) || !state->model_names.insert(root + names).second;)
+    root = "/copy" + std::to_string(++copy);
   return Path(root.empty() ? "/" : root);
 }
 

@@ -44,7 +44,8 @@ RenderVar var_of(const std::string& aov, const std::string& data_type) {
   return var;
 }
 
-ProductPlan product_of(LoadState& load, const std::string& pointer, const json& entry) {
+/// `known`: the products so far, by file.
+ProductPlan product_of(LoadState& load, const std::string& pointer, const json& entry, std::set<std::string>* known) {
   ProductPlan plan;
   plan.place = pointer;
   plan.frame.resolution = resolution_of(entry);
@@ -55,10 +56,9 @@ ProductPlan product_of(LoadState& load, const std::string& pointer, const json& 
   RenderSettingsDescription settings;
   set_fields(load, pointer, fields, &settings);
   plan.product = std::move(settings.products[0]);
-  for (const ProductPlan& other : load.products)
-    if (other.product.file == plan.product.file)
-      load.fail(pointer + "/file", "'" + entry["file"].get<std::string>() + "' and '" + other.product.file +
-                                       "' are the same file: give each output its own name.");
+  if (!known->insert(plan.product.file).second)
+    load.fail(pointer + "/file", "'" + entry["file"].get<std::string>() + "' and '" + plan.product.file +
+                                     "' are the same file: give each output its own name.");
   plan.product.within = load.within_of(pointer + "/file");
   for (const json& aov : entry.value("aovs", json::array()))
     plan.product.vars.push_back(var_of(aov, plan.product.dataType.str()));
@@ -108,8 +108,9 @@ void apply_products(LoadState& load) {
   }
   if (!load.part("products")) return;
   std::erase_if(load.products, [](const ProductPlan& plan) { return plan.is_of_archive; });
+  std::set<std::string> known;
   load.for_each_entry("products", [&](const std::string& pointer, const json& entry) {
-    load.products.push_back(product_of(load, pointer, entry));
+    load.products.push_back(product_of(load, pointer, entry, &known));
   });
 }
 

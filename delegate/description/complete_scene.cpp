@@ -79,7 +79,7 @@ void complete_camera(LoadState* state) {
     state->result->notes.push_back("no camera: framed the scene");
     state->result->framed = true;
   }
-  if (!(base == state->planned_camera)) state->planned_camera = free_path(*state, state->planned_camera.str());
+  if (!(base == state->planned_camera)) state->planned_camera = free_path(state, state->planned_camera.str());
   state->scene->SetCamera(state->planned_camera, std::move(camera));
   state->settings.camera = state->planned_camera;
 }
@@ -194,7 +194,7 @@ void complete_settings(LoadState* state) {
     state->scene->SetRenderSettings(path, std::move(settings));
   }
   Path path = state->settings_path;
-  if (!state->archive_settings) path = free_path(*state, path.str());
+  if (!state->archive_settings) path = free_path(state, path.str());
   size_t number = 1;
   for (size_t i = 0; i < renders.size(); ++i) {
     while (i > 0 && state->scene->GetAllRenderSettings().contains(path))

@@ -84,10 +84,6 @@ void take_settings(const std::map<Path, RenderSettingsDescription>& all, const P
   }
 }
 
-bool begins_with(const std::string& path, const std::string& names) {
-  return path == names || path.starts_with(names + "/");
-}
-
 // All paths of an archive, those of its settings too.
 std::vector<Path> all_paths(const host::RetainedSceneDelegate& scene) {
   std::vector<Path> paths = keys_of(scene.GetAllRenderSettings());
@@ -97,27 +93,39 @@ std::vector<Path> all_paths(const host::RetainedSceneDelegate& scene) {
 
 bool collides(const std::vector<Path>& paths, const LoadState& state) {
   return std::any_of(paths.begin(), paths.end(), [&](const Path& path) {
-    const auto is_above = [&](const std::string& names) { return begins_with(path.str(), names); };
-    return state.archive_paths.contains(path) ||
-           std::any_of(state.model_names.begin(), state.model_names.end(), is_above);
+    return state.archive_paths.contains(path) || is_of_model(state, path.str());
   });
+}
+
+// True if a set of texts or paths has that path, or one below it.
+template <class Set>
+bool has_at_or_below(const Set& paths, const std::string& path) {
+  if (paths.contains(path)) return true;
+  const auto next = paths.lower_bound(path + "/");
+  if (next == paths.end()) return false;
+  if constexpr (std::is_same_v<typename Set::value_type, Path>)
+    return next->str().starts_with(path + "/");
+  else
+    return next->starts_with(path + "/");
 }
 
 }  // namespace
 
 bool has_archive_prims_at(const LoadState& state, const std::string& path) {
-  return std::any_of(state.archive_paths.begin(), state.archive_paths.end(),
-                     [&](const Path& prim) { return begins_with(prim.str(), path); });
+  return has_at_or_below(state.archive_paths, path);
 }
 
-Path free_path(const LoadState& state, const std::string& wanted) {
-  const auto is_taken = [&](const std::string& path) {
-    return has_archive_prims_at(state, path) ||
-           std::any_of(state.model_names.begin(), state.model_names.end(),
-                       [&](const std::string& names) { return begins_with(names, path); });
-  };
+bool is_of_model(const LoadState& state, const std::string& path) {
+  for (size_t end = path.size(); end != std::string::npos && end > 0; end = path.rfind('/', end - 1))
+    if (state.model_names.contains(path.substr(0, end))) return true;
+  return false;
+}
+
+Path free_path(LoadState* state, const std::string& wanted) {
   std::string path = wanted;
-  for (int copy = 2; is_taken(path); ++copy) path = wanted + std::to_string(copy);
+  for (int& copy = state->copies.emplace(wanted, 1).first->second;
+       has_archive_prims_at(*state, path) || has_at_or_below(state->model_names, path);)
+    path = wanted + std::to_string(++copy);
   return Path(path);
 }
 
@@ -127,7 +135,7 @@ bool load_archive(const std::string& file, const ArchiveModel& model, LoadState*
   auto read = std::make_unique<host::RetainedSceneDelegate>();
   archive::ReadResult result = archive::ReadArchive(file, read.get(), *state->sink, options);
   if (result.ok && collides(all_paths(*read), *state)) {
-    options.root = free_path(*state, "/copy").str();
+    options.root = free_path(state, "/copy").str();
     read = std::make_unique<host::RetainedSceneDelegate>();
     result = archive::ReadArchive(file, read.get(), {}, options);
   }

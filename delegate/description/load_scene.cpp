@@ -76,6 +76,7 @@ class Loader {
       fail("scene.kind", file, "It is not a regular file. A scene is a .gltf, .glb, .json or .alab file.");
     if (input.fault() == InputFile::Fault::missing)
       fail("scene.missing", file, "There is no such file. Check the name and the working folder.");
+    if (input.fault() == InputFile::Fault::foreign) fail("scene.missing", file, input.reason());
     const std::string extension = support::lower_extension(file);
     if (extension == ".json") return read_description(file, input);
     if (extension == ".gltf" || extension == ".glb" || extension == ".alab") {

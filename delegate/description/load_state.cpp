@@ -6,7 +6,6 @@
 #include "core/files/real_path.h"
 #include "core/texture/texture.h"
 #include "core/texture/udim.h"
-#include "delegate/description/name_match.h"
 #include "delegate/description/scene_names.h"
 #include "delegate/description/scene_prims.h"
 #include "delegate/support/nearest_name.h"
@@ -42,6 +41,28 @@ std::string nearest_prims(const std::string& pattern, const std::map<std::string
   for (size_t i = 0; i < std::min(paths.size(), kMostPaths); ++i) list += (i == 0 ? "'" : ", '") + paths[i].str() + "'";
   return text + " It names " + std::to_string(paths.size()) + ", a path one of them: " + list +
          (paths.size() > kMostPaths ? ", ..." : "");
+}
+
+const NameIndex& names_of(LoadState& load, PrimKind kind) {
+  const auto [found, is_new] = load.names.try_emplace(kind);
+  if (!is_new) return found->second;
+  const bool is_mesh = kind == PrimKind::mesh;
+  for (const Path& path : paths_of_kind(*load.scene, kind)) {
+    found->second.add(path, is_mesh);
+    if (is_mesh) found->second.add_subsets(path, load.scene->GetMeshes().at(path).topology);
+  }
+  return found->second;
+}
+
+// The prims that a pattern with wildcards matches.
+std::vector<Path> walk(const LoadState& load, PrimKind kind, const std::string& pattern) {
+  const bool is_mesh = kind == PrimKind::mesh;
+  std::vector<Path> found;
+  for (const Path& path : paths_of_kind(*load.scene, kind))
+    if (matches(pattern, path, is_mesh) ||
+        (is_mesh && !matching_subsets(pattern, load.scene->GetMeshes().at(path).topology).empty()))
+      found.push_back(path);
+  return found;
 }
 
 const char* kind_name(PrimKind kind) {
@@ -92,7 +113,9 @@ std::string LoadState::resolve(const std::string& pointer, const std::string& fi
   if (fault.empty())
     for (const UdimTile& tile : udim_tiles(resolved))
       if (fault.empty()) fault = outside_fault(within, tile.path);
-  if (!fault.empty()) fail(LoadCause::input, "asset.outside", document.place(pointer), fault + ".");
+  if (!fault.empty())
+    fail(LoadCause::input, "asset.outside", document.place(pointer),
+         (file.starts_with('/') ? "It is an absolute path: " : "") + fault + ".");
   return resolved;
 }
 
@@ -104,7 +127,8 @@ AssetPath LoadState::asset(const std::string& pointer, const std::string& file) 
   if (opened.fault() == InputFile::Fault::missing)
     fail(LoadCause::input, "asset.missing", document.place(pointer),
          "There is no file '" + resolved + "'. Relative paths start at " + start);
-  fail(LoadCause::input, "asset.unreadable", document.place(pointer), "'" + resolved + "': " + opened.reason() + ".");
+  fail(LoadCause::input, "asset.unreadable", document.place(pointer),
+       "'" + (opened.fault() == InputFile::Fault::foreign ? file : resolved) + "': " + opened.reason() + ".");
 }
 
 AssetPath LoadState::image(const std::string& pointer, const std::string& file, const std::string& layer) {
@@ -127,19 +151,25 @@ AssetPath LoadState::image(const std::string& pointer, const std::string& file, 
 }
 
 std::vector<Path> find_prims(LoadState& load, PrimKind kind, const std::string& pattern, const std::string& pointer) {
-  const bool is_mesh = kind == PrimKind::mesh;
-  std::vector<Path> found;
-  const auto all = paths_of_kind(*load.scene, kind);
-  for (const Path& path : all)
-    if (matches(pattern, path, is_mesh) ||
-        (is_mesh && !matching_subsets(pattern, load.scene->GetMeshes().at(path).topology).empty()))
-      found.push_back(path);
+  std::vector<Path> found = is_plain_name(pattern) ? names_of(load, kind).find(pattern) : walk(load, kind, pattern);
   if (!found.empty() || load.posing) return found;
   std::map<std::string, std::vector<Path>> named;
-  for (const Path& path : all) named[AuthoredName(path, is_mesh)].push_back(path);
+  for (const Path& path : paths_of_kind(*load.scene, kind))
+    named[AuthoredName(path, kind == PrimKind::mesh)].push_back(path);
   load.fail(pointer, std::string("No ") + kind_name(kind) + " matches '" + pattern + "'." +
                          (named.empty() ? " The scene has none." : nearest_prims(pattern, named)));
   return found;
+}
+
+std::vector<size_t> find_parts(LoadState& load, const std::string& pattern, const Path& mesh) {
+  if (matches(pattern, mesh, true)) return {};
+  return is_plain_name(pattern) ? names_of(load, PrimKind::mesh).find_subsets(pattern, mesh)
+                                : matching_subsets(pattern, load.scene->GetMeshes().at(mesh).topology);
+}
+
+void add_name(LoadState& load, PrimKind kind, const Path& path) {
+  if (const auto known = load.names.find(kind); known != load.names.end())
+    known->second.add(path, kind == PrimKind::mesh);
 }
 
 }  // namespace alabaster::hd::description

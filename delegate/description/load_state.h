@@ -8,6 +8,7 @@
 
 #include "core/memory/memory_budget.h"
 #include "delegate/description/json_document.h"
+#include "delegate/description/name_match.h"
 #include "delegate/description/render_description.h"
 #include "delegate/host/scene_fields.h"
 
@@ -42,11 +43,7 @@ struct OpenModel {
   TimeSamples<Matrix4d> motion;  // of the description, or empty
 };
 
-/// Meshes that a light is linked to: those that a pattern matches have the category.
-struct MeshLink {
-  Token category;
-  std::vector<std::string> patterns;
-};
+enum class PrimKind { mesh, material, light, camera };
 
 /// Which scenes a studio lights: those without light, all, or none.
 enum class StudioChoice { when_dark, on, off };
@@ -75,7 +72,10 @@ struct LoadState {
   std::set<Path> archive_paths;       // of this load; prims of earlier loads into the scene are replaced
   std::set<std::string> model_names;  // "/gltf/head": paths of a glTF model begin so
   bool has_archive = false;           // as the first model: no light is added, and a camera only if there is none
-  std::vector<MeshLink> links;        // in the order in which they were made
+  std::map<std::string, int> copies;  // the last number that a path was given in order to differ, by that path
+  /// Categories of lights: the meshes that a pattern matches have them.
+  std::map<Token, std::vector<std::string>> links;
+  std::map<PrimKind, NameIndex> names;         // of the scene's prims, by kind; made when they are first asked for
   std::map<std::string, Path> mesh_materials;  // that meshes were given, by pattern
   /// `scene` holds only the prims that a pose moves, so that a name may match none.
   bool posing = false;
@@ -135,8 +135,10 @@ bool load_archive(const std::string& file, const ArchiveModel& model, LoadState*
 
 /// True if an archive of this load has a prim of the path, or one below it.
 bool has_archive_prims_at(const LoadState& state, const std::string& path);
+/// True if a path is, or lies below, the root of a glTF model of this load.
+bool is_of_model(const LoadState& state, const std::string& path);
 /// `wanted`, or with a number behind it where this load has prims there.
-Path free_path(const LoadState& state, const std::string& wanted);
+Path free_path(LoadState* state, const std::string& wanted);
 
 void apply_models(LoadState& load);
 void apply_materials(LoadState& load);
@@ -154,16 +156,18 @@ void complete_scene(LoadState* state);
 
 /// Places the lights that move where the document has them.
 void place_lights(LoadState& load);
-/// Puts the meshes of the scene in the category, or takes them out of it.
-void apply_link(const MeshLink& link, host::RetainedSceneDelegate* scene);
+/// Puts the meshes of the scene in the categories of lights, or takes them out.
+void apply_links(LoadState& load);
 /// Makes the camera again from that of a model, once this one is posed.
 void pose_camera(LoadState* state);
-
-enum class PrimKind { mesh, material, light, camera };
 
 /// The prims of one kind that `pattern` matches, and the meshes that have subsets which it matches. If there is none,
 /// reports the nearest existing name, but not while posing.
 std::vector<Path> find_prims(LoadState& load, PrimKind kind, const std::string& pattern, const std::string& pointer);
+/// The subsets of a mesh that `pattern` matches, unless it matches the mesh.
+std::vector<size_t> find_parts(LoadState& load, const std::string& pattern, const Path& mesh);
+/// Tells that the scene has a new prim.
+void add_name(LoadState& load, PrimKind kind, const Path& path);
 
 /// A larger description is refused.
 inline constexpr uintmax_t kMaxDescriptionBytes = 64u << 20;

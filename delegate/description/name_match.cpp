@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "delegate/description/scene_names.h"
+#include "delegate/support/lookup.h"
 
 namespace alabaster::hd::description {
 namespace {
@@ -23,6 +24,33 @@ std::string without_index(const std::string& name) {
 }
 
 }  // namespace
+
+void NameIndex::add(const Path& path, bool is_mesh) {
+  const std::string part = component(path.str(), is_mesh);
+  for (const std::string& name : {path.str(), part, without_index(part)}) prims_[name].insert(path);
+}
+
+void NameIndex::add_subsets(const Path& path, const MeshTopology& topology) {
+  for (size_t i = 0; i < topology.geomSubsets.size(); ++i)
+    subsets_[topology.geomSubsets[i].id.str()][path].push_back(i);
+}
+
+std::vector<Path> NameIndex::find(const std::string& name) const {
+  std::set<Path> found;
+  if (const auto* prims = support::find_in(prims_, name)) found = *prims;
+  if (const auto* meshes = support::find_in(subsets_, name))
+    for (const auto& [path, places] : *meshes) found.insert(path);
+  return {found.begin(), found.end()};
+}
+
+std::vector<size_t> NameIndex::find_subsets(const std::string& name, const Path& mesh) const {
+  const auto* meshes = support::find_in(subsets_, name);
+  return meshes ? support::value_in(*meshes, mesh) : std::vector<size_t>();
+}
+
+bool is_plain_name(const std::string& pattern) {
+  return pattern.find_first_of("*?[\\") == std::string::npos;
+}
 
 std::string AuthoredName(const Path& path, bool is_mesh) {
   return without_index(component(path.str(), is_mesh));

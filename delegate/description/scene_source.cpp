@@ -73,10 +73,12 @@ struct SceneSource::Open {
 
   void change(host::RetainedSceneDelegate* posed) {
     state.scene = posed;
+    state.names.clear();
     state.posing = true;
     apply_meshes(state);
     place_lights(state);
-    for (const MeshLink& link : state.links) apply_link(link, posed);
+    apply_links(state);
+    state.names.clear();
     state.posing = false;
     state.scene = scene;
   }

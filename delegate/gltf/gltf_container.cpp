@@ -70,6 +70,10 @@ std::vector<Chunk> glb_chunks(const std::vector<uint8_t>& file, Report& report) 
     return std::vector<Chunk>();
   };
   if (file.size() < 12) return fail("the GLB header is incomplete");
+  if (read_u32(&file[4]) == 1) {
+    report.error("version", "", kIsVersion1);
+    return {};
+  }
   if (read_u32(&file[4]) != 2) {
     return fail("GLB version " + std::to_string(read_u32(&file[4])) + " is not supported, only version 2");
   }

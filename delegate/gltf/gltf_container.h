@@ -49,6 +49,9 @@ struct DataUri {
   std::string media_type;  // lower case
   std::vector<uint8_t> bytes;
 };
+inline constexpr const char* kIsVersion1 =
+    "the file is glTF 1.0, and only glTF 2.0 is read; export it again as glTF 2.0, or convert it";
+
 inline bool is_data_uri(std::string_view uri) {
   return uri.substr(0, 5) == "data:";
 }

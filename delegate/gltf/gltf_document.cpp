@@ -19,14 +19,15 @@ std::vector<std::string> names_in(const Json& object, const char* array) {
   return names;
 }
 
-// A whole number is an index, anything else the first thing of that name. -1 after an error.
+// The first thing of that name; else a whole number is an index. -1 after an error.
 int find_choice(const std::string& kind, const std::string& wanted, const std::vector<std::string>& names,
                 Report& report) {
-  size_t index = 0;
-  const char* end = wanted.data() + wanted.size();
-  const auto [stop, error] = std::from_chars(wanted.data(), end, index);
-  const bool number = error == std::errc() && stop == end;
-  if (!number) index = size_t(std::find(names.begin(), names.end(), wanted) - names.begin());
+  auto index = size_t(std::find(names.begin(), names.end(), wanted) - names.begin());
+  if (index == names.size()) {
+    const char* end = wanted.data() + wanted.size();
+    const auto [stop, error] = std::from_chars(wanted.data(), end, index);
+    if (error != std::errc() || stop != end) index = names.size();
+  }
   if (index < names.size()) return int(index);
   std::string list;
   for (size_t n = 0; n < std::min(names.size(), size_t(20)); ++n)
@@ -36,6 +37,19 @@ int find_choice(const std::string& kind, const std::string& wanted, const std::v
                "has no " + kind + " '" + wanted.substr(0, 60) + "'; " +
                    (names.empty() ? "it has none at all" : "choose from " + list));
   return -1;
+}
+
+// glTF 1.0 has objects by name where 2.0 has arrays. A document that calls itself 2.0 may have one by mistake.
+bool is_version_1(const Json& root) {
+  const Json& version = at(at(root, "asset"), "version");
+  const auto is_object = [&](const char* name) { return at(root, name).is_object(); };
+  constexpr const char* kLists[] = {"accessors", "animations", "buffers",    "bufferViews", "cameras",  "images",
+                                    "materials", "meshes",     "nodes",      "programs",    "samplers", "scenes",
+                                    "shaders",   "skins",      "techniques", "textures"};
+  const auto objects = std::count_if(std::begin(kLists), std::end(kLists), is_object);
+  if (version.is_number()) return version.get<double>() >= 1 && version.get<double>() < 2;
+  if (version.is_string() && (version == "1" || version.get_ref<const std::string&>().starts_with("1."))) return true;
+  return objects > (version.is_string() && version != "0.8" ? 1 : 0);
 }
 
 void check_version(const Json& root, Report& report) {
@@ -52,6 +66,17 @@ void check_version(const Json& root, Report& report) {
       report.error("version", element, "glTF " + version + " is not supported, only 2.0; convert the file");
     }
   }
+}
+
+// False after an error.
+bool check_root(Json& root, Report& report) {
+  if (is_version_1(root)) {
+    report.error("version", "asset.version", kIsVersion1);
+    return false;
+  }
+  check_structure(root, report);
+  if (!report.failed()) check_version(root, report);
+  return !report.failed();
 }
 
 void read_extension_lists(const Json& root, Report& report, Document* document) {
@@ -126,10 +151,7 @@ bool read_document(const std::string& file, const GltfOptions& options, Report& 
   Container container;
   if (!read_container({file, options.within, max_bytes}, &document->memory, report, &container)) return false;
   Json& root = container.root;
-  check_structure(root, report);
-  if (report.failed()) return false;
-  check_version(root, report);
-  if (report.failed()) return false;
+  if (!check_root(root, report)) return false;
   choose(root, options, report, document);
   if (report.failed()) return false;
   if (container.is_glb && !container.binary_chunk && root.contains("buffers"))

@@ -63,7 +63,9 @@ class ImageLoader : DocumentCheck {
 
   AssetPath unusable(const std::string& text) {
     report_.warning("image", element_, text);
-    return {name_, "", nullptr};
+    AssetPath unread{name_, "", nullptr};
+    unread.fault = text;
+    return unread;
   }
 
   // The reason why the image cannot be used; null if it can.

@@ -2,6 +2,7 @@
 #include <cctype>
 #include <filesystem>
 
+#include "core/files/input_file.h"
 #include "core/files/real_path.h"
 #include "delegate/gltf/gltf_container.h"
 
@@ -103,9 +104,14 @@ std::optional<std::string> resolve_uri(const UriBase& base, std::string_view uri
     *reason = "the URI names no file; write a relative path";
     return {};
   }
+  // A colon before the first slash ends a scheme (RFC 3986, section 4.2).
   const size_t colon = uri.find(':');
-  if (colon != std::string_view::npos && colon < uri.find('/')) {
-    *reason = "URIs with a scheme are not supported; store the resource beside the file and use a relative path";
+  std::string foreign = foreign_name(path);
+  if (foreign.empty() && colon != std::string_view::npos && colon < uri.find('/'))
+    foreign = foreign_name(path.substr(0, colon + 1));
+  const bool is_share = path.starts_with("\\\\"), has_backslashes = path.find('\\') != std::string::npos;
+  if (!foreign.empty() && (is_share || !has_backslashes || colon != std::string_view::npos)) {
+    *reason = "'" + std::string(uri.substr(0, 200)) + "': " + foreign;
     return {};
   }
   std::replace(path.begin(), path.end(), '\\', '/');
@@ -113,6 +119,7 @@ std::optional<std::string> resolve_uri(const UriBase& base, std::string_view uri
   std::string file = (std::filesystem::path(base.folder) / relative).string();
   if (base.within.empty()) return file;
   *reason = outside_fault(base.within, file);
+  if (!reason->empty()) *reason = (path.starts_with('/') ? "the URI is an absolute path: " : "") + *reason;
   if (!reason->empty()) return {};
   return file;
 }

@@ -311,18 +311,24 @@ Path node_path(const Path& material, const std::string& name) {
   return name.starts_with('/') ? Path(name) : material.append(name);
 }
 
+FieldResult SubsetFields::set(const std::string& name, const Value& value) {
+  const auto [text, suffix] = split_suffix(after(name, "subsets:").value_or(""), {"faces", "material"});
+  if (suffix.empty()) return std::nullopt;
+  for (; known_ < subsets_.size(); ++known_) places_.emplace(subsets_[known_].id, known_);
+  const Path id(text);
+  const auto [place, is_new] = places_.emplace(id, subsets_.size());
+  if (is_new) subsets_.push_back({id, {}, {}}), ++known_;
+  GeomSubset& subset = subsets_[place->second];
+  if (suffix == "material") return read_into(name, value, {}, &subset.materialId);
+  if (!value.empty()) return read_into(name, value, {}, &subset.indices);
+  return subset.id = Path(), places_.erase(place), "";
+}
+
+void SubsetFields::finish() {
+  std::erase_if(subsets_, [](const GeomSubset& subset) { return subset.id.empty(); });
+}
+
 FieldResult set_open_field(MeshDescription* mesh, const std::string& name, const Value& value) {
-  if (const auto subset = after(name, "subsets:")) {
-    const auto [id, suffix] = split_suffix(*subset, {"faces", "material"});
-    if (suffix.empty()) return std::nullopt;
-    auto& subsets = mesh->topology.geomSubsets;
-    auto found = std::find_if(subsets.begin(), subsets.end(),
-                              [&, &wanted = id](const GeomSubset& one) { return one.id == Path(wanted); });
-    if (found == subsets.end()) found = subsets.insert(found, GeomSubset{id, {}, {}});
-    if (suffix == "material") return read_into(name, value, {}, &found->materialId);
-    if (value.empty()) return subsets.erase(found), "";
-    return read_into(name, value, {}, &found->indices);
-  }
   // A parameter is a constant primvar.
   FieldResult parameter = check(mesh_parameters(), name, value);
   if (!parameter) parameter = check_other(kOfMeshes, name, value);

@@ -17,6 +17,20 @@ namespace alabaster::hd::host {
 /// Result of setting a field: "" if it is set, else a fault; nullopt if the prim has no field of that name.
 using FieldResult = std::optional<std::string>;
 
+/// The fields of a mesh's subsets, "subsets:...", found by their paths: a mesh may have many.
+class SubsetFields {
+ public:
+  explicit SubsetFields(std::vector<GeomSubset>* subsets) : subsets_(*subsets) {}
+  FieldResult set(const std::string& name, const Value& value);
+  /// Takes away those that were removed.
+  void finish();
+
+ private:
+  std::vector<GeomSubset>& subsets_;
+  std::map<Path, size_t> places_;
+  size_t known_ = 0;  // so many of them have places
+};
+/// All but the fields of subsets.
 FieldResult set_open_field(MeshDescription* mesh, const std::string& name, const Value& value);
 FieldResult set_open_field(InstancerDescription* instancer, const std::string& name, const Value& value);
 FieldResult set_open_field(LightDescription* light, const std::string& name, const Value& value);

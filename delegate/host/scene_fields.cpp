@@ -252,11 +252,16 @@ std::string fill_fields(const Fields& fields, const Path& id, T* object) {
   [[maybe_unused]] bool chooses =
       std::none_of(fields.begin(), fields.end(), [](const auto& field) { return field.first == "surface"; });
   if constexpr (std::is_same_v<T, MaterialNetwork>) chooses = chooses && object->nodes.empty();
+  std::vector<GeomSubset> none, *subsets = &none;
+  if constexpr (std::is_same_v<T, Mesh>) subsets = &object->topology.geomSubsets;
+  SubsetFields of_subsets(subsets);
   for (const auto& [name, value] : in_order(fields)) {
-    const FieldResult result = set_field(id, name, value, object);
+    const bool is_of_subset = std::is_same_v<T, Mesh> && name.starts_with("subsets:");
+    const FieldResult result = is_of_subset ? of_subsets.set(name, value) : set_field(id, name, value, object);
     if (!result) return unknown(name, id, *object);
     if (!result->empty()) return *result;
   }
+  of_subsets.finish();
   if constexpr (std::is_same_v<T, MaterialNetwork>)
     if (chooses) choose_surface(fields, id, object);
   return finish(*object);

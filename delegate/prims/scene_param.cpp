@@ -125,7 +125,8 @@ std::shared_ptr<const IesProfile> SceneParam::profile(const TextureSource& sourc
 TextureSource source_of(const Value& file) {
   TextureSource source;
   source.path = file.text_or("");
-  if (const auto* asset = file.get<AssetPath>()) source.bytes = asset->bytes, source.within = asset->within;
+  if (const auto* asset = file.get<AssetPath>())
+    source.bytes = asset->bytes, source.within = asset->within, source.fault = asset->fault;
   return source;
 }
 

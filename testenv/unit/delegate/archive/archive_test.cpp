@@ -217,6 +217,37 @@ TEST(Archive, ImagesAreNamedOrStored) {
   EXPECT_EQ(warned, "archive.image");
 }
 
+// promise: pipeline.archive.images
+TEST(Archive, AChangedAddedOrRemovedTileIsReported) {
+  const TemporaryFolder folder;
+  const std::string root = std::filesystem::canonical(folder.path()).string(), file = root + "/scene.alab";
+  const auto write = [&](int tile, const char* text) {
+    std::ofstream(root + "/t." + std::to_string(tile) + ".png") << text;
+  };
+  write(1001, "one"), write(1002, "two");
+  RetainedSceneDelegate scene;
+  MaterialNetwork network;
+  network.nodes["/wax/image"].nodeTypeId = "AlabasterTexture";
+  network.nodes["/wax/image"].parameters["file"] = AssetPath{"t.<UDIM>.png", root + "/t.<UDIM>.png", nullptr};
+  scene.SetMaterial("/wax", network);
+  ASSERT_EQ(WriteArchive(file, PrimsOf(scene)), "");
+  const auto said = [&] {
+    std::string codes;
+    RetainedSceneDelegate again;
+    EXPECT_TRUE(ReadArchive(file, &again, [&](const Diagnostic& d) { codes += d.code; }).ok);
+    return codes;
+  };
+  EXPECT_EQ(said(), "");
+  write(1002, "TWO");
+  EXPECT_EQ(said(), "archive.image");
+  write(1002, "two");
+  EXPECT_EQ(said(), "");
+  write(1011, "three");
+  EXPECT_EQ(said(), "archive.image") << "added";
+  std::filesystem::remove(root + "/t.1011.png"), std::filesystem::remove(root + "/t.1001.png");
+  EXPECT_EQ(said(), "archive.image") << "removed";
+}
+
 // A hostile archive writes and reads nothing beyond its folder.
 // promise: pipeline.archive.images
 TEST(Archive, FilesOutsideAreRefused) {

@@ -175,6 +175,62 @@ TEST_F(DescriptionErrors, ManyFaultsAndLongKeysTakeLittleTime) {
   EXPECT_LT(std::clock() - start, 30 * CLOCKS_PER_SEC);
 }
 
+// A walk over all names for each one took minutes for 64000.
+// promise: security.no_time
+TEST_F(DescriptionErrors, ManyNamesTakeLittleTime) {
+  const std::clock_t start = std::clock();
+  constexpr int kCount = 12000;
+  std::string lights, links, models;
+  for (int i = 0; i < kCount; ++i) {
+    const std::string name = "l" + std::to_string(i);
+    lights += R"({"name": ")" + name + R"(", "type": "sphereLight", "lightLink": ["patch"]},)";
+    links += R"({"match": ")" + name + R"(", "intensity": 2},)";
+    models += R"({"file": "patch.gltf"},)";
+  }
+  links.back() = ']', models.back() = ']';
+  EXPECT_TRUE(describe(R"({"models": [{"file": "patch.gltf"}], "lights": [)" + lights + links + "}").ok) << errors();
+  EXPECT_EQ(scene.GetLights().at("/lights/l7").parameters.at("intensity").number_or(0), 2);
+  EXPECT_EQ(scene.GetMeshes().begin()->second.categories.size(), size_t(kCount));
+  EXPECT_TRUE(describe(R"({"models": [)" + models + "}").ok) << errors();
+  EXPECT_EQ(scene.GetMeshes().size(), size_t(kCount));
+  EXPECT_LT(std::clock() - start, 30 * CLOCKS_PER_SEC);
+}
+
+TEST_F(DescriptionErrors, AMaterialOrLightOfTheDescriptionIsFoundByItsName) {
+  EXPECT_TRUE(describe(R"({"models": [{"file": "patch.gltf"}],
+    "materials": [{"match": "skin", "set": {"roughness": 0.1}}, {"name": "made", "replace": {"roughness": 0.2}},
+                  {"match": "made", "set": {"roughness": 0.3}}, {"match": "ski?", "set": {"metallic": 0.4}}],
+    "meshes": [{"match": "patch", "material": "made"}]})")
+                  .ok)
+      << errors();
+  const auto& surface = scene.GetMaterials().at("/materials/made").nodes.at("/materials/made/surface");
+  EXPECT_EQ(surface.parameters.at("roughness"), Value(0.3f));
+  EXPECT_EQ(scene.GetMeshes().begin()->second.material, Path("/materials/made"));
+}
+
+TEST_F(DescriptionErrors, NamesThatAreNoPathsHereAreToldAsWhatTheyAre) {
+  for (const auto& [file, said] : {std::pair{"http://host/sky.png", "a URI with the scheme 'http:'"},
+                                   {"file:///sky.png", "a URI with the scheme 'file:'"},
+                                   {"data:image/png;base64,AAAA", "a data URI"},
+                                   {R"(C:\\sky.png)", "a drive letter, 'C:'"},
+                                   {"d:/sky.png", "a drive letter, 'd:'"},
+                                   {R"(\\\\server\\sky.png)", "a share of Windows"},
+                                   {R"(maps\\sky.png)", "does not separate folders"},
+                                   {"/elsewhere/sky.png", "an absolute path"},
+                                   {"../sky.png", "outside the folder"}}) {
+    const std::string name = std::string("\"") + file + "\"";
+    EXPECT_FALSE(describe(R"({"lights": [{"name": "a", "type": "domeLight", "texture:file": )" + name + "}]}").ok);
+    EXPECT_SAYS(said);
+    EXPECT_FALSE(describe(R"({"models": [{"file": )" + name + "}]}").ok);
+    EXPECT_SAYS(said);
+  }
+  write_image("take:1.hdr");
+  EXPECT_TRUE(describe(R"({"models": [{"file": "patch.gltf"}],
+    "lights": [{"name": "a", "type": "domeLight", "texture:file": "take:1.hdr"}]})")
+                  .ok)
+      << errors();
+}
+
 TEST_F(DescriptionErrors, MatchesNothing) {
   EXPECT_FALSE(describe(R"({"gltf": [{"file": "patch.gltf"}],
     "materials": [{"match": "skim", "set": {"roughness": 1}}]})")

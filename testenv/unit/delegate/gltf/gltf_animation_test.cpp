@@ -84,6 +84,24 @@ TEST(GltfAnimation, WithoutATimeNodesKeepTheirOwnPose) {
   EXPECT_TRUE(b.load(options).says(Severity::error, "has no animation 'fly'; choose from 0 'walk', 1 'run'"));
 }
 
+TEST(GltfAnimation, ANameIsFoundBeforeANumber) {
+  GltfBuilder b;
+  b.triangle();
+  b.animate(0, "translation", {0, 2}, {1, 0, 0, 3, 0, 0}, "VEC3");
+  b.json["animations"].push_back(b.json["animations"][0]);
+  b.json["animations"][0]["name"] = "1";
+  b.json["animations"][1]["samplers"][0]["output"] = b.add<float>({7, 0, 0, 9, 0, 0}, "VEC3");
+  const auto first_x = [&](const char* animation) {
+    GltfOptions options;
+    options.animation = animation;
+    return world_points(only_mesh(b.load(options)))[0].x;
+  };
+  EXPECT_EQ(first_x("1"), 1);
+  EXPECT_EQ(first_x("0"), 1) << "a number that is no name";
+  b.json["animations"][1]["name"] = "0";
+  EXPECT_EQ(first_x("0"), 7);
+}
+
 TEST(GltfAnimation, FaultsAreErrorsWhereTheAnimationIsUsed) {
   const auto expect_fault = [](const std::string& what, const std::function<void(GltfBuilder&)>& damage) {
     GltfBuilder b;

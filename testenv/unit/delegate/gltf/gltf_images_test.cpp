@@ -95,6 +95,27 @@ TEST(GltfImages, APercentSignWithoutTwoDigitsStandsForItself) {
     EXPECT_TRUE(loaded.says(Severity::warning, name)) << name << "\n" << loaded.said();  // there is no such file
 }
 
+TEST(GltfImages, NamesThatAreNoPathsHereAreToldAsWhatTheyAre) {
+  const std::pair<const char*, const char*> cases[] = {{"https://host/a.png", "a URI with the scheme 'https:'"},
+                                                       {"file:///a.png", "a URI with the scheme 'file:'"},
+                                                       {"C:\\a.png", "a drive letter, 'C:'"},
+                                                       {"C:/a.png", "a drive letter, 'C:'"},
+                                                       {"\\\\server\\a.png", "a share of Windows"},
+                                                       {"data:image/png", "the data URI has no payload"},
+                                                       {"/elsewhere/a.png", "an absolute path"},
+                                                       {"../a.png", "outside the folder"}};
+  for (const auto& [uri, said] : cases) {
+    GltfBuilder b;
+    b.triangle();
+    b.json["images"] = {{{"uri", uri}}};
+    EXPECT_TRUE(b.load().says(Severity::warning, said)) << uri << "\n" << b.load().said();
+    const Json buffer = {{"uri", uri}, {"byteLength", 4}};
+    const TemporaryFolder folder;
+    const Loaded loaded = folder.load_text(Json{{"asset", {{"version", "2.0"}}}, {"buffers", {buffer}}}.dump());
+    EXPECT_TRUE(loaded.says(Severity::error, said)) << uri << "\n" << loaded.said();
+  }
+}
+
 TEST(GltfImages, BasisUniversalIsRefusedByNameUnlessThereIsAnotherImage) {
   const Json basisu = {{"KHR_texture_basisu", {{"source", 2}}}};
   EXPECT_EQ(image_of(pictures({{"source", 0}, {"extensions", basisu}}).load()), "made.glb#images[0]");

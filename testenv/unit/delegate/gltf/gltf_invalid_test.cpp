@@ -314,6 +314,23 @@ TEST(GltfInvalid, FilesLargerThanTheLimitAreNotRead) {
   EXPECT_TRUE(load(folder.path() + "/none.gltf").says(Severity::error, "there is no such file"));
 }
 
+TEST(GltfInvalid, VersionOneIsNamedAndNothingElse) {
+  const TemporaryFolder folder;
+  const Json nodes = {{"a", {{"meshes", {"m"}}}}}, meshes = {{"m", Json::object()}};
+  for (const Json& document :
+       {Json{{"asset", {{"version", "1.0"}}}, {"nodes", nodes}, {"scene", "s"}}, Json{{"asset", {{"version", 1.0}}}},
+        Json{{"nodes", nodes}, {"scene", "s"}}, Json{{"asset", {{"generator", "old"}}}, {"meshes", meshes}},
+        Json{{"asset", {{"version", "2.0"}}}, {"nodes", nodes}, {"meshes", meshes}}}) {
+    const Loaded loaded = folder.load_text(document.dump());
+    EXPECT_TRUE(loaded.says(Severity::error, "the file is glTF 1.0")) << loaded.said();
+    EXPECT_EQ(loaded.count(Severity::error), 1u) << loaded.said();
+  }
+  const std::string binary("glTF\1\0\0\0\x18\0\0\0\4\0\0\0\0\0\0\0{}  ", 24);
+  const Loaded loaded = load(folder.write("old.glb", binary));
+  EXPECT_TRUE(loaded.says(Severity::error, "the file is glTF 1.0")) << loaded.said();
+  EXPECT_EQ(loaded.count(Severity::error), 1u) << loaded.said();
+}
+
 TEST(GltfInvalid, ManyChildrenListedTwiceDoNotMultiply) {
   Json document = {{"asset", {{"version", "2.0"}}}, {"nodes", Json::array()}};
   for (int i = 0; i < 64; ++i) document["nodes"].push_back({{"children", {i + 1, i + 1}}});
