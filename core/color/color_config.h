@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "core/color/display_encoding.h"
 #include "core/diagnostics/report.h"
 
 namespace alabaster {
@@ -64,6 +65,9 @@ class ColorConfig {
                                                                      const DiagnosticSink& sink) const = 0;
   virtual std::shared_ptr<const ColorTransform> display_transform(const DisplayRequest& request,
                                                                   const DiagnosticSink& sink) const = 0;
+
+  /// How the values of a view are coded, for the tags of files; empty where they are not known.
+  virtual std::optional<DisplayEncoding> encoding(const std::string& display, const std::string& view) const = 0;
 
   /// The whole configuration as text, as a file for --ocio holds it.
   virtual std::string serialize() const = 0;

@@ -11,6 +11,8 @@ struct OutputTransform {
   std::shared_ptr<const ColorConfig> config;
   std::shared_ptr<const ColorTransform> transform;
   std::string description;  // attribute "colorSpace"
+  /// Coding of the values of a PNG, TIFF or JPEG for a display; empty where it is not known.
+  std::optional<DisplayEncoding> encoding;
 };
 
 /// False after a report if the config cannot be read or lacks a name.

@@ -101,6 +101,7 @@ ImageDescription describe(const ProductPlan& plan, const ProductImage& image, co
   file.display = {x, y, std::max(1, int(std::lround(framing.displayMax.x)) - x),
                   std::max(1, int(std::lround(framing.displayMax.y)) - y)};
   file.attributes = attributes_of(image, out, plan.kind);
+  if (out.encoding) file.encoding = *out.encoding;
   file.fast = image.incomplete;
   return file;
 }
@@ -197,6 +198,21 @@ bool check_image(const RenderProduct& product, const ProductImage& image, Produc
   return true;
 }
 
+/// Viewers take a file without tags for sRGB.
+void report_untagged(const RenderProduct& product, const ProductPlan& plan, const OutputTransform& out,
+                     const DiagnosticSink& sink) {
+  const bool has_color =
+      std::any_of(plan.channels.begin(), plan.channels.end(), [](const auto& c) { return c.is_color; });
+  if (!sink || !has_color || !plan.display_referred || plan.kind == FileKind::exr) return;
+  if (out.encoding && (plan.kind == FileKind::png || !out.encoding->is_tagged())) return;
+  const char* const name = plan.kind == FileKind::png ? "PNG" : plan.kind == FileKind::tiff ? "TIFF" : "JPEG";
+  sink({Severity::warning, "product.untagged", product.file,
+        std::string("this ") + name + " cannot say the colour space of display and view '" + out.description +
+            "', and viewers take it for sRGB; " +
+            (out.encoding ? "write a .png file, which says it, or choose a display of sRGB"
+                          : "choose a display and view of sRGB, or name the space where the file is opened")});
+}
+
 bool check_output(const RenderProduct& product, const DiagnosticSink& sink) {
   if (!product.within.empty())
     if (const std::string fault = outside_fault(product.within, product.file); !fault.empty())
@@ -254,6 +270,7 @@ ProductCheck CheckProduct(const RenderProduct& product, const OutputColors& colo
     OutputTransform out;
     if (!make_output_transform(product, plan, colors, noted, out)) return false;
     if (plan.kind == FileKind::exr && !plan.display_referred) report_unknown_primaries(*out.config, to_core(noted));
+    report_untagged(product, plan, out, noted);
     return true;
   });
 }

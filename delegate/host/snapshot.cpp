@@ -56,6 +56,7 @@ bool WriteSnapshot(const RenderDelegate& delegate, RenderPass& pass, const Rende
     if (sink) sink({Severity::error, "snapshot", product.file, text});
     return false;
   };
+  if (!CheckProduct(product, colors, sink)) return false;
   ProductImage image;
   image.incomplete = !is_over(pass);  // before pixels are read
   image.framing = state.framing;

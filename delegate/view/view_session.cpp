@@ -336,8 +336,7 @@ bool ViewSession::save_picture(const std::string& file, const std::string& scene
     product.vars = {hd::host::UsualRenderVar("color")};
     if (aov_ != "color") product.vars.push_back(hd::host::UsualRenderVar(aov_));
   }
-  return hd::host::CheckProduct(product, loaded_->colors(), sink_) &&
-         hd::host::WriteSnapshot(*loaded_->delegate(), *pass_, state_, product, loaded_->colors(), sink_);
+  return hd::host::WriteSnapshot(*loaded_->delegate(), *pass_, state_, product, loaded_->colors(), sink_);
 }
 
 bool ViewSession::save_description(const std::string& file, const std::string& scene_file) {

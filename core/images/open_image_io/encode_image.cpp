@@ -1,4 +1,7 @@
+#include <zlib.h>
+
 #include <algorithm>
+#include <cmath>
 
 #include "core/images/format_limits.h"
 #include "core/images/open_image_io/functions.h"
@@ -111,6 +114,36 @@ OIIO::ImageSpec make_spec(const ImageDescription& image) {
   return spec;
 }
 
+void add_number(std::vector<unsigned char>& to, uint32_t number) {
+  for (int shift = 24; shift >= 0; shift -= 8) to.push_back(static_cast<unsigned char>(number >> shift));
+}
+void add_chunk(std::vector<unsigned char>& to, std::string_view name, const std::vector<unsigned char>& content) {
+  add_number(to, uint32_t(content.size()));
+  const size_t checked = to.size();
+  to.insert(to.end(), name.begin(), name.end());
+  to.insert(to.end(), content.begin(), content.end());
+  add_number(to, uint32_t(crc32(0, to.data() + checked, uInt(to.size() - checked))));
+}
+
+/// OpenImageIO writes neither cICP nor cHRM.
+void tag_png(const DisplayEncoding& encoding, std::vector<unsigned char>& file) {
+  constexpr size_t kHeader = 33;    // the signature and IHDR
+  constexpr double kUnit = 100000;  // of gAMA and cHRM
+  const auto units = [](double value) { return uint32_t(std::lround(value * kUnit)); };
+  std::vector<unsigned char> tags, content;
+  if (encoding.primaries != 0) {
+    add_chunk(tags, "cICP", {encoding.primaries, encoding.transfer, 0, 1});
+  } else {
+    add_number(content, units(1 / double(encoding.gamma)));
+    add_chunk(tags, "gAMA", content);
+    content.clear();
+    for (const size_t i : {6, 7, 0, 1, 2, 3, 4, 5})  // white first
+      add_number(content, units(double(encoding.chromaticities[i])));
+    add_chunk(tags, "cHRM", content);
+  }
+  file.insert(file.begin() + kHeader, tags.begin(), tags.end());
+}
+
 }  // namespace
 
 std::string encode_image(const ImageDescription& image, const RowSource& rows, std::vector<unsigned char>& file) {
@@ -141,7 +174,9 @@ std::string encode_image(const ImageDescription& image, const RowSource& rows, s
         spec.y + y, spec.y + end, 0, image.kind == FileKind::exr ? OIIO::TypeUnknown : spec.format, strip.data());
     if (!good) return failure_text(output->geterror());
   }
-  return output->close() ? std::string() : failure_text(output->geterror());
+  if (!output->close()) return failure_text(output->geterror());
+  if (image.kind == FileKind::png && image.encoding.is_tagged()) tag_png(image.encoding, file);
+  return {};
 }
 
 }  // namespace alabaster

@@ -1,6 +1,9 @@
 // EXR files whose compressed pieces hold less than their pixels. OpenEXR would show memory as it was.
 #include <zlib.h>
 
+#include <algorithm>
+#include <bit>
+
 #include "testenv/support/texture_file.h"
 
 namespace alabaster {
@@ -124,6 +127,66 @@ TEST_F(ExrPieces, DwaPiecesAreMeasuredAsStored) {
   expect_read(kDwaa, 32, dwa(whole, whole));
   expect_refused(kDwaa, 32, dwa(0, 0));
   expect_refused(kDwaa, 32, dwa(whole, whole - 2));
+}
+
+constexpr uint32_t kTileWidth = 16, kTileHeight = 12;
+
+/// A level of `w` by `h` floats in tiles, and the places of its tiles. Pixel (i, j) of level 0 is i + 100 j, others -1.
+void add_level(uint32_t level, uint32_t w, uint32_t h, Bytes& pieces, std::vector<size_t>& places) {
+  for (uint32_t top = 0; top < h; top += kTileHeight)
+    for (uint32_t left = 0; left < w; left += kTileWidth) {
+      places.push_back(pieces.size());
+      const uint32_t right = std::min(w, left + kTileWidth), bottom = std::min(h, top + kTileHeight);
+      for (const uint32_t value : {left / kTileWidth, top / kTileHeight, level, level}) add(pieces, value, 4);
+      add(pieces, 4 * uint64_t(right - left) * (bottom - top), 4);
+      for (uint32_t j = top; j < bottom; ++j)
+        for (uint32_t i = left; i < right; ++i)
+          add(pieces, std::bit_cast<uint32_t>(level == 0 ? float(i + 100 * j) : -1.0f), 4);
+    }
+}
+
+/// A tiled file without compression, with levels or without: `width` by `height` pixels from (x, y) on.
+Bytes tiled(uint32_t width, uint32_t height, int32_t x, int32_t y, bool levels) {
+  Bytes channels, window, tiles, file, pieces;
+  add(channels, "Y");
+  for (const uint32_t value : {2u, 0u, 1u, 1u}) add(channels, value, 4);
+  channels.push_back(0);
+  for (const uint32_t value : {uint32_t(x), uint32_t(y), uint32_t(x) + width - 1, uint32_t(y) + height - 1})
+    add(window, value, 4);
+  add(tiles, kTileWidth, 4), add(tiles, kTileHeight, 4), tiles.push_back(levels ? 1 : 0);
+  add(file, 20000630, 4), add(file, 2 | 0x200, 4);
+  add_attribute(file, "channels", "chlist", channels);
+  add_attribute(file, "compression", "compression", {kNone});
+  add_attribute(file, "dataWindow", "box2i", window);
+  add_attribute(file, "displayWindow", "box2i", window);
+  add_attribute(file, "lineOrder", "lineOrder", {0});
+  add_attribute(file, "pixelAspectRatio", "float", {0, 0, 0x80, 0x3f});
+  add_attribute(file, "screenWindowCenter", "v2f", Bytes(8, 0));
+  add_attribute(file, "screenWindowWidth", "float", {0, 0, 0x80, 0x3f});
+  add_attribute(file, "tiles", "tiledesc", tiles);
+  file.push_back(0);
+  std::vector<size_t> places;
+  add_level(0, width, height, pieces, places);
+  for (uint32_t l = 1; levels && (std::max(width, height) >> l) > 0; ++l)
+    add_level(l, std::max(1u, width >> l), std::max(1u, height >> l), pieces, places);
+  const size_t first = file.size() + 8 * places.size();
+  for (const size_t place : places) add(file, first + place, 8);
+  file.insert(file.end(), pieces.begin(), pieces.end());
+  return file;
+}
+
+// CVE-2026-63422: rows of tiles at the edge were written as whole tiles, beyond the reader's buffer.
+TEST_F(ExrPieces, TilesThatTheEdgeCutsAreRead) {
+  const std::pair<uint32_t, uint32_t> sizes[] = {{17, 13}, {31, 23}, {5, 3}, {1, 25}, {33, 12}, {16, 1}};
+  for (const auto& [width, height] : sizes)
+    for (const auto& [x, y] : {std::pair(0, 0), std::pair(-7, 5), std::pair(1000, -1000)})
+      for (const bool levels : {false, true}) {
+        const auto texture = load(spit("edge.exr", tiled(width, height, x, y, levels)));
+        ASSERT_TRUE(texture) << width << "x" << height << reports_.text();
+        for (const int j : {0, int(height) - 1})
+          for (const int i : {0, int(width) - 1})
+            EXPECT_EQ(texture->texel(i, j).r, float(i + 100 * j)) << width << "x" << height << " at " << x << "," << y;
+      }
 }
 
 // As OpenEXR writes them: pieces that are not compressed because that would make them longer, the last rows, windows

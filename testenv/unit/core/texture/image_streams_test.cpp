@@ -85,6 +85,19 @@ TEST_F(ImageStreams, APaletteOfATgaMayBeginAtAnyIndex) {
             std::string::npos);
 }
 
+// CVE-2026-43996: an index before the palette's first is -4 bytes, which no check of OpenImageIO refuses.
+TEST_F(ImageStreams, AnIndexBeforeAPaletteOfFourBytesIsRefused) {
+  for (const uint16_t first : {uint16_t(1), uint16_t(5), uint16_t(200)}) {
+    const auto low = uint8_t(first - 1);
+    const Tga plain{.entry = 32, .first = first}, runs{.kind = 9, .entry = 32, .first = first};
+    const Tga wide{.entry = 32, .bits = 16, .first = first};
+    for (const Bytes& file : {plain.file({uint8_t(first), low, uint8_t(first), uint8_t(first)}), runs.file({0x83, low}),
+                              wide.file({low, 0, low, 0, low, 0, low, 0})})
+      EXPECT_NE(fault_of("a.tga", file).find("not in its palette"), std::string::npos) << first;
+    EXPECT_EQ(fault_of("a.tga", runs.file({0x83, uint8_t(first)})), "");
+  }
+}
+
 TEST_F(ImageStreams, HeadersOfTgasFitTheirTexels) {
   for (const Tga& tga : {Tga{.kind = 1, .has_palette = 0}, Tga{.kind = 2, .bits = 8}, Tga{.kind = 3, .bits = 24},
                          Tga{.kind = 1, .bits = 32}, Tga{.kind = 0}, Tga{.kind = 4}, Tga{.entry = 8}, Tga{.entry = 0}})
@@ -272,6 +285,7 @@ TEST_F(TiffStreams, KindsThatOpenImageIoReadsBeyondItsBuffersAreRefused) {
       {"colours  ", tiff({{262, 3}})},
       {"colours   ", tiff({{262, 5}, {277, 4}, {322, 16}, {323, 16}})},  // four samples in room for three
       {"colours    ", tiff({{262, 5}, {277, 4}, {258, 4}})},
+      {"samples   ", tiff({{262, 5}, {277, 4}, {258, 4}, {322, 16}, {323, 16}})},
       {"colours     ", tiff({{262, 8}, {277, 5}})},
       {"colours      ", tiff({{262, 0}, {277, 2}})},  // inverts samples by their number squared
       {"compression", tiff({{259, 7}, {277, 2}})},

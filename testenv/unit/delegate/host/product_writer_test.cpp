@@ -3,6 +3,7 @@
 #include <half.h>
 
 #include <cmath>
+#include <fstream>
 #include <limits>
 
 #include "testenv/unit/delegate/host/product_fixture.h"
@@ -30,6 +31,27 @@ struct Read {
   }
   OIIO::TypeDesc type(const std::string& channel) const { return spec.channelformat(spec.channelindex(channel)); }
 };
+
+/// The names of a PNG's chunks before its pixels, cICP with its bytes, gAMA with its number.
+std::string tags_of(const std::string& file) {
+  std::ifstream stream(file, std::ios::binary);
+  const std::string bytes((std::istreambuf_iterator<char>(stream)), {});
+  const auto number = [&](size_t at) {
+    uint32_t value = 0;
+    for (size_t i = 0; i < 4; ++i) value = value << 8 | uint8_t(bytes.at(at + i));
+    return value;
+  };
+  std::string tags;
+  for (size_t at = 8; bytes.compare(at + 4, 4, "IDAT") != 0; at += 12 + number(at)) {
+    const std::string name = bytes.substr(at + 4, 4);
+    if (name == "gAMA") tags += "gAMA " + std::to_string(number(at + 8)) + " ";
+    if (name == "cHRM") tags += "cHRM " + std::to_string(number(at + 16)) + " ";
+    if (name == "cICP")
+      for (size_t i = 0; i < 4; ++i) tags += (i == 0 ? "cICP " : "") + std::to_string(uint8_t(bytes[at + 8 + i])) + " ";
+    if (name == "iCCP" || name == "sRGB") tags += name;
+  }
+  return tags;
+}
 
 std::vector<uint32_t> read_uints(const std::string& file, const std::string& channel) {
   const auto in = OIIO::ImageInput::open(file);
@@ -299,6 +321,82 @@ TEST_F(ProductFile, SingleAovsInIntegerFiles) {
   p.vars = {{"alpha", "alpha", "half"}};
   ASSERT_TRUE(write(p, image)) << text();
   EXPECT_EQ(Read(p.file).pixels, std::vector<float>(kCount, 1.0f));
+}
+
+// promise: pipeline.colour.tags
+TEST_F(ProductFile, APngSaysItsDisplay) {
+  const ProductImage image = frame();
+  const auto tags = [&](const std::string& display, const std::string& view) {
+    RenderProduct p = product("display.png");
+    p.display = display, p.view = view;
+    EXPECT_TRUE(check(p)) << text();
+    const std::string said = text();
+    EXPECT_TRUE(write(p, image)) << text();
+    EXPECT_EQ(Read(p.file).spec.width, kWidth);
+    return tags_of(p.file) + (said.find("take it for sRGB") == std::string::npos ? "" : "warning");
+  };
+  EXPECT_EQ(tags("sRGB", "ACES"), "");
+  EXPECT_EQ(tags("", ""), "");
+  EXPECT_EQ(tags("P3-D65", "ACES"), "gAMA 38462 cHRM 68000 ");
+  EXPECT_EQ(tags("Rec.709", "Un-tone-mapped"), "gAMA 41667 cHRM 64000 ");
+  EXPECT_EQ(tags("Rec.2100-PQ", "ACES"), "cICP 9 16 0 1 ");
+  for (const char* display : {"sRGB", "P3-D65"}) EXPECT_EQ(tags(display, "Raw"), "warning");
+}
+
+// Spaces are recognised by their values, under any name.
+TEST_F(ProductFile, APngOfAStudiosDisplaySaysItsSpace) {
+  const std::string file = path("studio.ocio");
+  std::ofstream(file) << R"(ocio_profile_version: 2
+roles: {default: lin, scene_linear: lin, cie_xyz_d65_interchange: XYZ}
+displays:
+  Grading suite: [!<View> {name: V, view_transform: plain, display_colorspace: suite}]
+  Phone: [!<View> {name: V, view_transform: plain, display_colorspace: <USE_DISPLAY_NAME>}]
+  Odd: [!<View> {name: V, view_transform: plain, display_colorspace: odd}]
+  Old: [!<View> {name: V, colorspace: filmic sRGB}, !<View> {name: W, colorspace: filmic}]
+view_transforms:
+  - !<ViewTransform> {name: plain, from_scene_reference: !<MatrixTransform> {}}
+display_colorspaces:
+  - !<ColorSpace> {name: XYZ}
+  - !<ColorSpace> {name: suite, from_display_reference: !<BuiltinTransform> {style: DISPLAY - CIE-XYZ-D65_to_REC.2100-HLG-1000nit}}
+  - !<ColorSpace>
+    name: Phone
+    to_display_reference: !<GroupTransform>
+      children:
+        - !<ExponentWithLinearTransform> {gamma: 2.4, offset: 0.055}
+        - !<MatrixTransform> {matrix: [0.4865709, 0.2656677, 0.1982173, 0, 0.2289746, 0.6917385, 0.0792869, 0, 0, 0.0451134, 1.0439444, 0, 0, 0, 0, 1]}
+  - !<ColorSpace> {name: odd, from_display_reference: !<ExponentTransform> {value: [1.7, 1.7, 1.7, 1], direction: inverse}}
+colorspaces:
+  - !<ColorSpace> {name: lin}
+  - !<ColorSpace> {name: filmic sRGB, from_scene_reference: !<ExponentTransform> {value: 2, direction: inverse}}
+  - !<ColorSpace> {name: filmic, from_scene_reference: !<ExponentTransform> {value: 2, direction: inverse}}
+)";
+  colors_ = {file};
+  const ProductImage image = frame();
+  const auto tags = [&](const std::string& display, const std::string& view) {
+    RenderProduct p = product("display.png");
+    p.display = display, p.view = view;
+    EXPECT_TRUE(check(p)) << text();
+    const std::string said = text();
+    EXPECT_TRUE(write(p, image)) << text();
+    return tags_of(p.file) + (said.find("take it for sRGB") == std::string::npos ? "" : "warning");
+  };
+  EXPECT_EQ(tags("Grading suite", "V"), "cICP 9 18 0 1 ");
+  EXPECT_EQ(tags("Phone", "V"), "cICP 12 13 0 1 ");
+  EXPECT_EQ(tags("Odd", "V"), "warning");
+  EXPECT_EQ(tags("Old", "V"), "");
+  EXPECT_EQ(tags("Old", "W"), "warning");
+}
+
+TEST_F(ProductFile, ATiffOrJpegThatCannotSayItsDisplayIsReported) {
+  for (const char* name : {"a.tif", "a.jpg"}) {
+    RenderProduct p = product(name);
+    EXPECT_TRUE(check(p));
+    EXPECT_EQ(text(), "");
+    p.display = "P3-D65";
+    EXPECT_TRUE(check(p));
+    EXPECT_EQ(reports_.size(), 1u);
+    EXPECT_NE(text().find("write a .png file"), std::string::npos) << text();
+  }
 }
 
 }  // namespace
