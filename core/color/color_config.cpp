@@ -506,6 +506,28 @@ std::shared_ptr<const ColorConfig> ColorConfig::load(const std::string& path, co
   }
 }
 
+std::shared_ptr<const Rec709Colors> rec709_colors(const ColorConfig& config, const DiagnosticSink& sink) {
+  constexpr float kLeastDifference = 1e-5f, kLeastDeterminant = 1e-6f;
+  if (config.origin() == kBuiltinOrigin) return nullptr;
+  const auto transform = config.to_rendering_space("sRGB", sink);
+  if (!transform) return nullptr;
+  std::array<float, 12> m{1, 0, 0, 1, 0, 1, 0, 1, 0, 0, 1, 1};  // primaries, which have no curve at 0 and 1
+  const auto unit = m;
+  transform->apply(m.data(), 3);
+  float difference = 0;
+  for (size_t i = 0; i < m.size(); ++i) difference = std::max(difference, std::abs(m[i] - unit[i]));
+  const Rgb r(m[0], m[1], m[2]), g(m[4], m[5], m[6]), b(m[8], m[9], m[10]);
+  const auto cross = [](const Rgb& p, const Rgb& q) {
+    return Rgb(p.g * q.b - p.b * q.g, p.b * q.r - p.r * q.b, p.r * q.g - p.g * q.r);
+  };
+  const Rgb x = cross(g, b), y = cross(b, r), z = cross(r, g);  // rows of the inverse, times the determinant
+  const float determinant = r.r * x.r + r.g * x.g + r.b * x.b;
+  if (difference < kLeastDifference || !(std::abs(determinant) > kLeastDeterminant)) return nullptr;
+  const float s = 1 / determinant;
+  return std::make_shared<const Rec709Colors>(
+      Rec709Colors{{r, g, b}, {Rgb(x.r, y.r, z.r) * s, Rgb(x.g, y.g, z.g) * s, Rgb(x.b, y.b, z.b) * s}});
+}
+
 ConfigInputs config_inputs(const ColorConfig& config) {
   return static_cast<const OcioColorConfig&>(config).inputs();  // there is no other kind
 }

@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "core/color/rgb.h"
 #include "core/diagnostics/report.h"
 
 namespace alabaster {
@@ -68,5 +69,13 @@ class ColorConfig {
   /// The whole configuration as text, as a file for --ocio holds it.
   virtual std::string serialize() const = 0;
 };
+
+/// Between linear Rec. 709, which is the space of glTF's colours, and the rendering space.
+struct Rec709Colors {
+  RgbMatrix to_rendering, from_rendering;
+};
+/// That of the transform of sRGB images, so that a colour equals the image that holds it. Null: the rendering space is
+/// linear Rec. 709, or, after a report, has no transform.
+std::shared_ptr<const Rec709Colors> rec709_colors(const ColorConfig& config, const DiagnosticSink& sink);
 
 }  // namespace alabaster

@@ -124,7 +124,30 @@ float channel_of(const Rgb& color, Channel channel) {
   return color[component_of(channel)];
 }
 
-void multiply(const MaterialTexture& texture, const HitPrimvars& at, DisneyParameters* p) {
+// A clear solid takes the root of its base colour at each surface: that is the colour which is converted.
+void convert(const DisneyMaterial& material, const RgbMatrix& matrix, Rgb P::*member, DisneyParameters* p) {
+  const DisneyParameters& c = material.constants;
+  Rgb& color = p->*member;
+  if (member != &P::base_color || c.spec_trans != 1 || c.thin || c.scatters() || material.varies(&P::spec_trans)) {
+    color = matrix(color);
+    return;
+  }
+  for (int i = 0; i < 3; ++i) color[i] = std::sqrt(std::max(color[i], 0.0f));
+  color = matrix(color);
+  color *= Rgb(color);
+}
+
+void convert_products(const DisneyMaterial& material, const RgbMatrix& matrix, DisneyParameters* p) {
+  for (const MaterialParameter* row : material.rec709_products)
+    convert(material, matrix, std::get<Rgb P::*>(row->member), p);
+}
+
+void multiply(const DisneyMaterial& material, const MaterialTexture& texture, const HitPrimvars& at,
+              DisneyParameters* p) {
+  const auto is_in_rec709 = [&](const MaterialParameter* row) {
+    const auto& rows = material.rec709_products;
+    return !rows.empty() && std::find(rows.begin(), rows.end(), row) != rows.end();
+  };
   std::optional<Rgb> color;
   std::optional<float> alpha;
   for (const auto& [row, channel] : texture.uses) {
@@ -136,7 +159,7 @@ void multiply(const MaterialTexture& texture, const HitPrimvars& at, DisneyParam
     if (channel != Channel::a && !color) color = texture.lookup.color(at);
     const auto* const member = std::get_if<Rgb P::*>(&row->member);
     if (member && channel == Channel::rgb)
-      p->** member *= *color;
+      p->** member *= is_in_rec709(row) ? material.rec709->from_rendering(*color) : *color;
     else if (const float factor = channel == Channel::a ? *alpha : channel_of(*color, channel); member)
       p->** member *= factor;
     else
@@ -157,11 +180,26 @@ bool any_use(const std::vector<MaterialTexture>& textures, Member member) {
 DisneyParameters DisneyMaterial::evaluate(const HitPrimvars& at) const {
   DisneyParameters p = constants;
   if (textures.empty()) return p;
-  for (const MaterialTexture& texture : textures) multiply(texture, at, &p);
+  if (rec709) convert_products(*this, rec709->from_rendering, &p);
+  for (const MaterialTexture& texture : textures) multiply(*this, texture, at, &p);
+  if (rec709) convert_products(*this, rec709->to_rendering, &p);
   // After all of them: the product counts, not its steps.
   for (const MaterialTexture& texture : textures)
     for (const MaterialTexture::Use& use : texture.uses) clamp_member(*use.parameter, &p);
   return p;
+}
+
+void DisneyMaterial::convert_from_rec709(const std::vector<const MaterialParameter*>& colors,
+                                         std::shared_ptr<const Rec709Colors> conversion) {
+  if (!conversion) return;
+  const DisneyMaterial given = *this;
+  for (const MaterialParameter* row : colors) {
+    const auto member = std::get<Rgb P::*>(row->member);
+    convert(given, conversion->to_rendering, member, &constants);
+    clamp_member(*row, &constants);
+    if (varies(member)) rec709_products.push_back(row);
+  }
+  if (!rec709_products.empty()) rec709 = std::move(conversion);
 }
 
 bool DisneyMaterial::varies(Rgb DisneyParameters::*parameter) const {

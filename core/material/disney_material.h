@@ -9,6 +9,7 @@
 #include <string_view>
 #include <vector>
 
+#include "core/color/color_config.h"
 #include "core/material/disney_parameters.h"
 #include "core/material/displacement.h"
 #include "core/material/texture_lookup.h"
@@ -47,6 +48,14 @@ struct DisneyMaterial {
   std::optional<NormalMap> coat_normal_map;  // of the coat; without it the coat has the mesh's normal
   std::optional<Displacement> displacement;  // meshes are displaced before a snapshot is compiled of them
 
+  /// These colours are multiplied by their textures in linear Rec. 709; factors and textures are in the rendering
+  /// space.
+  std::vector<const MaterialParameter*> rec709_products;
+  std::shared_ptr<const Rec709Colors> rec709;  // of these
+
+  /// Converts constants that are in linear Rec. 709, once all textures are there.
+  void convert_from_rec709(const std::vector<const MaterialParameter*>& colors,
+                           std::shared_ptr<const Rec709Colors> conversion);
   /// Reads each texture once. Products are clamped to the parameter's range; where one is not finite it becomes the
   /// parameter's default.
   DisneyParameters evaluate(const HitPrimvars& at) const;

@@ -3,6 +3,7 @@
 #include <cstring>
 #include <filesystem>
 
+#include "core/color/chromaticities.h"
 #include "core/images/image_file.h"
 #include "core/math/largest_half.h"
 #include "core/texture/cube_map.h"
@@ -113,6 +114,7 @@ class ImageLightTranslator {
     description.height = int(width / 2);
     for (const char* channel : {"R", "G", "B"}) description.channels.push_back({channel, ChannelStore::half});
     description.fast = true;
+    description.attributes.push_back({"chromaticities", kRec709});
     std::string fault;
     std::vector<unsigned char> file;
     const ImageFunctions* images = image_functions(&fault);

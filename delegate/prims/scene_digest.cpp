@@ -94,6 +94,11 @@ class SceneDigest {
       add_lookup(texture.lookup, digest);
       for (const MaterialTexture::Use& use : texture.uses) add(digest, std::string(use.parameter->name), use.channel);
     }
+    for (const MaterialParameter* row : material.rec709_products) digest->add(std::string(row->name));
+    if (material.rec709)
+      for (const Rgb& column :
+           {material.rec709->to_rendering.red, material.rec709->to_rendering.green, material.rec709->to_rendering.blue})
+        digest->add(column);
     for (const auto* map : {&material.normal_map, &material.coat_normal_map}) {
       digest->add(map->has_value());
       if (!*map) continue;
