@@ -295,9 +295,8 @@ std::string check_input(const std::string& node, const Token& type, const std::s
     return value.empty() ? "" : fault_text(node + "." + input, "connected: a path \"NODE.OUTPUT\"", value);
   if (const FieldResult checked = check(material_parameters(), input, value))
     return checked->empty() ? "" : "'" + node + "." + checked->substr(1);
-  if (input.ends_with(support::kColorSpace) && !(value.text_or("") == support::kLinearRec709))
-    return fault_text(node + "." + input, support::kLinearRec709, value);
-  if (input.ends_with(support::kColorSpace)) return {};
+  if (input.ends_with(support::kColorSpace))
+    return value.text_or("") == support::kLinearRec709 ? "" : fault_text(node + "." + input, "lin_rec709", value);
   std::vector<std::string> names = names_of(material_parameters(), {});
   names.insert(names.end(), std::begin(kOtherDisneyInputs), std::end(kOtherDisneyInputs));
   return unknown_input(node, input, names);
