@@ -74,7 +74,7 @@ class ColorConfig {
 struct Rec709Colors {
   RgbMatrix to_rendering, from_rendering;
 };
-/// That of the transform of sRGB images, so that a colour equals the image that holds it. Null: the rendering space is
+/// By the transform of sRGB images, so that a colour equals the image that holds it. Null: the rendering space is
 /// linear Rec. 709, or, after a report, has no transform.
 std::shared_ptr<const Rec709Colors> rec709_colors(const ColorConfig& config, const DiagnosticSink& sink);
 

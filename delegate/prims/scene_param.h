@@ -50,7 +50,7 @@ class SceneParam final : public RenderParam {
   const alabaster::DiagnosticSink& sink() const { return sink_; }
   const std::shared_ptr<TraceDevice>& device() const { return device_; }
   const ColorConfig& colors() const { return *colors_; }
-  /// Of colours that are in linear Rec. 709 (support::kColorSpace); null: they are in the rendering space.
+  /// Converts colours that are in linear Rec. 709 (support::kColorSpace); null: they are in the rendering space.
   std::shared_ptr<const Rec709Colors> rec709() {
     std::call_once(rec709_made_, [this] { rec709_ = rec709_colors(*colors_, sink_); });
     return rec709_;
