@@ -517,6 +517,15 @@ std::shared_ptr<const ColorConfig> ColorConfig::load(const std::string& path, co
   }
 }
 
+std::shared_ptr<const RgbMatrix> rec709_to_rendering(const ColorConfig& config, const DiagnosticSink& sink) {
+  if (config.origin() == kBuiltinOrigin) return nullptr;
+  const auto transform = config.to_rendering_space("sRGB", sink);
+  if (!transform) return nullptr;
+  std::array<float, 12> m{1, 0, 0, 1, 0, 1, 0, 1, 0, 0, 1, 1};  // primaries, which have no curve at 0 and 1
+  transform->apply(m.data(), 3);
+  return std::make_shared<const RgbMatrix>(RgbMatrix{{m[0], m[1], m[2]}, {m[4], m[5], m[6]}, {m[8], m[9], m[10]}});
+}
+
 ConfigInputs config_inputs(const ColorConfig& config) {
   return static_cast<const OcioColorConfig&>(config).inputs();  // there is no other kind
 }

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "core/color/display_encoding.h"
+#include "core/color/rgb.h"
 #include "core/diagnostics/report.h"
 
 namespace alabaster {
@@ -72,5 +73,9 @@ class ColorConfig {
   /// The whole configuration as text, as a file for --ocio holds it.
   virtual std::string serialize() const = 0;
 };
+
+/// From linear Rec. 709, which is the space of glTF's colours, to the rendering space: by the transform of sRGB images,
+/// so that a colour equals the image that holds it. Null: they are the same, or, after a report, there is no transform.
+std::shared_ptr<const RgbMatrix> rec709_to_rendering(const ColorConfig& config, const DiagnosticSink& sink);
 
 }  // namespace alabaster

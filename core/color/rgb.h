@@ -49,6 +49,12 @@ inline bool is_finite(const Rgb& c) {
   return std::isfinite(c.r) && std::isfinite(c.g) && std::isfinite(c.b);
 }
 
+/// A linear map of colours.
+struct RgbMatrix {
+  Rgb red{1, 0, 0}, green{0, 1, 0}, blue{0, 0, 1};  // its columns
+  Rgb operator()(const Rgb& c) const { return red * c.r + green * c.g + blue * c.b; }
+};
+
 /// Relative luminance for Rec.709 primaries: used to weigh choices, never to change colour.
 inline float luminance(const Rgb& c) {
   return 0.2126f * c.r + 0.7152f * c.g + 0.0722f * c.b;

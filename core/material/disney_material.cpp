@@ -164,6 +164,12 @@ DisneyParameters DisneyMaterial::evaluate(const HitPrimvars& at) const {
   return p;
 }
 
+void convert_color(const MaterialParameter& row, const RgbMatrix& matrix, DisneyParameters* p) {
+  Rgb& color = p->*std::get<Rgb P::*>(row.member);
+  color = matrix(color);
+  clamp_member(row, p);
+}
+
 bool DisneyMaterial::varies(Rgb DisneyParameters::*parameter) const {
   return any_use(textures, parameter);
 }

@@ -29,6 +29,9 @@ std::span<const MaterialParameter> material_parameters();
 /// Null if there is none of that name.
 const MaterialParameter* find_material_parameter(std::string_view name);
 
+/// Converts the constant of a colour, and clamps it to the parameter's range.
+void convert_color(const MaterialParameter& row, const RgbMatrix& matrix, DisneyParameters* p);
+
 /// A texture, and the parameters that it multiplies.
 struct MaterialTexture {
   struct Use {

@@ -40,7 +40,7 @@ enum class Interpolation { constant, uniform, varying, vertex, faceVarying, inst
 struct PrimvarDescriptor {  // those that meshes are asked for: delegate/manual/usd.md
   Token name;
   Interpolation interpolation = Interpolation::vertex;
-  Token role;  // none | color | vector | normal | point | textureCoordinate
+  Token role;  // none | color | lin_rec709 (a colour of that space) | vector | normal | point | textureCoordinate
   bool indexed = false;
   bool operator==(const PrimvarDescriptor&) const = default;
 };
@@ -114,6 +114,9 @@ struct MaterialNode {
 ///   value is its constant (1 if it is not given) times all that is connected to it, clamped to its range. `normal` and
 ///   `coatNormal` take a texture of normals in tangent space; `bump`, in place of `normal`, one of heights in the
 ///   mesh's object space units.
+///   A colour's constant NAME is in the rendering space, or, where NAME:colorSpace is the Token lin_rec709, in linear
+///   Rec. 709. Setting NAME by a field or a description takes NAME:colorSpace away. The color of a light has
+///   color:colorSpace.
 /// - AlabasterDisplacement: input `displacement`, connected to a texture; scale float, midlevel float, space Token
 ///   normal|tangent|object. Points move by (value - midlevel) * scale in the mesh's object space: along the normal by
 ///   one channel; or by the vector rgb, of which tangent space takes r along growing u, g along growing v, b along the

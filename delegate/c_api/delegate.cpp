@@ -108,9 +108,17 @@ AlabasterStatus delegate_create(const AlabasterDelegateOptions* given, Alabaster
     check_settings(options.settings);
     options.diagnostics = sink_of(data->reports);
     reader.take();
+    if (scene) scene->data->process.check("the scene");
     if (const auto ocio = options.settings.find("ocio"); ocio != options.settings.end())
       data->colors.ocio = ocio->second.text_or("");
-    if (scene) scene->data->process.check("the scene");
+    data->names_colors = !data->colors.ocio.empty();
+    if (scene && !data->names_colors) {
+      const SceneLock lock(*scene->data);
+      const description::SceneFile& loaded = scene->data->loaded;
+      data->colors.ocio = loaded.color_config, data->colors.within = loaded.color_config_within;
+      if (!loaded.color_config.empty())
+        options.settings["ocio"] = AssetPath{loaded.color_config, loaded.color_config, {}, loaded.color_config_within};
+    }
     data->delegate = CreateAlabasterRenderDelegate(kAbiVersion, &options);
     if (!data->delegate) throw Failure(ALABASTER_INPUT_FAILED, data->reports->take_error("the renderer cannot start"));
     data->index = std::make_unique<host::RenderIndex>(data->delegate);
@@ -260,6 +268,7 @@ AlabasterStatus record(AlabasterDelegate* handle, const AlabasterRecordOptions* 
     const auto in = given ? sized(given, "options") : AlabasterRecordOptions{};
     refuse_while_recording(data, "record");
     if (!data.scene) throw bad_argument("the delegate draws no scene");
+    tell_other_colors(data);
     const Path settings = settings_path(data.scene->scene, in.settings);
     const RecordingScope scope(data);
     std::atomic<bool> cancel{false};
@@ -286,6 +295,19 @@ AlabasterStatus record(AlabasterDelegate* handle, const AlabasterRecordOptions* 
 }
 
 }  // namespace
+
+void tell_other_colors(DelegateData& data) {
+  const std::string& config = data.scene->loaded.color_config;
+  if (data.names_colors || config == data.colors.ocio || config.empty() || config == data.told_colors) return;
+  data.told_colors = config;
+  const std::string own = data.colors.ocio.empty() ? "$OCIO or the built-in one" : "'" + data.colors.ocio + "'";
+  sink_of(data.reports)({Severity::warning, "scene.ocio", config,
+                         "the scene names this OpenColorIO configuration, but was loaded after the renderer was made "
+                         "with " +
+                             own +
+                             ", which counts; make the renderer after the scene is loaded, or name the "
+                             "configuration in its setting ocio"});
+}
 
 void add_delegate_functions(AlabasterApi* api) {
   api->delegate_create = delegate_create;

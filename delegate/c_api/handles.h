@@ -221,6 +221,8 @@ struct DelegateData {
   std::recursive_mutex mutex;
   std::shared_ptr<Reports> reports;
   host::OutputColors colors;
+  bool names_colors = false;  // the host does
+  std::string told_colors;    // a scene's configuration that has been reported
   RenderDelegate* delegate = nullptr;
   std::unique_ptr<host::RenderIndex> index;
   std::shared_ptr<SceneData> scene;
@@ -228,6 +230,8 @@ struct DelegateData {
   const Process process{};
 };
 
+/// Reports, once, that the scene names a colour configuration which the delegate, made before, does not have.
+void tell_other_colors(DelegateData& data);
 /// Refuses what cannot happen in the midst of a recording.
 void refuse_while_recording(const DelegateData& data, const char* function);
 

@@ -93,7 +93,7 @@ class FarmCommand {
     add_files(session_, a_.render.scene, &inputs);
     if (is_denoised()) add_denoiser(&inputs);
     jobs_.inputs = to_text(inputs);
-    jobs_.variables = job_variables(*colors);
+    jobs_.variables = colors->variables;
     jobs_.variables["OCIO"] = colors->origin;
     console_.require_usage("farm", farm_fault(jobs_));
   }

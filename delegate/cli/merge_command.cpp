@@ -53,8 +53,6 @@ class MergeCommand {
       console_.require_usage("merge", same_file_twice(files));
     }
     if (!a_.outputs.empty()) products_ = make_products(a_, {}, "merge", console_);
-    for (const hd::RenderProduct& product : products_)
-      require(exit_code(hd::host::CheckProduct(product, session_.colors(), console_.sink()).status, true));
   }
 
   // How far the parts are, and the noise so far.
@@ -167,6 +165,7 @@ class MergeCommand {
       samples = std::max(samples, dictionary->at("samples").get_or(int64_t(0)));
       std::optional<hd::host::FrameNote> note = hd::host::ReadFrameNote(dictionary->at("note").text_or(""));
       degraded_ = degraded_ || (note && note->degraded);
+      if (note) compare_colors(part, *note);
       if (!frame && note) frame = std::move(note->frame), metadata_ = std::move(note->metadata);
       if (!frame)
         console_.fail(kInput, part,
@@ -174,12 +173,46 @@ class MergeCommand {
     }
     frame->settings["samples"] = samples;
     frame->settings["firstSample"] = int64_t(0);
+    if (!products_.empty()) take_colors(frame->products);
     frame->products = products_;
-    for (const hd::RenderProduct& product : products_)
+    for (const hd::RenderProduct& product : products_) {
+      require(exit_code(hd::host::CheckProduct(product, session_.colors(), console_.sink()).status, true));
       if (!hd::host::CheckProductSize(product, frame->window(), console_.sink())) throw Exit{kUsage};
+    }
     session_.scene.SetRenderSettings(path_, std::move(*frame));
     const hd::Dictionary files{{"files", hd::Array<std::string>(parts)}};
     require_done("merge", session_.delegate()->InvokeCommand("showCheckpoints", files));
+  }
+
+  void compare_colors(const std::string& part, const hd::host::FrameNote& note) {
+    if (first_part_.empty()) first_part_ = part, config_ = note.color_config, config_digest_ = note.color_digest;
+    if (note.color_digest != config_digest_)
+      console_.fail(kInput, part,
+                    "its colour configuration, '" + note.color_config + "', is not that of " + first_part_ + ", '" +
+                        config_ + "': render one of them again with the other's");
+  }
+
+  // The configuration and the display of the parts, where the command line names none.
+  void take_colors(const std::vector<hd::RenderProduct>& shown) {
+    const auto is_theirs = [&] {
+      const auto inputs = hd::host::ReadColorInputs(session_.colors(), console_.sink());
+      return inputs && inputs->all() == config_digest_;
+    };
+    if (a_.ocio.empty() && !config_.empty() && !is_theirs()) {  // $OCIO may name a copy of it
+      session_.choose_colors(config_, console_.sink(), kInput);
+      if (!is_theirs())
+        console_.fail(kInput, config_,
+                      "this colour configuration, a LUT of it or a variable that it names is not what the parts were "
+                      "rendered with: restore it, or name a configuration with --ocio");
+    }
+    if (shown.empty()) return;
+    for (hd::RenderProduct& product : products_) {
+      if (product.file.ends_with(".exr")) continue;
+      if (a_.display.empty() && a_.view.empty()) product.display = shown[0].display, product.view = shown[0].view;
+      if (a_.look.empty()) product.look = shown[0].look;
+      if (!a_.exposure) product.exposure = shown[0].exposure;
+      if (a_.display.empty() && a_.view.empty()) product.colorSpace = shown[0].colorSpace;
+    }
   }
 
   int write() {
@@ -218,6 +251,7 @@ class MergeCommand {
   std::vector<hd::RenderProduct> products_;
   hd::Dictionary metadata_;
   bool degraded_ = false;
+  std::string first_part_, config_, config_digest_;
 };
 
 }  // namespace

@@ -77,14 +77,6 @@ InputDifference describe(InputKind kind, const std::string& name, const std::str
 
 }  // namespace
 
-std::map<std::string, std::optional<std::string>> job_variables(const hd::host::ColorInputs& colors) {
-  auto variables = colors.variables;
-  for (const char* of_machine :
-       {"HOME", "HOSTNAME", "LD_LIBRARY_PATH", "LOGNAME", "PATH", "PWD", "SHELL", "TMPDIR", "USER"})
-    variables.erase(of_machine);
-  return variables;
-}
-
 void add_colors(const hd::host::ColorInputs& colors, PictureInputs* inputs) {
   std::istringstream lines(AlabasterVersions());
   for (std::string line; std::getline(lines, line);) {
@@ -96,7 +88,7 @@ void add_colors(const hd::host::ColorInputs& colors, PictureInputs* inputs) {
   (*inputs)[{InputKind::version, "OpenColorIO"}] = colors.library;
   (*inputs)[{InputKind::colors, colors.origin}] = colors.digest;
   for (const auto& [name, lut] : colors.luts) (*inputs)[{InputKind::lut, name}] = lut.digest;
-  for (const auto& [name, value] : job_variables(colors))
+  for (const auto& [name, value] : colors.variables)
     (*inputs)[{InputKind::variable, name}] = value ? "=" + *value : std::string();
 }
 

@@ -17,10 +17,7 @@ enum class InputKind { version, variable, colors, lut, file };
 /// variable (empty: not set).
 using PictureInputs = std::map<std::pair<InputKind, std::string>, std::string>;
 
-/// The variables on which a colour configuration depends, without those that the system and the login of each machine
-/// set, such as HOME and PATH. A job does not set these. LUTs found through them are still compared.
-std::map<std::string, std::optional<std::string>> job_variables(const hd::host::ColorInputs& colors);
-/// The versions of the program and of its libraries, and the colour configuration with its LUTs and job_variables().
+/// The versions of the program and of its libraries, and the colour configuration with its LUTs and variables.
 void add_colors(const hd::host::ColorInputs& colors, PictureInputs* inputs);
 /// Open Image Denoise, with which a merge denoises the frame; nothing is added where there is none.
 void add_denoiser(PictureInputs* inputs);

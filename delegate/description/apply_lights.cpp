@@ -3,6 +3,7 @@
 #include "delegate/description/load_state.h"
 #include "delegate/description/placement.h"
 #include "delegate/description/schema_check.h"
+#include "delegate/support/color_space.h"
 #include "delegate/support/json_values.h"
 #include "delegate/support/lookup.h"
 
@@ -32,6 +33,7 @@ void set_parameter(LoadState& load, const std::string& pointer, const std::strin
             ? load.image(pointer, file, layer == light->parameters.end() ? "" : layer->second.text_or(""))
             : load.asset(pointer, file);
   } else {
+    light->parameters.erase(name + support::kColorSpace);
     light->parameters[name] = value.is_number() ? Value(value.get<float>()) : support::value_of(value);
   }
 }

@@ -1,4 +1,5 @@
 #include "delegate/description/load_state.h"
+#include "delegate/support/color_space.h"
 #include "delegate/support/json_values.h"
 
 namespace alabaster::hd::description {
@@ -49,6 +50,7 @@ void set_texture(LoadState& load, const std::string& pointer, const json& textur
   MaterialNode& disney = network->nodes[surface];
   // The constant multiplies the texture; without one it is 1.
   disney.parameters.erase(parameter);
+  disney.parameters.erase(parameter + support::kColorSpace);
   if (texture.contains("scale")) disney.parameters[parameter] = material_value(texture["scale"]);
   disney.inputConnections[parameter] = {{path, Token(channel)}};
 }
@@ -91,6 +93,7 @@ void set_parameters(LoadState& load, const std::string& pointer, const json& par
     MaterialNode& node = network->nodes[surface];
     node.inputConnections.erase(name);
     node.parameters[name] = material_value(value);
+    node.parameters.erase(name + support::kColorSpace);
   }
 }
 

@@ -14,6 +14,9 @@
 namespace alabaster::hd::gltf {
 namespace {
 
+// Rec. 709, which are those of all colours of glTF.
+constexpr std::array<float, 8> kPrimaries = {0.64f, 0.33f, 0.30f, 0.60f, 0.15f, 0.06f, 0.3127f, 0.3290f};
+
 float linear_of_srgb(float v) {
   return v <= 0.04045f ? v / 12.92f : std::pow((v + 0.055f) / 1.055f, 2.4f);
 }
@@ -113,6 +116,7 @@ class ImageLightTranslator {
     description.height = int(width / 2);
     for (const char* channel : {"R", "G", "B"}) description.channels.push_back({channel, ChannelStore::half});
     description.fast = true;
+    description.attributes.push_back({"chromaticities", kPrimaries});
     std::string fault;
     std::vector<unsigned char> file;
     const ImageFunctions* images = image_functions(&fault);

@@ -1,6 +1,8 @@
 #include "delegate/gltf/gltf_material_builder.h"
 
+#include "core/material/disney_material.h"
 #include "delegate/gltf/gltf_material.h"
+#include "delegate/support/color_space.h"
 #include "delegate/support/lookup.h"
 
 namespace alabaster::hd::gltf {
@@ -102,6 +104,12 @@ void MaterialBuilder::emit(std::string_view of_layer) {
       set(row.parameter, color_in(values, row));
     if (row.texture) connect(row.parameter, texture_in(values, row.texture), row.reading);
   }
+}
+
+void MaterialBuilder::set(const char* name, const Vec3f& value) {
+  surface_.parameters[name] = value;
+  if (find_material_parameter(name)->texels == Texels::colors)
+    surface_.parameters[std::string(name) + support::kColorSpace] = Token(support::kLinearRec709);
 }
 
 Vec3f MaterialBuilder::color_set(const char* name) const {

@@ -37,7 +37,7 @@ class MaterialBuilder {
   void emit(std::string_view layer);
 
   void set(const char* name, double value) { surface_.parameters[name] = float(value); }
-  void set(const char* name, const Vec3f& value) { surface_.parameters[name] = value; }
+  void set(const char* name, const Vec3f& value);
   void set(const char* name, bool value) { surface_.parameters[name] = value; }
   void set(const char* name, const char* word) { surface_.parameters[name] = Token(word); }
   /// The constant that was set; white, `fallback` otherwise.

@@ -13,6 +13,7 @@
 #include "delegate/gltf/gltf_scene.h"
 #include "delegate/gltf/gltf_surfaces.h"
 #include "delegate/gltf/gltf_vertices.h"
+#include "delegate/support/color_space.h"
 
 namespace alabaster::hd::gltf {
 namespace {
@@ -60,7 +61,7 @@ std::vector<Primvar> read_primvars(const VertexReader& reader) {
   VertexAttribute rgb{{}, 3}, opacity{{}, 1};
   for (size_t i = 0; i < colors.values.size(); ++i)
     (i % colors.components < 3 ? rgb : opacity).values.push_back(std::clamp(colors.values[i], 0.0f, 1.0f));
-  if (!rgb.values.empty()) primvars.push_back({"displayColor", "color", std::move(rgb)});
+  if (!rgb.values.empty()) primvars.push_back({"displayColor", support::kLinearRec709, std::move(rgb)});
   if (!opacity.values.empty()) primvars.push_back({"displayOpacity", "", std::move(opacity)});
   return primvars;
 }
@@ -174,7 +175,7 @@ struct Surface {
         primvar->attribute.values.resize(
             std::max(primvar->attribute.values.size(), of.end * primvar->attribute.components),
             primvar->role == "textureCoordinate" ? 0
-            : primvar->role == "color"           ? of.own_color
+            : primvar->name == "displayColor"    ? of.own_color
                                                  : 1);
     };
     for (Primvar& more : piece.primvars) {

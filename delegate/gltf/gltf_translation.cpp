@@ -7,6 +7,7 @@
 
 #include "delegate/gltf/gltf_material.h"
 #include "delegate/gltf/gltf_vertices.h"
+#include "delegate/support/color_space.h"
 
 namespace alabaster::hd::gltf {
 namespace {
@@ -73,6 +74,7 @@ host::LightDescription translate_light(const tinygltf::Light& light, const Matri
   auto& parameters = description.parameters;
   parameters["color"] =
       light.color.size() == 3 ? Vec3f(float(light.color[0]), float(light.color[1]), float(light.color[2])) : Vec3f(1);
+  parameters[std::string("color") + support::kColorSpace] = Token(support::kLinearRec709);
   parameters["intensity"] = float(light.intensity);
   if (light.type == "directional") {
     description.type = "distantLight";

@@ -71,11 +71,13 @@ struct RecordResult : RecordEnd {
 ALABASTER_API RecordResult RecordFrame(RenderIndex* index, RetainedSceneDelegate* scene, const Path& settings,
                                        const RecordOptions& options);
 
-/// The frame that a checkpoint of a recording is of, without its products and the limits of memory and threads.
+/// The frame that a checkpoint of a recording is of, without the limits of memory and threads. Its one product, if any,
+/// tells how the first file for a display shows the frame.
 struct FrameNote {
   RenderSettingsDescription frame;
-  bool degraded = false;  // rendered without all of its scene
-  Dictionary metadata;    // of its files, that a merge does not know: the matrices of its camera
+  bool degraded = false;                   // rendered without all of its scene
+  Dictionary metadata;                     // of its files, that a merge does not know: the matrices of its camera
+  std::string color_config, color_digest;  // its origin, and ColorInputs::all()
 };
 /// `text`: the note of a checkpoint, as command describeCheckpoint has it. Empty if RecordFrame did not write it.
 ALABASTER_API std::optional<FrameNote> ReadFrameNote(const std::string& text);

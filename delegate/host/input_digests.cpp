@@ -44,9 +44,20 @@ std::optional<ColorInputs> ReadColorInputs(const OutputColors& colors, const Dia
                      digest_of({config->serialize(), display, config->default_view(display)}),
                      {},
                      found.variables};
+  for (const char* of_machine :
+       {"HOME", "HOSTNAME", "LD_LIBRARY_PATH", "LOGNAME", "PATH", "PWD", "SHELL", "TMPDIR", "USER"})
+    inputs.variables.erase(of_machine);
   for (const auto& [name, file] : found.luts)
     inputs.luts[name] = {file, file.empty() ? std::string() : FileDigest(file)};
   return inputs;
+}
+
+std::string ColorInputs::all() const {
+  Digest whole;
+  whole.add(digest);
+  for (const auto& [name, lut] : luts) whole.add(name), whole.add(lut.digest);
+  for (const auto& [name, value] : variables) whole.add(name), whole.add(value.value_or(""));
+  return whole.text();
 }
 
 }  // namespace alabaster::hd::host

@@ -21,8 +21,11 @@ struct ColorInputs {
     std::string digest;  // empty: it cannot be read
   };
   std::map<std::string, Lut> luts;  // of its transforms, by their names in it
-  /// Variables of the environment that it depends on, with their values or defaults. Empty: not set.
+  /// Variables of the environment that it depends on, with their values or defaults, without those that the system and
+  /// the login of each machine set, such as HOME and PATH: LUTs found through them still count. Empty: not set.
   std::map<std::string, std::optional<std::string>> variables;
+  /// A digest of all that changes pixels: equal wherever the configuration is, and whatever it is called.
+  ALABASTER_API std::string all() const;
 };
 
 /// Reads all LUTs. Nothing after a report if the configuration cannot be read. Any thread.

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <charconv>
 
+#include "delegate/support/color_space.h"
 #include "delegate/support/nearest_name.h"
 #include "delegate/support/parameters.h"
 #include "delegate/support/retired_settings.h"
@@ -38,8 +39,8 @@ std::string read_into(const std::string& name, const Value& value, const Limits&
 }
 
 // Primvars ------------------------------------------------------------------------------------------
-constexpr Limits kRoles =
-    words("none", "color", "vector", "normal", "point", "textureCoordinate", "faceIndex", "pointIndex");
+constexpr Limits kRoles = words("none", "color", support::kLinearRec709, "vector", "normal", "point",
+                                "textureCoordinate", "faceIndex", "pointIndex");
 constexpr Limits kVarTypes = words("half", "float", "int");
 constexpr Limits kInterpolations = words("constant", "uniform", "varying", "vertex", "faceVarying", "instance");
 
@@ -76,6 +77,7 @@ constexpr OtherParameter kOfLights[] = {
      R"({"type": "string", "default": "", "unit": "none", "appliesTo": ["domeLight", "rectLight"], "description": "Layer of an EXR that the image is: a part, or what stands before R, G and B in the names of its channels. Without it, the picture (RGBA, beauty, Combined, ...)."})"},
     {"shaping:ies:file", kText, "a file",
      R"({"type": "string", "minLength": 0, "default": "", "unit": "none", "appliesTo": ["sphereLight", "rectLight", "diskLight", "cylinderLight"], "description": "Photometric profile of a luminaire (IES LM-63, type C): its candela multiply the light by direction. Straight down in the profile is the light's -z, horizontal angle 0 its x axis, 90 its y axis."})"},
+    {"color:colorSpace", kText, "lin_rec709"},
     {"lightLink", kText, "a category"},
     {"shadowLink", kText, "a category"}};
 constexpr OtherParameter kOfCameras[] = {
@@ -295,6 +297,8 @@ std::string check_input(const std::string& node, const Token& type, const std::s
     return value.empty() ? "" : fault_text(node + "." + input, "connected: a path \"NODE.OUTPUT\"", value);
   if (const FieldResult checked = check(material_parameters(), input, value))
     return checked->empty() ? "" : "'" + node + "." + checked->substr(1);
+  if (input.ends_with(support::kColorSpace))
+    return value.text_or("") == support::kLinearRec709 ? "" : fault_text(node + "." + input, "lin_rec709", value);
   std::vector<std::string> names = names_of(material_parameters(), {});
   names.insert(names.end(), std::begin(kOtherDisneyInputs), std::end(kOtherDisneyInputs));
   return unknown_input(node, input, names);
@@ -393,7 +397,9 @@ FieldResult set_open_field(LightDescription* light, const std::string& given, co
   const std::string name = without_inputs_namespace(given);
   FieldResult checked = check(light_parameters(), name, value);
   if (!checked) checked = check_other(kOfLights, name, value);
-  if (checked && checked->empty()) store(&light->parameters, Token(name), value);
+  if (!checked || !checked->empty()) return checked;
+  store(&light->parameters, Token(name), value);
+  light->parameters.erase(Token(name + support::kColorSpace));
   return checked;
 }
 
@@ -438,6 +444,7 @@ FieldResult set_open_field(MaterialNetwork* network, const Path& id, const std::
     return "";
   }
   store(&node.parameters, Token(input), value);
+  node.parameters.erase(Token(input + support::kColorSpace));
   return value.type() == ALABASTER_SAMPLES ? fault_text(name, "a value that does not move", value) : "";
 }
 

@@ -1,9 +1,10 @@
 #include "delegate/host/recorded_checkpoints.h"
 
 #include <algorithm>
-#include <nlohmann/json.hpp>
+#include <filesystem>
 #include <utility>
 
+#include "delegate/host/input_digests.h"
 #include "delegate/host/product_metadata.h"
 #include "delegate/host/scene_fields.h"
 #include "delegate/support/json_values.h"
@@ -40,11 +41,18 @@ CommandResult RecordedCheckpoints::resume() {
 std::string RecordedCheckpoints::note(const RenderSettingsDescription& d) const {
   RenderSettingsDescription frame = d;
   frame.products.clear();
+  for (const RenderProduct& product : d.products)
+    if (!product.file.ends_with(".exr") && product.camera.empty() && product.width == 0 && frame.products.empty()) {
+      RenderProduct& shown = frame.products.emplace_back();
+      shown.file = product.file, shown.colorSpace = product.colorSpace, shown.exposure = product.exposure;
+      shown.display = product.display, shown.view = product.view, shown.look = product.look;
+    }
   frame.settings.clear();
   const Dictionary stats = delegate_->GetRenderStats();
   nlohmann::json note = {{"degraded", stats.contains("scene.faults")},
                          {"fields", nlohmann::json::object()},
                          {"settings", nlohmann::json::object()}};
+  if (!colors_.is_null()) note["colors"] = colors_;
   for (const auto& [name, value] : GetFields(frame)) note["fields"][name] = support::json_of(value);
   for (const RenderSettingDescriptor& setting : delegate_->GetRenderSettingDescriptors())
     note["settings"][setting.key.str()] = support::json_of(delegate_->GetRenderSetting(setting.key));
@@ -62,6 +70,8 @@ std::optional<FrameNote> ReadFrameNote(const std::string& text) {
     FrameNote read;
     read.degraded = note.at("degraded").get<bool>();
     if (!ReadSettings(fields, &read.frame).empty()) return std::nullopt;
+    if (const auto colors = note.find("colors"); colors != note.end())
+      read.color_config = colors->at("config").get<std::string>(), read.color_digest = colors->at("digest");
     for (const auto& [name, value] : note.at("settings").items()) read.frame.settings[name] = support::value_of(value);
     if (const auto camera = note.find("camera"); camera != note.end())
       for (const char* name : kCameraMatrices)
@@ -82,6 +92,17 @@ std::string RecordedCheckpoints::write(const RenderSettingsDescription& settings
   ++count_;
   if (written.ok()) return {};
   return "checkpoint '" + options_.checkpoint + "' could not be written: " + written.fault;
+}
+
+void RecordedCheckpoints::begin() {
+  saved_ = std::chrono::steady_clock::now();
+  if (options_.checkpoint.empty()) return;
+  const auto colors = ReadColorInputs(options_.colors, options_.diagnostics);
+  if (!colors) return;
+  const bool is_file = colors->origin != "built-in" && colors->origin.find("://") == std::string::npos;
+  colors_ = {
+      {"config", is_file ? std::filesystem::absolute(colors->origin).lexically_normal().string() : colors->origin},
+      {"digest", colors->all()}};
 }
 
 void RecordedCheckpoints::write_if_due(const RenderSettingsDescription& settings) {

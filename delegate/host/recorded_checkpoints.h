@@ -2,6 +2,7 @@
 #pragma once
 
 #include <chrono>
+#include <nlohmann/json.hpp>
 
 #include "delegate/host/frame_recorder.h"
 
@@ -18,7 +19,7 @@ class RecordedCheckpoints {
   /// Has the delegate go on from the file, if RecordOptions::resume asks for it. Else than done after a report.
   CommandResult resume();
   /// The render begins: the first checkpoint is due an interval later.
-  void begin() { saved_ = std::chrono::steady_clock::now(); }
+  void begin();
   /// A file that cannot be written now may be later: that is a warning, given once.
   void write_if_due(const RenderSettingsDescription& settings);
   void write_last(const RenderSettingsDescription& settings);
@@ -36,6 +37,7 @@ class RecordedCheckpoints {
   RenderDelegate* delegate_;
   const RecordOptions& options_;
   Path settings_;
+  nlohmann::json colors_;  // the configuration, for the note
   std::chrono::steady_clock::time_point saved_;
   int count_ = 0;
   double seconds_ = 0;

@@ -4,6 +4,7 @@
 
 #include "delegate/prims/parameters.h"
 #include "delegate/prims/prims.h"
+#include "delegate/support/color_space.h"
 
 namespace alabaster::hd::prims {
 
@@ -62,6 +63,12 @@ DirtyBits LightPrim::post_record(SceneDelegate& scene, SceneParam& param, DirtyB
     record_.shadow_link = scene.GetLightParamValue(GetId(), "shadowLink").text_or("");
     const auto get = [&](const char* name) { return scene.GetLightParamValue(GetId(), name); };
     read_parameters(light_parameters(), get, GetId().str(), param.sink(), &record_.light);
+    const Token space(std::string("color") + support::kColorSpace);
+    if (scene.GetLightParamValue(GetId(), space).text_or("") == support::kLinearRec709)
+      if (const auto to_rendering = param.rec709_to_rendering()) {
+        const Rgb color = (*to_rendering)(record_.light.color);
+        record_.light.color = {std::max(color.r, 0.0f), std::max(color.g, 0.0f), std::max(color.b, 0.0f)};
+      }
   }
   if (bits & dirty::kVisibility) record_.visible = scene.GetVisible(GetId());
   if (bits & (dirty::kParams | dirty::kResource)) {

@@ -6,6 +6,7 @@
 
 #include "delegate/prims/parameters.h"
 #include "delegate/prims/prims.h"
+#include "delegate/support/color_space.h"
 #include "delegate/support/lookup.h"
 #include "delegate/support/nearest_name.h"
 #include "delegate/support/parameters.h"
@@ -121,9 +122,13 @@ class MaterialReader {
     const MaterialNode* surface = find_surface();
     if (surface) {
       find_alphas(*surface);
-      for (const auto& [name, value] : surface->parameters) read_parameter(name, value, &material->constants);
+      std::vector<const MaterialParameter*> of_file;
+      for (const auto& [name, value] : surface->parameters)
+        if (!read_color_space(name, value, &of_file)) read_parameter(name, value, &material->constants);
       for (const auto& [input, connections] : surface->inputConnections)
         read_connections(*surface, input, connections, material.get());
+      if (const auto to_rendering = of_file.empty() ? nullptr : param_.rec709_to_rendering())
+        for (const MaterialParameter* row : of_file) convert_color(*row, *to_rendering, &material->constants);
     }
     read_displacement(material.get());
     if (!material->scatters()) drop_scatter_distance(material.get());
@@ -182,6 +187,20 @@ class MaterialReader {
   static constexpr std::pair<const char*, DisplacementSpace> kSpaces[] = {{"normal", DisplacementSpace::normal},
                                                                           {"tangent", DisplacementSpace::tangent},
                                                                           {"object", DisplacementSpace::object}};
+
+  // The space of a colour's constant. False: it is another parameter.
+  bool read_color_space(const Token& name, const Value& value, std::vector<const MaterialParameter*>* of_file) const {
+    const std::string_view text = name.str();
+    if (!text.ends_with(support::kColorSpace)) return false;
+    const MaterialParameter* const row =
+        find_material_parameter(text.substr(0, text.size() - std::string_view(support::kColorSpace).size()));
+    if (!row || !row->is_color()) return false;
+    if (value.text_or("") == support::kLinearRec709)
+      of_file->push_back(row);
+    else
+      warn("material.colorSpace", name.str() + " must be lin_rec709; the colour is taken to be in the rendering space");
+    return true;
+  }
 
   void read_parameter(const Token& name, const Value& value, DisneyParameters* constants) const {
     if (const MaterialParameter* row = find_material_parameter(name.str()))

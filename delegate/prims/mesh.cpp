@@ -5,6 +5,7 @@
 #include "delegate/prims/motion.h"
 #include "delegate/prims/parameters.h"
 #include "delegate/prims/prims.h"
+#include "delegate/support/color_space.h"
 #include "delegate/support/float_values.h"
 #include "delegate/support/parameters.h"
 
@@ -14,12 +15,13 @@ namespace {
 constexpr DirtyBits kPrimvarBits = dirty::kPrimvar | dirty::kNormals;
 
 PulledPrimvar pull_primvar(SceneDelegate& scene, const Path& id, const Token& name,
-                           const std::vector<PrimvarDescriptor>& descriptors) {
+                           const std::vector<PrimvarDescriptor>& descriptors, SceneParam* param = nullptr) {
   PulledPrimvar pulled;
   for (const PrimvarDescriptor& descriptor : descriptors) {
     if (!(descriptor.name == name)) continue;
     pulled.present = true;
     pulled.interpolation = descriptor.interpolation;
+    if (param && descriptor.role == Token(support::kLinearRec709)) pulled.to_rendering = param->rec709_to_rendering();
     pulled.value = support::FloatValues(scene.GetPrimvar(id, name, &pulled.indices));
     pulled.indices = descriptor.indexed ? pulled.indices.frozen() : Array<int32_t>();
   }
@@ -145,7 +147,7 @@ void MeshPrim::pull_primvars(SceneDelegate& scene, SceneParam& param) {
                        [&](const auto& one) { return name == Token(one.name); });
   };
   for (const auto& [name, primvar] : std::span(kPulledPrimvars).subspan(1))  // all but the points
-    update(&(pulled_.*primvar), pull_primvar(scene, GetId(), name, descriptors), &shape_changed_);
+    update(&(pulled_.*primvar), pull_primvar(scene, GetId(), name, descriptors, &param), &shape_changed_);
   std::map<Token, PulledPrimvar> uvs;
   OtherPrimvars others;
   for (const PrimvarDescriptor& descriptor : descriptors) {

@@ -115,9 +115,11 @@ const PulledPrimvar* find_primvar(const PulledMesh& mesh, const NamedPrimvars& n
   return other == named.others->end() ? nullptr : &other->second;
 }
 
-alabaster::Primvar<Rgb> to_colors(alabaster::Primvar<Vec3f> vectors) {
+alabaster::Primvar<Rgb> to_colors(alabaster::Primvar<Vec3f> vectors, const RgbMatrix* to_rendering) {
   alabaster::Primvar<Rgb> colors{vectors.interpolation, {}, std::move(vectors.indices)};
   for (const Vec3f& v : vectors.values) colors.values.emplace_back(v.x, v.y, v.z);
+  if (to_rendering)
+    for (Rgb& color : colors.values) color = (*to_rendering)(color);
   return colors;
 }
 
@@ -215,7 +217,8 @@ Cage make_cage(const PulledMesh& mesh, const NamedPrimvars& named, const std::st
   cage.tangents = primvar<Vec4f>(mesh.tangents, "tangents", reporter);
   for (const auto& [name, pulled] : mesh.uvs)
     cage.uvs.push_back({primvar<Vec2f>(pulled, name.str().c_str(), reporter), name.str()});
-  cage.colors = to_colors(primvar<Vec3f>(mesh.display_color, "displayColor", reporter));
+  cage.colors =
+      to_colors(primvar<Vec3f>(mesh.display_color, "displayColor", reporter), mesh.display_color.to_rendering.get());
   cage.opacities = primvar<float>(mesh.display_opacity, "displayOpacity", reporter);
   for (const Token& name : named.names)
     if (const PulledPrimvar* const found = find_primvar(mesh, named, name))

@@ -3,6 +3,7 @@
 
 #include <map>
 
+#include "core/color/rgb.h"
 #include "core/geometry/cage.h"
 #include "core/memory/memory_budget.h"
 #include "delegate/api/scene_types.h"
@@ -15,6 +16,7 @@ struct PulledPrimvar {
   Value value;
   Array<int32_t> indices;
   SharedReservations memory = {};
+  std::shared_ptr<const RgbMatrix> to_rendering = {};  // of its colours; null: they are in that space
   bool operator==(const PulledPrimvar&) const = default;
 };
 

@@ -50,6 +50,11 @@ class SceneParam final : public RenderParam {
   const alabaster::DiagnosticSink& sink() const { return sink_; }
   const std::shared_ptr<TraceDevice>& device() const { return device_; }
   const ColorConfig& colors() const { return *colors_; }
+  /// Converts colours that are in linear Rec. 709 (support::kColorSpace); null: they are in the rendering space.
+  std::shared_ptr<const RgbMatrix> rec709_to_rendering() {
+    std::call_once(rec709_made_, [this] { rec709_ = alabaster::rec709_to_rendering(*colors_, sink_); });
+    return rec709_;
+  }
   const std::shared_ptr<MemoryBudget>& memory() const { return memory_; }
   /// Counts the arrays of meshes.
   BufferReservations& buffers() { return buffers_; }
@@ -129,6 +134,8 @@ class SceneParam final : public RenderParam {
   alabaster::DiagnosticSink sink_;
   std::shared_ptr<TraceDevice> device_;
   std::shared_ptr<const ColorConfig> colors_;
+  std::once_flag rec709_made_;
+  std::shared_ptr<const RgbMatrix> rec709_;
   std::shared_ptr<MemoryBudget> memory_;
   BufferReservations buffers_{memory_, MemoryUse::scene};
   std::shared_ptr<TexelStore> texels_;
