@@ -16,7 +16,7 @@
 #include "core/color/config_check.h"
 #include "core/color/config_inputs.h"
 #include "core/color/config_numbers.h"
-#include "core/color/known_encodings.h"
+#include "core/color/known_code_points.h"
 #include "core/color/ocio_transform.h"
 #include "core/math/largest_half.h"
 
@@ -122,7 +122,7 @@ class OcioColorConfig final : public ColorConfig {
   }
   std::shared_ptr<const ColorTransform> display_transform(const DisplayRequest& request,
                                                           const DiagnosticSink& sink) const override;
-  std::optional<DisplayEncoding> encoding(const std::string& display, const std::string& view) const override;
+  std::optional<CodePoints> code_points(const std::string& display, const std::string& view) const override;
   std::string serialize() const override;
   ConfigInputs inputs() const;
   void report_unknown_primaries(const DiagnosticSink& sink) const;
@@ -332,10 +332,10 @@ std::array<float, 8> OcioColorConfig::chromaticities(const std::string& name) co
   }
 }
 
-std::optional<DisplayEncoding> OcioColorConfig::encoding(const std::string& display, const std::string& view) const {
+std::optional<CodePoints> OcioColorConfig::code_points(const std::string& display, const std::string& view) const {
   try {
     const QuietOcio quiet;
-    return known_encoding(config_, display.c_str(), view.c_str());
+    return known_code_points(config_, display.c_str(), view.c_str());
   } catch (const std::exception&) {
     return std::nullopt;  // a missing LUT is reported when the space is used
   }

@@ -5,10 +5,11 @@
 #include <array>
 #include <cstddef>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
-#include "core/color/display_encoding.h"
+#include "core/color/code_points.h"
 #include "core/color/rgb.h"
 #include "core/diagnostics/report.h"
 
@@ -67,8 +68,8 @@ class ColorConfig {
   virtual std::shared_ptr<const ColorTransform> display_transform(const DisplayRequest& request,
                                                                   const DiagnosticSink& sink) const = 0;
 
-  /// How the values of a view are coded, for the tags of files; empty where they are not known.
-  virtual std::optional<DisplayEncoding> encoding(const std::string& display, const std::string& view) const = 0;
+  /// How the values of a view are coded; empty where H.273 has no name for it.
+  virtual std::optional<CodePoints> code_points(const std::string& display, const std::string& view) const = 0;
 
   /// The whole configuration as text, as a file for --ocio holds it.
   virtual std::string serialize() const = 0;

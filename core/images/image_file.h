@@ -12,7 +12,7 @@
 #include <variant>
 #include <vector>
 
-#include "core/color/display_encoding.h"
+#include "core/color/code_points.h"
 #include "core/memory/memory_budget.h"
 
 namespace alabaster {
@@ -94,8 +94,8 @@ struct ImageDescription {
   /// Attributes of an EXR. Other formats have no free ones (PNG has only texts), so one description holds them all,
   /// but for "Software" and "DateTime".
   std::vector<ImageAttribute> attributes;
-  DisplayEncoding encoding;  // png
-  bool fast = false;         // not compressed, where the format lets us choose
+  std::optional<CodePoints> encoding;  // told by a PNG
+  bool fast = false;                   // not compressed, where the format lets us choose
 };
 
 /// Gives rows to an encoder. May throw; the exception passes through.

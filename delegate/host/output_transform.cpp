@@ -24,7 +24,7 @@ bool make_output_transform(const RenderProduct& product, const ProductPlan& plan
     const std::string view = product.view.empty() ? out.config->default_view(display) : product.view;
     out.transform = out.config->display_transform({display, view, product.look, product.exposure}, core_sink);
     out.description = display + " / " + view;
-    if (out.transform && plan.kind != FileKind::exr) out.encoding = out.config->encoding(display, view);
+    if (out.transform && plan.kind != FileKind::exr) out.encoding = out.config->code_points(display, view);
   } else {
     const std::string space = product.colorSpace.empty() ? out.config->rendering_space() : product.colorSpace;
     out.transform = out.config->from_rendering_space(space, core_sink);

@@ -12,7 +12,7 @@ struct OutputTransform {
   std::shared_ptr<const ColorTransform> transform;
   std::string description;  // attribute "colorSpace"
   /// Coding of the values of a PNG, TIFF or JPEG for a display; empty where it is not known.
-  std::optional<DisplayEncoding> encoding;
+  std::optional<CodePoints> encoding;
 };
 
 /// False after a report if the config cannot be read or lacks a name.

@@ -101,7 +101,7 @@ ImageDescription describe(const ProductPlan& plan, const ProductImage& image, co
   file.display = {x, y, std::max(1, int(std::lround(framing.displayMax.x)) - x),
                   std::max(1, int(std::lround(framing.displayMax.y)) - y)};
   file.attributes = attributes_of(image, out, plan.kind);
-  if (out.encoding) file.encoding = *out.encoding;
+  if (out.encoding != kSrgbCodePoints) file.encoding = out.encoding;
   file.fast = image.incomplete;
   return file;
 }
@@ -204,7 +204,7 @@ void report_untagged(const RenderProduct& product, const ProductPlan& plan, cons
   const bool has_color =
       std::any_of(plan.channels.begin(), plan.channels.end(), [](const auto& c) { return c.is_color; });
   if (!sink || !has_color || !plan.display_referred || plan.kind == FileKind::exr) return;
-  if (out.encoding && (plan.kind == FileKind::png || !out.encoding->is_tagged())) return;
+  if (out.encoding == kSrgbCodePoints || (out.encoding && plan.kind == FileKind::png)) return;
   const char* const name = plan.kind == FileKind::png ? "PNG" : plan.kind == FileKind::tiff ? "TIFF" : "JPEG";
   sink({Severity::warning, "product.untagged", product.file,
         std::string("this ") + name + " cannot say the colour space of display and view '" + out.description +

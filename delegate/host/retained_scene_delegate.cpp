@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <utility>
 
-#include "delegate/host/array_turns.h"
 #include "delegate/host/scene_fields.h"
 #include "delegate/support/lookup.h"
 
@@ -20,6 +19,22 @@ Member member_of(const std::map<Path, T>& prims, const Path& id, Member T::*memb
   return prim ? prim->*member : T().*member;
 }
 
+/// Copies an array of one of the types that Sync takes as they are, with the elements from `first` on replaced. False:
+/// it is of another type, `part` is, or it ends before them.
+bool replace_part(Value* array, size_t first, const Value& part) {
+  bool fits = false;
+  const auto try_type = [&]<class T>(const Array<T>&) {
+    const auto *now = array->get<Array<T>>(), *elements = part.get<Array<T>>();
+    if (fits || !now || !elements || first > now->size() || elements->size() > now->size() - first) return;
+    std::vector<T> values(now->begin(), now->end());
+    std::copy(elements->begin(), elements->end(), values.begin() + static_cast<std::ptrdiff_t>(first));
+    *array = Array<T>(std::move(values));
+    fits = true;
+  };
+  try_type(Array<Vec3f>()), try_type(Array<Quatf>()), try_type(Array<Matrix4d>());
+  return fits;
+}
+
 }  // namespace
 
 struct RetainedSceneDelegate::State {
@@ -30,7 +45,6 @@ struct RetainedSceneDelegate::State {
   std::map<Path, CameraDescription> cameras;
   std::map<Path, RenderBufferDescriptor> buffers;
   std::map<Path, RenderSettingsDescription> settings;
-  std::map<std::pair<Path, Token>, EditedArray> edited;  // primvars of instancers
   RenderIndex* index = nullptr;
   bool is_whole = false;  // there is an index, and it has all prims
   RetainedSceneDelegate* scene = nullptr;
@@ -76,15 +90,6 @@ struct RetainedSceneDelegate::State {
   void mark(const Path& id, DirtyBits bits) {
     if (index && index->Has(id)) index->GetChangeTracker().MarkDirty(id, bits);
   }
-  /// Gives up the copies of arrays that another one has replaced.
-  void forget_edits(const Path& instancer) {
-    const auto* description = find_in(instancers, instancer);
-    std::erase_if(edited, [&](const auto& entry) {
-      if (!(entry.first.first == instancer)) return false;
-      const Value* now = description ? find_in(description->primvars, entry.first.second) : nullptr;
-      return !now || !entry.second.is_latest(*now);
-    });
-  }
   /// Prototypes whose indices differ pull them again; so do those that came or went.
   void mark_prototypes(const InstancerDescription& a, const InstancerDescription& b) {
     for (const auto& [prototype, indices] : a.indices) {
@@ -111,7 +116,6 @@ void RetainedSceneDelegate::SetInstancer(const Path& id, InstancerDescription in
   const InstancerDescription before = value_in(state_->instancers, id);
   state_->set(state_->instancers, id, std::move(instancer));
   state_->mark_prototypes(before, state_->instancers[id]);
-  state_->forget_edits(id);
 }
 
 bool RetainedSceneDelegate::SetInstanceValues(const Path& instancer, size_t first,
@@ -120,22 +124,15 @@ bool RetainedSceneDelegate::SetInstanceValues(const Path& instancer, size_t firs
   if (found == state_->instancers.end()) return false;
   if (elements.empty()) return true;
   InstancerDescription& held = found->second;
-  const auto fits = [&](const auto& primvar) {
-    const Value* now = find_in(held.primvars, primvar.first);
-    const auto* moving = find_in(held.primvarSamples, primvar.first);
-    const auto takes_them = [&](const Value& array) { return EditedArray::fits(array, first, primvar.second); };
-    return now && takes_them(*now) &&
-           (!moving || std::all_of(moving->values.begin(), moving->values.end(), takes_them));
-  };
-  if (!std::all_of(elements.begin(), elements.end(), fits)) return false;
   std::map<Token, Value> primvars = held.primvars;
   std::map<Token, TimeSamples<Value>> samples = held.primvarSamples;
   for (const auto& [primvar, part] : elements) {
+    const auto now = primvars.find(primvar);
+    if (now == primvars.end() || !replace_part(&now->second, first, part)) return false;
     // Instances that move stand still where they are set: their elements are the same at all times.
     if (const auto moving = samples.find(primvar); moving != samples.end())
-      for (Value& sample : moving->second.values) sample = EditedArray::copy(sample, first, part);
-    Value& value = primvars[primvar];
-    value = state_->edited[{instancer, primvar}].edit(value, first, part);
+      for (Value& sample : moving->second.values)
+        if (!replace_part(&sample, first, part)) return false;
   }
   held.primvars.swap(primvars);
   held.primvarSamples.swap(samples);
@@ -174,7 +171,6 @@ bool RetainedSceneDelegate::Remove(const Path& id) {
   if (s.index) s.index->Remove(id);
   s.for_each_kind([&](auto& prims) { prims.erase(id); });
   s.mark_prototypes(instancer, {});
-  s.forget_edits(id);
   return true;
 }
 

@@ -70,7 +70,7 @@ class ALABASTER_API RetainedSceneDelegate : public SceneDelegate {
   void SetMesh(const Path& id, MeshDescription mesh);
   void SetInstancer(const Path& id, InstancerDescription instancer);
   /// Replaces elements of an instancer's primvars, from `first` on; in their motion samples, too: these stand still.
-  /// Costs what it changes and a copy of each sample, SetInstancer a copy and a comparison. False, and nothing is
+  /// Costs a copy of each array, SetInstancer a comparison, too. False, and nothing is
   /// changed: there is no such primvar, or an array is of another type than its elements or ends before them.
   bool SetInstanceValues(const Path& instancer, size_t first, const std::map<Token, Value>& elements);
   bool SetInstanceValues(const Path& instancer, const Token& primvar, size_t first, const Value& elements) {

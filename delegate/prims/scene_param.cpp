@@ -48,15 +48,7 @@ std::shared_ptr<const Texture> SceneParam::texture(const TextureSource& source, 
     reloads = reloads_;
   }
   std::shared_ptr<const Texture> loaded = same ? same->placed(source) : nullptr;
-  if (!loaded) {
-    if (const auto failure = failed_images_.find(source)) {
-      *fault = failure->fault;
-      for (const alabaster::Diagnostic& d : failure->reports)
-        if (sink) sink(d);
-      return nullptr;
-    }
-    loaded = load(source, fault, sink, cancel);
-  }
+  if (!loaded) loaded = load(source, fault, sink, cancel);
   if (!loaded) return nullptr;
   const std::lock_guard lock(mutex_);
   if (reloads != reloads_) return loaded;  // it may be the file before its edit, which nobody else should get
@@ -68,58 +60,36 @@ std::shared_ptr<const Texture> SceneParam::texture(const TextureSource& source, 
 
 std::shared_ptr<const Texture> SceneParam::load(const TextureSource& source, std::optional<SceneFault>* fault,
                                                 const alabaster::DiagnosticSink& sink, const CancelToken& cancel) {
-  bool input = true, is_of_file = true;
-  FailedFiles::Failure failure;
+  bool input = true;
   const alabaster::DiagnosticSink watched = [&](const alabaster::Diagnostic& d) {
     input = d.code != "texture.memory";
-    // Contents fail until the file is written again. A failure to open it may pass.
-    if (d.severity == alabaster::Severity::error)
-      is_of_file = d.code == "texture.damaged" || d.code == "texture.format" || d.code == "texture.size";
-    failure.reports.push_back(d);
     if (sink) sink(d);
   };
-  FileState state = state_of(source);
   std::shared_ptr<const Texture> loaded;
   const TextureLoading loading = {.store = texels_, .cancel = cancel};
   run([&] { tbb::this_task_arena::isolate([&] { loaded = load_texture(source, *colors_, watched, loading); }); });
-  if (loaded) return loaded;
-  *fault = failure.fault = SceneFault{input, "the image '" + source.path + "' could not be read"};
-  if (is_of_file) failed_images_.keep(source, std::move(state), std::move(failure));
-  return nullptr;
+  if (!loaded) *fault = SceneFault{input, "the image '" + source.path + "' could not be read"};
+  return loaded;
 }
 
 std::shared_ptr<const IesProfile> SceneParam::profile(const TextureSource& source, std::optional<SceneFault>* fault,
                                                       const alabaster::DiagnosticSink& sink) {
-  const std::string unread = "the IES profile '" + source.path + "' could not be read";
+  std::shared_ptr<const IesProfile> profile;
   if (source.bytes) {
     const std::string_view text(reinterpret_cast<const char*>(source.bytes->data()), source.bytes->size());
-    auto parsed = IesProfile::parse(text, source.path, sink);
-    if (!parsed) *fault = SceneFault{true, unread};
-    return parsed;
+    profile = IesProfile::parse(text, source.path, sink);
+  } else {
+    std::error_code none;
+    const FileState state{std::filesystem::last_write_time(source.path, none),
+                          std::filesystem::file_size(source.path, none)};
+    const std::lock_guard turn(profiles_mutex_);
+    HeldProfile& held = profiles_[{source.path, source.within}];
+    profile = held.profile.lock();
+    if (!profile || held.state != state) profile = IesProfile::load(source.path, sink, source.within);
+    held = {state, profile};
   }
-  const std::lock_guard turn(profiles_mutex_);
-  FileState state = state_of(source);
-  HeldProfile& held = profiles_[{source.path, source.within}];
-  if (auto profile = held.profile.lock(); profile && held.state == state) return profile;
-  auto failure = failed_profiles_.find(source);
-  if (!failure) {
-    std::vector<alabaster::Diagnostic> reports;
-    const alabaster::DiagnosticSink kept = [&](const alabaster::Diagnostic& d) {
-      reports.push_back(d);
-      if (sink) sink(d);
-    };
-    const auto loaded = IesProfile::load(source.path, kept, source.within);
-    if (loaded) {
-      held = {std::move(state), loaded};
-      return loaded;
-    }
-    failure = {SceneFault{true, unread}, std::move(reports)};
-    failed_profiles_.keep(source, std::move(state), *failure);
-  } else if (sink) {
-    for (const alabaster::Diagnostic& d : failure->reports) sink(d);
-  }
-  *fault = failure->fault;
-  return nullptr;
+  if (!profile) *fault = SceneFault{true, "the IES profile '" + source.path + "' could not be read"};
+  return profile;
 }
 
 TextureSource source_of(const Value& file) {
@@ -153,8 +123,6 @@ void SceneParam::reload(const std::string& file) {
     std::erase_if(textures_, [&](const auto& entry) { return names_image(entry.first, file); });
     rereads = rereads_;
   }
-  failed_images_.forget(file);
-  failed_profiles_.forget(file);
   for (const auto& [id, reread] : rereads) guarded(sink_, id.str(), [&, &again = reread] { again(file); });
 }
 

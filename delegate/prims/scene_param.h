@@ -3,6 +3,7 @@
 
 #include <array>
 #include <atomic>
+#include <filesystem>
 #include <functional>
 #include <list>
 #include <map>
@@ -17,7 +18,6 @@
 #include "delegate/api/prims.h"
 #include "delegate/prims/build_clock.h"
 #include "delegate/prims/diagnostics.h"
-#include "delegate/prims/failed_files.h"
 #include "delegate/prims/records.h"
 
 namespace alabaster::hd::prims {
@@ -59,7 +59,7 @@ class SceneParam final : public RenderParam {
   /// Counts the arrays of meshes.
   BufferReservations& buffers() { return buffers_; }
   /// Shared by all materials and lights that name the same image, whatever their wrap modes and filters; null
-  /// (reported, and in *fault) if it cannot be had; the same file is not read for that again until it is written.
+  /// (reported, and in *fault) if it cannot be had.
   /// Within run() only. Throws BuildCancelled while it decodes.
   std::shared_ptr<const Texture> texture(const TextureSource& source, std::optional<SceneFault>* fault,
                                          const alabaster::DiagnosticSink& sink, const CancelToken& cancel);
@@ -121,6 +121,8 @@ class SceneParam final : public RenderParam {
     TextureSource source;
     std::weak_ptr<const Texture> texture;
   };
+  /// They change when it is written.
+  using FileState = std::pair<std::filesystem::file_time_type, uintmax_t>;
   struct HeldProfile {
     FileState state;
     std::weak_ptr<const IesProfile> profile;
@@ -145,7 +147,6 @@ class SceneParam final : public RenderParam {
   std::array<Shard, 16> shards_;
   std::mutex profiles_mutex_;                                            // held while one is read
   std::map<std::pair<std::string, std::string>, HeldProfile> profiles_;  // by name and folder
-  FailedFiles failed_images_, failed_profiles_;
   FileFaults file_faults_;
   mutable std::mutex mutex_;  // guards what follows, for look-ups only
   std::multimap<std::string, HeldTexture> textures_;

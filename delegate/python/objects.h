@@ -136,19 +136,11 @@ struct Primvar : NeverImplicit {
 struct Engine {
   explicit Engine(py::handle report) : messages(report) {}
   ~Engine() { drop(delegate); }
-  /// `call(api, delegate, unlocked)`. Fails in a process that was forked: its locks may be held by threads that it
-  /// lacks.
+  /// `call(api, delegate, unlocked)`
   template <class Call>
   void run(const Call& call) {
-    check_process();
     python::run(messages,
                 [&](const AlabasterApi& api, Unlocked& unlocked) { return call(api, delegate.get(), unlocked); });
-  }
-  /// Comes before values are lent, which only a call gives back.
-  void check_process() const {
-    if (getpid() != process)
-      throw c_api::Error(ALABASTER_INVALID_ARGUMENT,
-                         "the renderer belongs to the process that made it, and this one was forked: make another one");
   }
   /// Before a restart, which would disturb the recording.
   void refuse_while_recording() const {
@@ -171,7 +163,6 @@ struct Engine {
   /// Held by the one thread that starts renders or records. The callback of record may do both.
   std::recursive_mutex turn;
   bool records = false;  // the thread that holds it
-  const pid_t process = getpid();
 };
 
 class Pixels : public NeverImplicit {

@@ -62,7 +62,6 @@ class Renderer : public NeverImplicit {
     run([&](const AlabasterApi& api, AlabasterDelegate* delegate) { return api.show(delegate, shown); });
   }
   void set(const py::dict& settings) {
-    engine_->check_process();
     const c_api::Parameters held = parameters(settings, "settings");
     const std::vector<AlabasterParameter> raw = c_api::pass(held);
     run([&](const AlabasterApi& api, AlabasterDelegate* delegate) {
@@ -88,7 +87,6 @@ class Renderer : public NeverImplicit {
   }
   py::object command(const Text& name, const py::dict& arguments) {
     const c_api::Parameters held = parameters(arguments, "arguments");
-    engine_->check_process();
     const std::vector<AlabasterParameter> raw = c_api::pass(held);
     return last_of(
         engine_->ask([&](const AlabasterApi& api, AlabasterDelegate* delegate, AlabasterVisit visit, void* user) {
@@ -178,15 +176,13 @@ struct Recording {
     const py::object answer = progress(progress_of(now));
     return answer.is_none() || flag(answer, "what progress returns") ? 1 : 0;
   }
-  /// The callback forked: the recording cannot continue without the threads of the parent, and its frames do not end.
+  /// The callback forked: the recording cannot continue without the threads of the parent.
   [[noreturn]] void end_child() const {
     try {
       if (error) std::rethrow_exception(error);
-      throw py::value_error("a process that a progress callback forks must end within the callback");
+      PyErr_SetString(PyExc_ValueError, "a process that a progress callback forks must end within the callback");
     } catch (py::error_already_set& thrown) {
       thrown.restore();
-    } catch (const std::exception& thrown) {
-      PyErr_SetString(PyExc_RuntimeError, thrown.what());
     }
     PyErr_PrintEx(0);  // ends the process where the error is SystemExit
     Py_Exit(1);

@@ -1,7 +1,6 @@
 #include <zlib.h>
 
 #include <algorithm>
-#include <cmath>
 
 #include "core/images/format_limits.h"
 #include "core/images/open_image_io/functions.h"
@@ -114,34 +113,13 @@ OIIO::ImageSpec make_spec(const ImageDescription& image) {
   return spec;
 }
 
-void add_number(std::vector<unsigned char>& to, uint32_t number) {
-  for (int shift = 24; shift >= 0; shift -= 8) to.push_back(static_cast<unsigned char>(number >> shift));
-}
-void add_chunk(std::vector<unsigned char>& to, std::string_view name, const std::vector<unsigned char>& content) {
-  add_number(to, uint32_t(content.size()));
-  const size_t checked = to.size();
-  to.insert(to.end(), name.begin(), name.end());
-  to.insert(to.end(), content.begin(), content.end());
-  add_number(to, uint32_t(crc32(0, to.data() + checked, uInt(to.size() - checked))));
-}
-
-/// OpenImageIO writes neither cICP nor cHRM.
-void tag_png(const DisplayEncoding& encoding, std::vector<unsigned char>& file) {
-  constexpr size_t kHeader = 33;    // the signature and IHDR
-  constexpr double kUnit = 100000;  // of gAMA and cHRM
-  const auto units = [](double value) { return uint32_t(std::lround(value * kUnit)); };
-  std::vector<unsigned char> tags, content;
-  if (encoding.primaries != 0) {
-    add_chunk(tags, "cICP", {encoding.primaries, encoding.transfer, 0, 1});
-  } else {
-    add_number(content, units(1 / double(encoding.gamma)));
-    add_chunk(tags, "gAMA", content);
-    content.clear();
-    for (const size_t i : {6, 7, 0, 1, 2, 3, 4, 5})  // white first
-      add_number(content, units(double(encoding.chromaticities[i])));
-    add_chunk(tags, "cHRM", content);
-  }
-  file.insert(file.begin() + kHeader, tags.begin(), tags.end());
+/// OpenImageIO does not write cICP: it goes between IHDR and what follows.
+void tag_png(const CodePoints& codes, std::vector<unsigned char>& file) {
+  constexpr size_t kHeader = 33;  // the signature and IHDR
+  std::vector<unsigned char> chunk{0, 0, 0, 4, 'c', 'I', 'C', 'P', codes.primaries, codes.transfer, 0, 1};
+  const auto check = uint32_t(crc32(0, chunk.data() + 4, uInt(chunk.size() - 4)));
+  for (int shift = 24; shift >= 0; shift -= 8) chunk.push_back(static_cast<unsigned char>(check >> shift));
+  file.insert(file.begin() + kHeader, chunk.begin(), chunk.end());
 }
 
 }  // namespace
@@ -175,7 +153,7 @@ std::string encode_image(const ImageDescription& image, const RowSource& rows, s
     if (!good) return failure_text(output->geterror());
   }
   if (!output->close()) return failure_text(output->geterror());
-  if (image.kind == FileKind::png && image.encoding.is_tagged()) tag_png(image.encoding, file);
+  if (image.kind == FileKind::png && image.encoding) tag_png(*image.encoding, file);
   return {};
 }
 

@@ -2,7 +2,6 @@
 #include <gtest/gtest.h>
 
 #include <random>
-#include <set>
 
 #include "delegate/host/retained_scene_delegate.h"
 #include "testenv/unit/delegate/host/fake_delegate.h"
@@ -56,34 +55,6 @@ TEST(InstanceValues, LastEditWinsAndOtherInstancesAreUnchanged) {
     for (const auto& [array, values] : held) ASSERT_TRUE(same(array, values)) << edit;
     if (edit % 500 == 499) leaves.set(expected = in_a_row(50 + size_t(edit) / 100));
   }
-}
-
-// Copies of large arrays are made beforehand, by a thread.
-TEST(InstanceValues, LastEditWinsInALargeArray) {
-  std::vector<Vec3f> expected = in_a_row(200000);
-  Leaves leaves(expected);
-  std::vector<Array<Vec3f>> held;
-  for (size_t edit = 0; edit < 200; ++edit) {
-    const size_t place = edit * 7919 % expected.size();
-    expected[place] = Vec3f(static_cast<float>(edit), 1, 2);
-    ASSERT_TRUE(leaves.move(place, {expected[place]}));
-    ASSERT_TRUE(edit % 10 != 0 || same(leaves.now(), expected)) << edit;
-    if (edit % 3 == 0) held.push_back(leaves.now());
-    if (held.size() > 3) held.erase(held.begin());
-  }
-  EXPECT_TRUE(same(leaves.now(), expected));
-}
-
-TEST(InstanceValues, CopiesAreReused) {
-  Leaves leaves(in_a_row(10));
-  std::set<const Vec3f*> copies;
-  Array<Vec3f> rendered = leaves.now();
-  for (size_t edit = 0; edit < 300; ++edit) {
-    ASSERT_TRUE(leaves.move(edit % 10, {Vec3f(0)}));
-    rendered = leaves.now();  // lets go of the array of before
-    copies.insert(rendered.data());
-  }
-  EXPECT_EQ(copies.size(), 2u);
 }
 
 TEST(InstanceValues, PrimvarThatTheArrayLacksIsRefused) {

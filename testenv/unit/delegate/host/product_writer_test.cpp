@@ -32,7 +32,7 @@ struct Read {
   OIIO::TypeDesc type(const std::string& channel) const { return spec.channelformat(spec.channelindex(channel)); }
 };
 
-/// The names of a PNG's chunks before its pixels, cICP with its bytes, gAMA with its number.
+/// The names of a PNG's chunks of colour before its pixels, cICP with its bytes.
 std::string tags_of(const std::string& file) {
   std::ifstream stream(file, std::ios::binary);
   const std::string bytes((std::istreambuf_iterator<char>(stream)), {});
@@ -44,11 +44,9 @@ std::string tags_of(const std::string& file) {
   std::string tags;
   for (size_t at = 8; bytes.compare(at + 4, 4, "IDAT") != 0; at += 12 + number(at)) {
     const std::string name = bytes.substr(at + 4, 4);
-    if (name == "gAMA") tags += "gAMA " + std::to_string(number(at + 8)) + " ";
-    if (name == "cHRM") tags += "cHRM " + std::to_string(number(at + 16)) + " ";
     if (name == "cICP")
       for (size_t i = 0; i < 4; ++i) tags += (i == 0 ? "cICP " : "") + std::to_string(uint8_t(bytes[at + 8 + i])) + " ";
-    if (name == "iCCP" || name == "sRGB") tags += name;
+    if (name == "iCCP" || name == "sRGB" || name == "gAMA" || name == "cHRM") tags += name;
   }
   return tags;
 }
@@ -337,8 +335,8 @@ TEST_F(ProductFile, APngSaysItsDisplay) {
   };
   EXPECT_EQ(tags("sRGB", "ACES"), "");
   EXPECT_EQ(tags("", ""), "");
-  EXPECT_EQ(tags("P3-D65", "ACES"), "gAMA 38462 cHRM 68000 ");
-  EXPECT_EQ(tags("Rec.709", "Un-tone-mapped"), "gAMA 41667 cHRM 64000 ");
+  EXPECT_EQ(tags("P3-D65", "ACES"), "warning");
+  EXPECT_EQ(tags("Rec.709", "Un-tone-mapped"), "warning");
   EXPECT_EQ(tags("Rec.2100-PQ", "ACES"), "cICP 9 16 0 1 ");
   for (const char* display : {"sRGB", "P3-D65"}) EXPECT_EQ(tags(display, "Raw"), "warning");
 }
@@ -350,7 +348,7 @@ TEST_F(ProductFile, APngOfAStudiosDisplaySaysItsSpace) {
 roles: {default: lin, scene_linear: lin, cie_xyz_d65_interchange: XYZ}
 displays:
   Grading suite: [!<View> {name: V, view_transform: plain, display_colorspace: suite}]
-  Phone: [!<View> {name: V, view_transform: plain, display_colorspace: <USE_DISPLAY_NAME>}]
+  P3: [!<View> {name: V, view_transform: plain, display_colorspace: <USE_DISPLAY_NAME>}]
   Odd: [!<View> {name: V, view_transform: plain, display_colorspace: odd}]
   Old: [!<View> {name: V, colorspace: filmic sRGB}, !<View> {name: W, colorspace: filmic}]
 view_transforms:
@@ -358,12 +356,7 @@ view_transforms:
 display_colorspaces:
   - !<ColorSpace> {name: XYZ}
   - !<ColorSpace> {name: suite, from_display_reference: !<BuiltinTransform> {style: DISPLAY - CIE-XYZ-D65_to_REC.2100-HLG-1000nit}}
-  - !<ColorSpace>
-    name: Phone
-    to_display_reference: !<GroupTransform>
-      children:
-        - !<ExponentWithLinearTransform> {gamma: 2.4, offset: 0.055}
-        - !<MatrixTransform> {matrix: [0.4865709, 0.2656677, 0.1982173, 0, 0.2289746, 0.6917385, 0.0792869, 0, 0, 0.0451134, 1.0439444, 0, 0, 0, 0, 1]}
+  - !<ColorSpace> {name: P3, to_display_reference: !<BuiltinTransform> {style: DISPLAY - CIE-XYZ-D65_to_ST2084-P3-D65, direction: inverse}}
   - !<ColorSpace> {name: odd, from_display_reference: !<ExponentTransform> {value: [1.7, 1.7, 1.7, 1], direction: inverse}}
 colorspaces:
   - !<ColorSpace> {name: lin}
@@ -381,7 +374,7 @@ colorspaces:
     return tags_of(p.file) + (said.find("take it for sRGB") == std::string::npos ? "" : "warning");
   };
   EXPECT_EQ(tags("Grading suite", "V"), "cICP 9 18 0 1 ");
-  EXPECT_EQ(tags("Phone", "V"), "cICP 12 13 0 1 ");
+  EXPECT_EQ(tags("P3", "V"), "cICP 12 16 0 1 ");
   EXPECT_EQ(tags("Odd", "V"), "warning");
   EXPECT_EQ(tags("Old", "V"), "");
   EXPECT_EQ(tags("Old", "W"), "warning");
