@@ -24,7 +24,8 @@ constexpr struct {
 };
 
 /// A few colours within Rec. 709, in CIE XYZ.
-constexpr std::array<float, 12> kColors = {0.9505f, 1, 1.089f, 0.019f, 0.02f, 0.022f, 0.39f, 0.36f, 0.24f, 0.2f, 0.3f, 0.1f};
+constexpr std::array<float, 12> kColors = {0.9505f, 1,     1.089f, 0.019f, 0.02f, 0.022f,
+                                           0.39f,   0.36f, 0.24f,  0.2f,   0.3f,  0.1f};
 using Values = std::array<float, kColors.size()>;
 
 Values values_of(const ocio::ConstConfigRcPtr& config, const ocio::ConstTransformRcPtr& transform,
