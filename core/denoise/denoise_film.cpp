@@ -31,8 +31,15 @@ DenoiseStatus denoise_film(const Denoiser& denoiser, const DenoiseOptions& optio
   try {
     const std::vector<float> rgba = film->resolve_float(Aov::color);
     DenoiserFrame frame = frame_of(*film, rgba);
+    // Open Image Denoise takes light below 1e-8 for black: the picture is denoised at a mean of about 1. A power of two
+    // changes no digit.
+    double sum = 0;
+    for (const float v : frame.color) sum += double(std::abs(v));
+    const int exponent = sum > 0 ? std::ilogb(sum / double(frame.color.size())) : 0;
+    for (float& v : frame.color) v = std::ldexp(v, -exponent);
     const DenoiseStatus status = denoiser.denoise(&frame, options, problem);
     if (status != DenoiseStatus::done) return status;
+    for (float& v : frame.color) v = std::ldexp(v, exponent);
     for (size_t i = 0; i < rgba.size() / 4; ++i)
       if (!(rgba[4 * i + 3] > 0)) std::fill_n(frame.color.begin() + static_cast<std::ptrdiff_t>(3 * i), 3, 0.0f);
     if (!std::all_of(frame.color.begin(), frame.color.end(), [](float v) { return std::isfinite(v); })) {

@@ -36,7 +36,7 @@ std::string foreign_name(std::string_view part) {
   const std::string_view rest = is_word ? part.substr(scheme.size() + 1) : std::string_view();
   const bool ends = is_word && (rest.empty() || rest[0] == '\\' || rest[0] == '/');
   const std::string with_colon = "'" + std::string(scheme) + ":'";
-  if (ends && scheme.size() == 1)
+  if (is_word && scheme.size() == 1)
     return "it begins with a drive letter, " + with_colon + ", which this system does not have; use a relative path";
   if (scheme == "data" && is_word) return "it is a data URI, which is not read here; save the data as a file";
   if (ends)

@@ -103,7 +103,7 @@ class DisneyBsdf {
   // disney_energy.cpp
   void keep_albedos(const DisneyParameters& parameters);
   void bound_energy(const DisneyParameters& parameters);
-  void add_several_facets();
+  void add_several_facets(const DisneyParameters& p);
   /// Directions of at least this cosine keep all shares, by a bound that costs less than the albedos themselves; more
   /// than 1: it does not tell.
   float least_safe_cosine() const;

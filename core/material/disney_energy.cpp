@@ -68,7 +68,7 @@ void DisneyBsdf::keep_albedos(const DisneyParameters& p) {
 void DisneyBsdf::bound_energy(const DisneyParameters& p) {
   clear_ = nonmetal_ * p.spec_trans;
   beyond_ = p.diff_trans_color * (dielectric_ * 0.5f * p.diff_trans);
-  if (energy_ == EnergyModel::conserving) add_several_facets();
+  if (energy_ == EnergyModel::conserving) add_several_facets(p);
   safe_cosine_ = least_safe_cosine();
   if (wo_.z < safe_cosine_) kept_ = kept_along(wo_);
 }
@@ -93,15 +93,15 @@ float DisneyBsdf::least_safe_cosine() const {
 
 // Kulla and Conty 2017, "Revisiting Physically Based Shading at Imageworks": a lobe of the light that single scattering
 // loses, both ways, coloured by the facets that it met on average, F^2 E / (1 - F (1 - E)). Schlick's mean is
-// f0 + (f90 - f0) / 21.
-void DisneyBsdf::add_several_facets() {
+// f0 + (f90 - f0) / 21. A half metal is a mixture of two surfaces, and so is its lobe.
+void DisneyBsdf::add_several_facets(const DisneyParameters& p) {
   const float mean = mean_ggx_albedo(specular_.ggx), lost = 1 - mean;
   if (!(lost > 1e-4f)) return;
   lost_ = lost_among_facets(wo_);
-  for (int c = 0; c < 3; ++c) {
-    const float fresnel = lerp(specular_.f0[c], specular_.f90[c], 1.0f / 21);
-    several_albedo_[c] = sqr(fresnel) * mean / (1 - fresnel * lost);
-  }
+  const auto albedo = [&](float fresnel) { return sqr(fresnel) * mean / (1 - fresnel * lost); };
+  for (int c = 0; c < 3; ++c)
+    several_albedo_[c] =
+        lerp(albedo(specular_.mean_dielectric[c]), albedo(lerp(p.base_color[c], 1.0f, 1.0f / 21)), p.metallic);
   several_ = several_albedo_ * (1 / (kPi * lost));
 }
 

@@ -15,6 +15,7 @@ struct DisneySpecular {
   Rgb f0{0.0f}, f90{0.0f};
   Ggx ggx;
   ThinFilm film{};
+  Rgb mean_dielectric{0.0f};  // Schlick's mean of the share that is no metal
 
   static DisneySpecular from(const DisneyParameters& p);
 
@@ -68,6 +69,7 @@ inline DisneySpecular DisneySpecular::from(const DisneyParameters& p) {
   const Rgb dielectric_f0 = clamp01(tinted) * dielectric;
   const Rgb dielectric_f90 = Rgb(dielectric * std::min(1.0f, 50 * f0_ior));
   DisneySpecular lobe;
+  lobe.mean_dielectric = lerp(dielectric_f0, dielectric_f90, 1.0f / 21);
   lobe.f0 = lerp(dielectric_f0, p.base_color, p.metallic);
   lobe.f90 = lerp(dielectric_f90, Rgb(1.0f), p.metallic);
   lobe.ggx = disney_ggx(p.specular_roughness(), p.anisotropic);

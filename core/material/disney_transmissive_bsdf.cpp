@@ -50,7 +50,9 @@ DisneyTransmissiveBsdf::DisneyTransmissiveBsdf(const DisneyParameters& p, const 
     const float through = DisneyThinDielectric::roughness_through(p.roughness, p.ior);
     sheet_ = {DielectricBoundary::from(p, side.eta, p.base_color), ggx, disney_ggx(through, p.anisotropic)};
   } else {
-    solid_ = {DielectricBoundary::from(p, side.eta, square_root(p.base_color), side.inside), ggx};
+    // The colour of a cloudy body is that of its medium.
+    const Rgb tint = p.scatters() ? Rgb(1.0f) : square_root(p.base_color);
+    solid_ = {DielectricBoundary::from(p, side.eta, tint, side.inside), ggx};
     if (layered == Layered::far) solid_.boundary.layers_beyond = DisneyLayers::of(p);
   }
   if (p.is_widened() && share > 0) [[unlikely]]

@@ -64,10 +64,9 @@ float radius_about(const Vec3d& origin, const BoundsDouble& bounds) {
   return static_cast<float>(length(half + Vec3d(std::abs(shift.x), std::abs(shift.y), std::abs(shift.z))));
 }
 
-// As far as it shows: a closed mesh is seen from its front alone.
 bool is_single_sided(const InstanceDescription& d, const DisneyMaterial& material) {
   const Sides sides = material.constants.sides;
-  return !d.prototype->mesh.outward && (sides == Sides::mesh ? !d.options.double_sided : sides == Sides::front);
+  return sides == Sides::mesh ? !d.options.double_sided : sides == Sides::front;
 }
 
 // All but where it stands.
@@ -82,9 +81,9 @@ Instance look_of(const InstanceDescription& d) {
   for (size_t slot = 0; slot < d.materials.size(); ++slot) {
     const DisneyMaterial& material = *d.materials[slot];
     instance.materials.push_back(&material);
-    const bool single_sided = is_single_sided(d, material);
+    const bool single_sided = is_single_sided(d, material) && !material.is_translucent();
     instance.see_through |= material.is_partly_opaque() || single_sided;
-    if (single_sided && !material.is_translucent()) {
+    if (single_sided) {
       instance.single_sided = true;
       instance.single_sided_slots.resize(d.materials.size());
       instance.single_sided_slots[slot] = 1;

@@ -86,11 +86,15 @@ class LightCompiler {
       for (const auto& set : sets) casters.push_back(holds(set, link));
     }
     if (std::all_of(light_links.begin(), light_links.end(), [](uint32_t link) { return link == 0; })) return;
+    std::map<uint32_t, std::vector<size_t>> of_link;
+    for (size_t i = 0; i < lights.size(); ++i) of_link[light_links[i]].push_back(i);
     std::map<std::vector<size_t>, std::shared_ptr<const LightSet>> known;
     for (const auto& set : sets) {
-      std::vector<size_t> lit_by;
-      for (size_t i = 0; i < lights.size(); ++i)
-        if (holds(set, light_links[i])) lit_by.push_back(i);
+      std::vector<size_t> lit_by = of_link[0];
+      for (const uint32_t category : set)
+        if (const auto linked = of_link.find(category); category != 0 && linked != of_link.end())
+          lit_by.insert(lit_by.end(), linked->second.begin(), linked->second.end());
+      std::sort(lit_by.begin(), lit_by.end());
       auto& linked = known[lit_by];
       if (!linked) linked = choose(lights, traits, lit_by);
       snapshot_->linked_lights.push_back(linked);

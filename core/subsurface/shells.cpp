@@ -1,8 +1,10 @@
 #include "core/subsurface/shells.h"
 
 #include <algorithm>
+#include <array>
 #include <atomic>
 #include <cmath>
+#include <numeric>
 
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
@@ -127,26 +129,39 @@ class ShellFinder {
       if (shell_[t] != kNone && cavity[shell_[t]]) out_.triangle_flags[t] ^= MeshShells::kReversed;
   }
 
+  // Looks at points over all of the mesh, and over each shell: a small one may have none of the former.
   bool overlaps() const {
-    constexpr size_t kSamples = 4096;
-    std::vector<double> area(corners_.size() + 1, 0);
-    for (size_t t = 0; t < corners_.size(); ++t) {
-      const auto& c = corners_[t];
+    constexpr size_t kOfMesh = 4096, kOfShell = 16;
+    std::vector<uint32_t> order(corners_.size());
+    std::iota(order.begin(), order.end(), 0u);
+    if (shells_.size() > 1)
+      std::stable_sort(order.begin(), order.end(), [&](uint32_t a, uint32_t b) { return shell_[a] < shell_[b]; });
+    std::vector<double> area(order.size() + 1, 0);
+    std::vector<std::array<size_t, 2>> parts;  // of `order`
+    for (size_t i = 0; i < order.size(); ++i) {
+      const auto& c = corners_[order[i]];
       const Vec3d p(mesh_.points[c[0]]);
-      area[t + 1] = area[t] + length(cross(Vec3d(mesh_.points[c[1]]) - p, Vec3d(mesh_.points[c[2]]) - p));
+      area[i + 1] = area[i] + length(cross(Vec3d(mesh_.points[c[1]]) - p, Vec3d(mesh_.points[c[2]]) - p));
+      if (i == 0 || shell_[order[i]] != shell_[order[i - 1]]) parts.push_back({i, i});
+      parts.back()[1] = i + 1;
     }
-    if (!(area.back() > 0)) return false;
     std::atomic<bool> found = false;
-    tbb::parallel_for(tbb::blocked_range<size_t>(0, kSamples, 64), [&](const tbb::blocked_range<size_t>& range) {
-      for (size_t i = range.begin(); i < range.end() && !found; ++i) {
-        cancel_.check();
-        const double at = area.back() * (static_cast<double>(i) + 0.5) / kSamples;
-        const auto above = std::upper_bound(area.begin(), area.end(), at);
-        const auto t = static_cast<uint32_t>(above - area.begin() - 1);
-        if (t >= corners_.size()) continue;
-        const double u = (at - area[t]) / (*above - area[t]);
-        if (lies_inside(t, {static_cast<float>(u), radical_inverse(static_cast<uint32_t>(i))})) found = true;
-      }
+    const auto look = [&](const std::array<size_t, 2>& part, size_t i, size_t count) {
+      cancel_.check();
+      const double first = area[part[0]], all = area[part[1]] - first;
+      const double at = first + all * (static_cast<double>(i) + 0.5) / static_cast<double>(count);
+      const auto above = std::upper_bound(area.begin(), area.end(), at);
+      if (!(all > 0) || above == area.end() || above == area.begin()) return;
+      const double u = (at - above[-1]) / (*above - above[-1]);
+      const uint32_t t = order[size_t(above - area.begin() - 1)];
+      if (lies_inside(t, {static_cast<float>(u), radical_inverse(static_cast<uint32_t>(i))})) found = true;
+    };
+    tbb::parallel_for(tbb::blocked_range<size_t>(0, kOfMesh, 64), [&](const tbb::blocked_range<size_t>& range) {
+      for (size_t i = range.begin(); i < range.end() && !found; ++i) look({0, order.size()}, i, kOfMesh);
+    });
+    if (parts.size() == 1) return found;
+    tbb::parallel_for(size_t(0), parts.size(), [&](size_t part) {
+      for (size_t i = 0; i < kOfShell && !found; ++i) look(parts[part], i, kOfShell);
     });
     return found;
   }

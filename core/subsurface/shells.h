@@ -23,7 +23,8 @@ struct MeshShells {
   std::vector<uint8_t> triangle_flags;  // empty: closed shells that wind outward, all of them
   bool any_open = false, any_closed = false;
   /// Some surface lies inside a closed shell of the same mesh, or is a wall: the body is the union of its shells. Found
-  /// by 4096 points spread over the area: an overlap of less than that share may be overlooked.
+  /// by 4096 points spread over the area, and 16 over each shell: an overlap of less than those shares may be
+  /// overlooked.
   bool overlapping = false;
   /// Twice the volume over the area, of the closed shell where that is least; and a triangle of it. Object space.
   float least_thickness = std::numeric_limits<float>::infinity();

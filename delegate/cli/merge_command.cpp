@@ -2,6 +2,7 @@
 #include <cmath>
 #include <cstdio>
 #include <filesystem>
+#include <tuple>
 
 #include "delegate/cli/commands.h"
 #include "delegate/cli/exit_codes.h"
@@ -166,6 +167,7 @@ class MergeCommand {
       std::optional<hd::host::FrameNote> note = hd::host::ReadFrameNote(dictionary->at("note").text_or(""));
       degraded_ = degraded_ || (note && note->degraded);
       if (note) compare_colors(part, *note);
+      if (note) compare_products(part, note->frame.products);
       if (!frame && note) frame = std::move(note->frame), metadata_ = std::move(note->metadata);
       if (!frame)
         console_.fail(kInput, part,
@@ -173,7 +175,7 @@ class MergeCommand {
     }
     frame->settings["samples"] = samples;
     frame->settings["firstSample"] = int64_t(0);
-    if (!products_.empty()) take_colors(frame->products);
+    if (!products_.empty()) take_colors(shown_);
     frame->products = products_;
     for (const hd::RenderProduct& product : products_) {
       require(exit_code(hd::host::CheckProduct(product, session_.colors(), console_.sink()).status, true));
@@ -192,6 +194,22 @@ class MergeCommand {
                         config_ + "': render one of them again with the other's");
   }
 
+  // Parts without files, as a farm's, agree with all others.
+  void compare_products(const std::string& part, const std::vector<hd::RenderProduct>& shown) {
+    if (shown_.empty()) shown_ = shown, shown_by_ = part;
+    const bool is_chosen = !a_.display.empty() || !a_.view.empty() || !a_.look.empty() || a_.exposure;
+    for (const hd::RenderProduct& product : is_chosen ? std::vector<hd::RenderProduct>() : shown) {
+      const hd::RenderProduct* const first = like(product, shown_);
+      const auto colors = [](const hd::RenderProduct& p) {
+        return std::tie(p.display, p.view, p.look, p.exposure, p.colorSpace);
+      };
+      if (first && !products_.empty() && colors(*first) != colors(product))
+        console_.fail(kInput, part,
+                      "it shows the frame with another display, view, look, exposure or colour space than " +
+                          shown_by_ + ": choose with --display, --view, --look or --exposure");
+    }
+  }
+
   // The configuration and the display of the parts, where the command line names none.
   void take_colors(const std::vector<hd::RenderProduct>& shown) {
     const auto is_theirs = [&] {
@@ -205,14 +223,30 @@ class MergeCommand {
                       "this colour configuration, a LUT of it or a variable that it names is not what the parts were "
                       "rendered with: restore it, or name a configuration with --ocio");
     }
-    if (shown.empty()) return;
     for (hd::RenderProduct& product : products_) {
-      if (product.file.ends_with(".exr")) continue;
-      if (a_.display.empty() && a_.view.empty()) product.display = shown[0].display, product.view = shown[0].view;
-      if (a_.look.empty()) product.look = shown[0].look;
-      if (!a_.exposure) product.exposure = shown[0].exposure;
-      if (a_.display.empty() && a_.view.empty()) product.colorSpace = shown[0].colorSpace;
+      const hd::RenderProduct* const theirs = like(product, shown);
+      if (!theirs) continue;
+      if (product.dataType.empty()) product.dataType = theirs->dataType;
+      if (a_.display.empty() && a_.view.empty()) {
+        product.display = theirs->display, product.view = theirs->view;
+        product.colorSpace = theirs->colorSpace;
+      }
+      if (a_.look.empty()) product.look = theirs->look;
+      if (!a_.exposure) product.exposure = theirs->exposure;
     }
+  }
+
+  // The product of that name; else the first of its kind. Null: there is none.
+  static const hd::RenderProduct* like(const hd::RenderProduct& product, const std::vector<hd::RenderProduct>& all) {
+    const auto name = [](const hd::RenderProduct& p) { return std::filesystem::path(p.file).filename(); };
+    const auto is_exr = [](const hd::RenderProduct& p) { return p.file.ends_with(".exr"); };
+    const hd::RenderProduct* found = nullptr;
+    for (const hd::RenderProduct& other : all) {
+      if (is_exr(other) != is_exr(product)) continue;
+      if (name(other) == name(product)) return &other;
+      if (!found) found = &other;
+    }
+    return found;
   }
 
   int write() {
@@ -251,7 +285,8 @@ class MergeCommand {
   std::vector<hd::RenderProduct> products_;
   hd::Dictionary metadata_;
   bool degraded_ = false;
-  std::string first_part_, config_, config_digest_;
+  std::string first_part_, config_, config_digest_, shown_by_;
+  std::vector<hd::RenderProduct> shown_;  // by that part
 };
 
 }  // namespace

@@ -98,9 +98,10 @@ std::vector<size_t> surfaces_of(const std::vector<SurfacePiece>& pieces) {
     return i;
   };
   std::vector<std::pair<Edge, size_t>> all;
+  std::map<std::string_view, int> with_key;
+  for (const SurfacePiece& piece : pieces) ++with_key[piece.key];
   for (size_t i = 0; i < pieces.size(); ++i) {
-    const auto has_key = [&](const SurfacePiece& piece) { return piece.key == pieces[i].key; };
-    if (std::count_if(pieces.begin(), pieces.end(), has_key) < 2) continue;
+    if (with_key[pieces[i].key] < 2) continue;
     for (const Edge& edge : open_edges(*pieces[i].points, *pieces[i].triangles)) all.emplace_back(edge, i);
   }
   std::sort(all.begin(), all.end(), [&](const auto& a, const auto& b) {

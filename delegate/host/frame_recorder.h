@@ -71,8 +71,8 @@ struct RecordResult : RecordEnd {
 ALABASTER_API RecordResult RecordFrame(RenderIndex* index, RetainedSceneDelegate* scene, const Path& settings,
                                        const RecordOptions& options);
 
-/// The frame that a checkpoint of a recording is of, without the limits of memory and threads. Its one product, if any,
-/// tells how the first file for a display shows the frame.
+/// The frame that a checkpoint of a recording is of, without the limits of memory and threads. Its products tell how
+/// its files show the frame.
 struct FrameNote {
   RenderSettingsDescription frame;
   bool degraded = false;                   // rendered without all of its scene

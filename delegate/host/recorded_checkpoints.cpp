@@ -42,10 +42,11 @@ std::string RecordedCheckpoints::note(const RenderSettingsDescription& d) const 
   RenderSettingsDescription frame = d;
   frame.products.clear();
   for (const RenderProduct& product : d.products)
-    if (!product.file.ends_with(".exr") && product.camera.empty() && product.width == 0 && frame.products.empty()) {
+    if (product.camera.empty() && product.width == 0) {
       RenderProduct& shown = frame.products.emplace_back();
-      shown.file = product.file, shown.colorSpace = product.colorSpace, shown.exposure = product.exposure;
+      shown.file = product.file, shown.dataType = product.dataType, shown.colorSpace = product.colorSpace;
       shown.display = product.display, shown.view = product.view, shown.look = product.look;
+      shown.exposure = product.exposure;
     }
   frame.settings.clear();
   const Dictionary stats = delegate_->GetRenderStats();

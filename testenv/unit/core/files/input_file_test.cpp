@@ -43,7 +43,7 @@ class InputFiles : public ::testing::Test {
   /// The text of a file that must lie in `in`; else the fault.
   std::string text(const std::string& name) const { return text_of(path(name)); }
   std::string text_of(const std::string& whole) const {
-    constexpr const char* kFaults[] = {"none", "missing", "not regular", "outside", "unreadable"};
+    constexpr const char* kFaults[] = {"none", "missing", "foreign", "not regular", "outside", "unreadable"};
     const InputFile file(whole, in_);
     std::string contents;
     if (file) return file.read(&contents) ? contents : "cannot be read";

@@ -1,6 +1,8 @@
 // One colour in each of its places, and a second step that has the colours of the first.
 #include <OpenImageIO/imageio.h>
 
+#include <map>
+
 #include "testenv/unit/delegate/cli/run_program.h"
 #include "testenv/unit/delegate/description/scene_fixture.h"
 
@@ -125,6 +127,33 @@ TEST_F(MergeColours, AChangedOrMissingConfigurationIsRefusedByName) {
   EXPECT_EQ(missing.code, 3) << missing.err;
   EXPECT_NE(missing.err.find("wide.ocio"), std::string::npos) << missing.err;
   EXPECT_EQ(run({"merge", "part0", "part1", "-o", "merged.exr", "--ocio", "built-in"}).code, 0);
+}
+
+TEST_F(MergeColours, AFileIsShownAsTheProductOfItsNameIs) {
+  write("two.json", R"({"models": [{"file": "patch.gltf"}], "settings": {"resolution": [8, 8]}, "products": [
+    {"file": "f.exr", "dataType": "float", "colorSpace": "ACEScg"}, {"file": "f.png", "view": "Raw", "exposure": -1},
+    {"file": "g.png", "exposure": 1}]})");
+  for (const std::string part : {"0", "1"})
+    ASSERT_EQ(run({"render", "two.json", "--samples", part == "0" ? "0:2" : "2:4", "--checkpoint", "part" + part}).code,
+              0);
+  ASSERT_EQ(run({"render", "two.json", "--spp", "4"}).code, 0);
+  std::map<std::string, std::vector<float>> whole;
+  for (const std::string file : {"f.exr", "f.png", "g.png"}) whole[file] = middle(file);
+  ASSERT_EQ(run({"merge", "part0", "part1", "-o", "f.exr", "-o", "g.png", "-o", "f.png"}).code, 0);
+  for (const auto& [file, right] : whole) EXPECT_EQ(middle(file), right) << file;
+}
+
+TEST_F(MergeColours, PartsThatShowTheFrameDifferentlyAreRefused) {
+  ASSERT_EQ(run({"render", "show.json", "--samples", "0:2", "--checkpoint", "part0", "-o", "a.png"}).code, 0);
+  ASSERT_EQ(
+      run({"render", "show.json", "--samples", "2:4", "--checkpoint", "part1", "-o", "b.png", "--exposure", "1"}).code,
+      0);
+  for (const std::vector<std::string>& parts : {std::vector<std::string>{"part0", "part1"}, {"part1", "part0"}}) {
+    const Outcome merged = run({"merge", parts[0], parts[1], "-o", "merged.png"});
+    EXPECT_EQ(merged.code, 3) << merged.err;
+    EXPECT_NE(merged.err.find(parts[1]), std::string::npos) << merged.err;
+    EXPECT_EQ(run({"merge", parts[0], parts[1], "-o", "merged.png", "--exposure", "1"}).code, 0);
+  }
 }
 
 TEST_F(MergeColours, PartsOfTwoConfigurationsAreRefusedByName) {
