@@ -191,26 +191,6 @@ std::optional<Vec2f> Camera::project(const Vec3f& p_render) const {
   return Vec2f((eye.x / depth - film_offset_.x) / film_scale_.x, (eye.y / depth - film_offset_.y) / film_scale_.y);
 }
 
-std::optional<Vec2f> Camera::film_position(const Vec3f& p_render, const Vec2f& lens) const {
-  if (!(lens_radius_ > 0)) return project(p_render);
-  const Vec3f eye = to_eye(p_render);
-  if (!(eye.z < 0)) return std::nullopt;
-  // Follow the ray from the lens to where it meets the plane of focus.
-  const Vec2f d = sample_aperture(lens);
-  const Vec2f slope((eye.x - d.x) / -eye.z, (eye.y - d.y) / -eye.z);
-  const Vec2f local = slope + d * (1 / focus_distance_);
-  return Vec2f((local.x - film_offset_.x) / film_scale_.x, (local.y - film_offset_.y) / film_scale_.y);
-}
-
-// A pixel has the area film_scale_.x film_scale_.y on the plane at distance one. That plane is met at an angle of the
-// same cosine as the point's depth has to its distance.
-float Camera::pixels_per_area(const Vec3f& d, const Vec3f& p_render) const {
-  const float pixel = std::abs(film_scale_.x * film_scale_.y);
-  if (orthographic_) return 1 / pixel;
-  const float cosine = -dot(d, z_), depth = axial_depth(p_render);
-  return 1 / (pixel * cosine * depth * depth);
-}
-
 float Camera::axial_depth(const Vec3f& p_render) const {
   return dot(origin_ - p_render, z_);
 }

@@ -69,10 +69,6 @@ class Camera {
   Vec3f direction_to_eye(const Vec3f& d) const { return {dot(d, x_), dot(d, y_), dot(d, z_)}; }
   /// Where a point of render space appears, in film coordinates, without lens. Nothing if it is not before the camera.
   std::optional<Vec2f> project(const Vec3f& p_render) const;
-  /// The film position from which generate_ray(., lens) passes the point; project() without a lens.
-  std::optional<Vec2f> film_position(const Vec3f& p_render, const Vec2f& lens) const;
-  /// Pixels per area, at a point, of a surface that a ray of the camera in unit direction `d` meets at a right angle.
-  float pixels_per_area(const Vec3f& d, const Vec3f& p_render) const;
   /// Distance of a point along the camera's -z axis, world units.
   float axial_depth(const Vec3f& p_render) const;
   /// Hydra's 0..1 depth of that distance (1 = far plane). Without a near plane, where it is undefined: d / (1 + d).

@@ -16,10 +16,6 @@
 // (a), (b) and (c). Given those, the pixel is the mean of a fixed number of samples. The order of the groups in a block
 // does not enter. In a frame within one block, or of a few pixels, the group that decides may be empty: then a group
 // ends itself, and is biased a little.
-//
-// Light paths bind pixels: one that lands in a pixel has not landed in another, and a frame's light paths are one set
-// of points. In adaptive frames of a caustic no bias was seen within half a per cent of the light
-// (testenv/statistical/unbiased_stopping_test.cpp).
 #pragma once
 
 #include "core/film/film.h"

@@ -74,14 +74,6 @@ size_t making_allocation_bytes(const PixelRect& window) {
   return kPixel * pixels_in(window);
 }
 
-uint32_t SampleAllocation::frame_sample(size_t pixel, uint32_t s) const {
-  if (rates_.empty() || s < kPilotSamples) return s;
-  auto b = kPilotSamples + static_cast<uint32_t>((static_cast<float>(s - kPilotSamples) + 0.5f) / rates_[pixel]);
-  while (samples(pixel, b) > s) --b;  // mend what rounding has moved
-  while (samples(pixel, b + 1) <= s) ++b;
-  return b;
-}
-
 SampleAllocation::SampleAllocation(const Film& pilot, const std::vector<uint32_t>& rays, uint32_t total) {
   const PixelRect& window = pilot.data_window();
   const NoiseImage noise_image = film_noise(pilot);

@@ -2,8 +2,7 @@
 // is allocated so that the frame's relative error (frame_error.h) becomes least in a given time: with v a pixel's
 // relative variance per sample and c the cost of one, the sum of v / n under a given sum of n c is least for
 // n ~ sqrt(v / c) (Neyman 1934, optimum allocation). Cost is counted in rays, since time differs from run to run. v and
-// c are estimated from nearby pixels of other groups (pixel_group.h), so that the mean of a pixel stays unbiased. A
-// pixel with more samples than the frame sees the light paths of some sample of the frame more than once.
+// c are estimated from nearby pixels of other groups (pixel_group.h), so that the mean of a pixel stays unbiased.
 #pragma once
 
 #include <cstdint>
@@ -36,8 +35,6 @@ class SampleAllocation {
     if (rates_.empty() || base <= kPilotSamples) return base;
     return kPilotSamples + static_cast<uint32_t>(static_cast<float>(base - kPilotSamples) * rates_[pixel] + 0.5f);
   }
-  /// The sample of the frame during which `pixel` takes its sample s: the first b for which samples(pixel, b + 1) > s.
-  uint32_t frame_sample(size_t pixel, uint32_t s) const;
 
  private:
   // Samples of each pixel after the pilot, per sample of the frame, within the bounds. Their mean is one, or less where

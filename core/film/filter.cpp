@@ -41,26 +41,17 @@ class InverseCdf {
   std::array<float, kSize> table_{};
 };
 
-constexpr float kRadius = 1.5f;  // of the filters without a closed form
-constexpr double kSigma = 0.5;
-
-double gaussian(double x) {
-  return std::exp(-x * x / (2 * kSigma * kSigma));
-}
-
-// Harris 1978, four-term minimum Blackman-Harris window.
-double blackman_harris(double x) {
-  const double t = 2 * kPiDouble * (x / 3 + 0.5);
-  return 0.35875 - 0.48829 * std::cos(t) + 0.14128 * std::cos(2 * t) - 0.01168 * std::cos(3 * t);
-}
-
 float sample_gaussian(float u) {
-  static const InverseCdf inverse(kRadius, gaussian);
+  static const InverseCdf inverse(1.5f, [](double x) { return std::exp(-x * x / (2 * 0.5 * 0.5)); });
   return inverse(u);
 }
 
+// Harris 1978, four-term minimum Blackman-Harris window.
 float sample_blackman_harris(float u) {
-  static const InverseCdf inverse(kRadius, blackman_harris);
+  static const InverseCdf inverse(1.5f, [](double x) {
+    const double t = 2 * kPiDouble * (x / 3 + 0.5);
+    return 0.35875 - 0.48829 * std::cos(t) + 0.14128 * std::cos(2 * t) - 0.01168 * std::cos(3 * t);
+  });
   return inverse(u);
 }
 
@@ -82,23 +73,6 @@ Vec2f sample_pixel_filter(PixelFilter filter, const Vec2f& u) {
       return {sample_blackman_harris(u.x), sample_blackman_harris(u.y)};
   }
   return {0, 0};
-}
-
-float pixel_filter_density(PixelFilter filter, float offset) {
-  const double distance = std::abs(double(offset));
-  switch (filter) {
-    case PixelFilter::box:
-      return offset >= -0.5f && offset < 0.5f ? 1.0f : 0.0f;
-    case PixelFilter::triangle:
-      return static_cast<float>(std::max(0.0, 1 - distance));
-    case PixelFilter::gaussian: {
-      static const double integral = kSigma * std::sqrt(2 * kPiDouble) * std::erf(kRadius / (kSigma * std::sqrt(2.0)));
-      return distance < kRadius ? static_cast<float>(gaussian(distance) / integral) : 0.0f;
-    }
-    case PixelFilter::blackman_harris:  // three cosines, each of whole periods
-      return distance < kRadius ? static_cast<float>(blackman_harris(distance) / (0.35875 * 2 * kRadius)) : 0.0f;
-  }
-  return 0;
 }
 
 }  // namespace alabaster

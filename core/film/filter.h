@@ -12,7 +12,4 @@ enum class PixelFilter { box, triangle, gaussian, blackman_harris };
 /// (sigma 0.5), blackman_harris 3.
 Vec2f sample_pixel_filter(PixelFilter filter, const Vec2f& u);
 
-/// The density of one coordinate of that offset; the two are independent. 0 outside the support.
-float pixel_filter_density(PixelFilter filter, float offset);
-
 }  // namespace alabaster

@@ -26,8 +26,7 @@ struct LightWeight {
 };
 
 /// The share of the light that arrives at `p`. `within`: the interiors that p is in; null: none.
-inline float visibility(const PathContext& context, const Vec3f& p, const LightSample& light,
-                        const Interiors* within = nullptr) {
+inline float visibility(const PathContext& context, const Vec3f& p, const LightSample& light, const Interiors* within) {
   ++context.counters.shadow_rays;
   const Ray ray{p, light.wi, light.shadow_length(), context.time};
   if (light.shadow_link != 0) [[unlikely]]

@@ -4,7 +4,6 @@
 #include "core/integrator/boundary.h"
 #include "core/integrator/camera_interiors.h"
 #include "core/integrator/first_hit.h"
-#include "core/integrator/light_path.h"
 #include "core/integrator/path_surface.h"
 #include "core/integrator/surface_light.h"
 
@@ -18,11 +17,9 @@ bool intersect(const PathContext& context, const PixelSampler& sampler, PathStat
   return false;
 }
 
-// The weight of light that the path's ray meets, against sampling of that light and light paths.
-Rgb weight_of_met(const PathState& path, float light_pdf) {
-  if (!(path.scatter_pdf > 0)) return Rgb(1.0f);
-  const float weight = power_heuristic(path.scatter_pdf, light_pdf);
-  return light_pdf > 0 ? path.left_to_path * weight : Rgb(weight);
+// The weight of light that the path's ray meets, against sampling of that light.
+float weight_of_met(const PathState& path, float light_pdf) {
+  return path.scatter_pdf > 0 ? power_heuristic(path.scatter_pdf, light_pdf) : 1.0f;
 }
 
 // Emission of the lights without geometry that the path's segment meets.
@@ -51,7 +48,7 @@ Rgb linked_light_emission(const PathContext& context, const PathState& path, boo
 void add_mesh_emission(const PathVertex& v, PathState* path) {
   if (is_black(v.material.emission)) return;
   const TriangleHit& hit = v.triangle;
-  Rgb weight(1.0f);
+  float weight = 1;
   if (path->scatter_pdf > 0)
     weight = weight_of_met(*path, path->lights->mesh_light_pdf(path->ray, hit.t, hit.instance, hit.triangle));
   path->radiance += path->throughput * v.material.emission * weight;
@@ -164,9 +161,9 @@ template <SubsurfaceMode kMode, bool kLayers>
 bool continue_by_lobe(const PathContext& context, const PixelSampler& sampler, const std::array<float, 4>& u,
                       LobedVertex* at, PathState* path, LobeChoice* choice) {
   PathRecord* const record = record_of<kLayers>(context);
-  const bool splits = kLayers && path->depth == 0, shares = at->light_path_ratio > 0;
+  const bool splits = kLayers && path->depth == 0;
   Rgb specular;
-  const auto sample = at->bsdf.sample(u[0], {u[1], u[2]}, splits || shares ? &specular : nullptr);
+  const auto sample = at->bsdf.sample(u[0], {u[1], u[2]}, splits ? &specular : nullptr);
   if (sample) DCHECK_GE(sample->pdf, 0.0f);
   if (record && sample) record->sample_lobe(lobe_name(sample->lobe), sample->f, sample->pdf);
   if (record && !sample) record->end("no direction was sampled");
@@ -178,9 +175,7 @@ bool continue_by_lobe(const PathContext& context, const PixelSampler& sampler, c
     if (!at->below) at->below.emplace(at->v, context.settings, false).flat = at->flat;
     return continue_below<kMode, kLayers>(context, sampler, *at->below, path);
   }
-  const Rgb left = shares ? left_to_path(*at, sample->wi, share_of(specular, sample->f)) : Rgb(1.0f);
   const bool leaves = scatter_at_surface(context, at->v, *sample, path);
-  path->left_to_path = left;
   if (record && !leaves) record->end("the direction leads into the surface");
   if (!leaves) return false;
   if (splits) choice->specular_share = share_of(specular, sample->f);
@@ -202,10 +197,7 @@ void split_by_lobes(const PathContext& context, const PixelSampler& sampler, Lob
         if (!continue_by_lobe<kMode, kLayers>(context, branch_sampler, u, at, branch, &choice)) return false;
         if (keeps_footprints(context)) branch->footprint.scatter(branch->scatter_pdf);
         // The directions of all paths compete with each sampled light. The footprint is that of one.
-        if (choice.lobe == Lobe::subsurface) return true;
-        branch->scatter_pdf *= kPathsPerSample;
-        if (context.light_paths && path->interiors.empty() && !path->passed_boundary)
-          branch->light_path_ratio = light_path_ratio_from(context, at->v, *path, *branch);
+        if (choice.lobe != Lobe::subsurface) branch->scatter_pdf *= kPathsPerSample;
         return true;
       },
       [&](const Rgb& light, const WalkLayers& walk) {
@@ -225,8 +217,6 @@ bool scatter(const PathContext& context, const PixelSampler& sampler, const Path
   if (splits) split->emission = path->radiance, split->scattered = true;
   const DisneyBsdf bsdf(v.material, v.frame.to_local(-path->ray.dir), context.settings.energy);
   LobedVertex at{v, bsdf};
-  if (path->light_path_ratio > 0) [[unlikely]]
-    at.light_path_ratio = light_path_ratio_at(context, *path, v);
 
   // Sample the lights.
   add_direct_light<kMode, kLayers>(context, numbers.light, &at, path, split);
@@ -322,7 +312,6 @@ void follow_path(const PathContext& context, const PixelSampler& sampler, PathSt
         goes_behind<kMode, kLayers>(context, sampler, numbers.bsdf.data(), &vertex, path)) [[unlikely]] {
       path->ray.tmax = reach - hit.t;
       passed += hit.t;
-      path->passed_boundary = true;
       is_vertex = false;
       continue;
     }

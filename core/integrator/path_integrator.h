@@ -14,7 +14,7 @@ namespace alabaster {
 
 /// Raised where equal scenes, settings and seeds no longer give equal samples: sums of different samples cannot be
 /// parts of one picture.
-inline constexpr int kSamplingVersion = 11;
+inline constexpr int kSamplingVersion = 12;
 
 enum class SubsurfaceMode {
   lambert,    // scatter distances are taken as zero: the 2015 diffuse
@@ -32,12 +32,10 @@ struct IntegratorSettings {
   EnergyModel energy = EnergyModel::bounded;
   float texture_filter = 0;  // of colour textures, in widths of a path's footprint; 0: none
   float glossy_filter = 0;   // see Footprint::least_alpha; 0: none
-  bool light_paths = true;   // where they pay (light_path.h)
 };
 
 class CameraInteriors;
 class PathRecord;
-struct LightPathPlan;
 
 /// The vectors of the first hit that AOVs show (kVectorAovs), and what they are measured by.
 struct HitVectorRequest {
@@ -53,12 +51,11 @@ struct PathContext {
   const Camera& camera;
   const IntegratorSettings& settings;
   RenderCounters& counters;
-  LightLayers* layers = nullptr;               // of the sample, for integrators that were selected with layers
-  AovSet aovs = aov_bit(Aov::color);           // values of the first hit are computed only for these
-  PathRecord* record = nullptr;                // the path is written here; needs layers
-  float time = 0;                              // of the shutter; all rays have it. `camera` stands as it does then
-  const HitVectorRequest* vectors = nullptr;   // null: no AOV shows them
-  const LightPathPlan* light_paths = nullptr;  // whose landings will be added to the sample; null: none
+  LightLayers* layers = nullptr;              // of the sample, for integrators that were selected with layers
+  AovSet aovs = aov_bit(Aov::color);          // values of the first hit are computed only for these
+  PathRecord* record = nullptr;               // the path is written here; needs layers
+  float time = 0;                             // of the shutter; all rays have it. `camera` stands as it does then
+  const HitVectorRequest* vectors = nullptr;  // null: no AOV shows them
   const CameraInteriors* camera_interiors = nullptr;  // null: camera rays begin outside of clear bodies
 };
 

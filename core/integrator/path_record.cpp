@@ -114,10 +114,6 @@ void PathRecord::add_flat_light(const Rgb& light) {
   if (is_written_ && !is_black(light)) line(2, "adds " + three(light) + ", as if the body filled a half-space");
 }
 
-void PathRecord::add_landed(const Rgb& light) {
-  if (is_written_) line(1, "adds " + three(light) + ", which light paths bring");
-}
-
 void PathRecord::twin_leaves(const Rgb& light) {
   check(light, NonfiniteCause::walk);
   if (is_written_) line(2, "adds " + three(light) + ", for what the same walk brings out of a half-space");

@@ -41,8 +41,6 @@ class PathRecord {
   /// The path splits: all until the next call belongs to path `index` of `count`, whose light counts 1 / count.
   void branch(uint32_t index, uint32_t count);
   void end(const char* reason);
-  /// Light that light paths bring to the sample (light_path.h).
-  void add_landed(const Rgb& light);
 
   const std::string& text() const { return text_; }
   /// The first number of the path that was not finite.

@@ -36,22 +36,14 @@ struct PathState {
   uint32_t depth = 0;
   FilmSample* guides = nullptr;  // takes the values of kGuideAovs at the next surface; null: they are not sought
   bool held_out = false;         // the camera's ray ended at a hold-out
-  bool passed_boundary = false;  // the camera's ray went straight through one
   uint32_t walk_events = 0;      // of the last subsurface walk; any other carrier of light counts as many
   Rgb twin_light{0.0f};          // that its twin took out of the path's radiance
   Footprint footprint;
   Interiors interiors;  // that the ray is in
   Hollows hollows;      // bodies that the ray is in, in air
-  /// The density of light paths over that of rays from the first surface, but for factors of the surface that the ray
-  /// meets; 0: light paths do not come this way (light_path.h).
-  float light_path_ratio = 0;
-  /// The share of the light that the ray meets and light sampling knows which light paths leave to this one.
-  Rgb left_to_path{1.0f};
 
   /// The path goes on along another ray.
   void go_on(const Vec3f& origin, const Vec3f& direction) {
-    light_path_ratio = 0;
-    left_to_path = Rgb(1.0f);
     ray = {origin, direction, std::numeric_limits<float>::infinity(), ray.time};
   }
   Rgb through_interiors(const Rgb& light, float distance) const {

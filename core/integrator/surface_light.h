@@ -3,7 +3,6 @@
 
 #include "core/integrator/direct_light.h"
 #include "core/integrator/layer_split.h"
-#include "core/integrator/light_path.h"
 #include "core/integrator/path_record.h"
 #include "core/integrator/subsurface_scatter.h"
 #include "core/material/disney_bsdf.h"
@@ -19,7 +18,6 @@ inline constexpr uint32_t kPathsPerSample = 2;
 struct LobedVertex {
   const PathVertex& v;
   const DisneyBsdf& bsdf;
-  float light_path_ratio = 0;             // light_path_ratio_at() the vertex
   std::optional<FlatExit> flat = {};      // VertexBelow's
   std::optional<VertexBelow> below = {};  // made once it is needed
 };
@@ -40,18 +38,12 @@ void add_flat_light(const PathContext& context, const LobedVertex& at, PathState
   if (kLayers && path->depth == 0) split->below.multiple += light;
 }
 
-/// The share of light from `wi` that light paths leave to the path, if `specular_share` of f is specular.
-inline Rgb left_to_path(const LobedVertex& at, const Vec3f& wi, const Rgb& specular_share) {
-  return Rgb(1.0f) - specular_share * light_path_share(light_path_ratio(at.light_path_ratio, at.v, at.bsdf,
-                                                                        at.v.frame.to_world(wi)));
-}
-
 /// Samples the lights. Sets at->flat where walks have twins.
 template <SubsurfaceMode kMode, bool kLayers>
 void add_direct_light(const PathContext& context, const std::array<float, 4>& u, LobedVertex* at, PathState* path,
                       LayerSplit* split) {
   const PathVertex& v = at->v;
-  const bool splits = kLayers && path->depth == 0, shares = at->light_path_ratio > 0;
+  const bool splits = kLayers && path->depth == 0;
   PathRecord* const record = record_of<kLayers>(context);
   const float directions = path->depth == 0 ? static_cast<float>(kPathsPerSample) : 1.0f;
   const bool walks = kMode != SubsurfaceMode::lambert && v.material.scatters();
@@ -61,8 +53,7 @@ void add_direct_light(const PathContext& context, const std::array<float, 4>& u,
     const Vec3f wi = v.frame.to_local(wi_world);
     if (!at->bsdf.reaches(wi) || !v.is_above_surface(wi_world)) return {};
     Rgb specular;
-    BsdfValue value = at->bsdf.evaluate(wi, splits || shares ? &specular : nullptr);
-    if (shares) value.f *= left_to_path(*at, wi, share_of(specular, value.f));
+    const BsdfValue value = at->bsdf.evaluate(wi, splits ? &specular : nullptr);
     const float pdf = value.pdf * directions;
     const float cosine = std::abs(wi.z);
     if (record) record->sample_light(wi_world, value.f * cosine, pdf);

@@ -69,11 +69,6 @@ class DisneyBsdf {
   /// The estimate of all that it reflects and lets enter by which lobes are chosen; 0 if it does neither.
   float weight() const { return weight_; }
 
-  /// The density of wo if the specular lobe is sampled for a viewer at wi; 0 if there is none.
-  float reverse_specular_pdf(const Vec3f& wi) const {
-    return probability_[size_t(Lobe::specular)] > 0 ? specular_.evaluate(wi, wo_).pdf : 0;
-  }
-
   /// False where evaluate() has f = 0 for any material: below the horizon of all lobes.
   bool reaches(const Vec3f& wi) const { return wi.z > 0 || (coated() && layers_->coat.reaches(wi)); }
 

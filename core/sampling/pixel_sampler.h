@@ -71,8 +71,7 @@ enum class Dimension : uint32_t {
   exit_bsdf,
   exit_light,
   opacity = 7,  // a purpose has left, and the others keep their numbers
-  time,
-  light_path
+  time
 };
 
 class PixelSampler {

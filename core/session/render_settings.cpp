@@ -94,7 +94,6 @@ IntegratorSettings integrator_settings(const RenderSettings& s) {
   if (!shortcuts) out.glossy_filter = 0;
   out.walk.guiding = shortcuts && s.walk_guiding;
   out.walk.twins = shortcuts;
-  out.light_paths = shortcuts && out.glossy_filter == 0;  // filtered gloss has no fireflies
   out.walk.sphere_steps = shortcuts && s.walk_sphere_steps;
   return out;
 }

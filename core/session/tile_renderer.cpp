@@ -69,23 +69,15 @@ TileRenderer::TileRenderer(const RenderRequest& request, const CancelToken& canc
   RenderCounters counters;  // the search is no part of a sample
   camera_interiors_ = CameraInteriors::find({*request.scene, camera_.first(), integrator_settings_, counters},
                                             ray_origins(request, camera_));
-  if (integrator_settings_.light_paths && !has_motion_)
-    landings_ = std::make_unique<LightLandings>(LightLandingsRequest{
-        *request.scene, camera_.first(), integrator_settings_, request.width, request.height, request.data_window,
-        request.settings.filter, request.settings.frame, request.settings.seed, camera_interiors_.get()});
 }
 
 FilmSample TileRenderer::trace_sample(const SampleAddress& at, RenderCounters* counters, LightLayers* layers,
                                       PathRecord* record) const {
-  LandedCache landed(landings_.get());
-  return trace_sample(at, {seed_of(at.x, at.y), at.sample}, at.sample, counters,
-                      SampleParts{layers, nullptr, record, &landed});
+  return trace_sample(at, {seed_of(at.x, at.y), at.sample}, counters, SampleParts{layers, nullptr, record});
 }
 
-// The sample sees the light paths of `frame_sample`. Several samples of a pixel may share those, and a pixel may skip
-// them.
-FilmSample TileRenderer::trace_sample(const SampleAddress& at, const PixelSampler& sampler, uint32_t frame_sample,
-                                      RenderCounters* counters, const SampleParts& parts) const {
+FilmSample TileRenderer::trace_sample(const SampleAddress& at, const PixelSampler& sampler, RenderCounters* counters,
+                                      const SampleParts& parts) const {
   // Find when it is taken, place it in the pixel's filter and on the lens, and trace its path.
   std::optional<Camera> moved;
   float time = 0;
@@ -101,7 +93,6 @@ FilmSample TileRenderer::trace_sample(const SampleAddress& at, const PixelSample
   PathContext context{*request_.scene, camera,        integrator_settings_, *counters,
                       parts.layers,    request_.aovs, parts.record,         time};
   context.camera_interiors = camera_interiors_.get();
-  if (landings_) context.light_paths = landings_->plan(frame_sample);
   std::optional<HitVectorRequest> vectors;
   std::optional<Camera> closes;
   if (parts.vectors) [[unlikely]] {
@@ -118,9 +109,6 @@ FilmSample TileRenderer::trace_sample(const SampleAddress& at, const PixelSample
     throw SampleFailure(failure.what(), at);
   }
   ++counters->samples;
-  if (context.light_paths)
-    if (const LandedLight* landed = parts.landed->of_sample(frame_sample, counters).find(at.x, at.y))
-      add_landed(*landed, parts, &result);
   if (exposure_ != 1) expose(exposure_, &result, parts.layers);
 
   // One bad number would spoil every later sum of its pixel.
@@ -131,15 +119,6 @@ FilmSample TileRenderer::trace_sample(const SampleAddress& at, const PixelSample
     *parts.layers = {};
   }
   return result;
-}
-
-// Adds what light paths bring to the pixel.
-void TileRenderer::add_landed(const LandedLight& landed, const SampleParts& parts, FilmSample* result) const {
-  result->color += landed.color;
-  if (parts.record) parts.record->add_landed(landed.color);
-  if (!has_layers_) return;
-  parts.layers->specular += landed.specular;
-  parts.layers->diffuse += landed.color - landed.specular;
 }
 
 // Traces the path again, with a record that only looks for the cause.

@@ -14,7 +14,6 @@
 #include "core/diagnostics/counters.h"
 #include "core/integrator/camera_interiors.h"
 #include "core/integrator/path_integrator.h"
-#include "core/session/light_landings.h"
 #include "core/session/pass_schedule.h"
 #include "core/session/render_request.h"
 
@@ -60,12 +59,10 @@ class TileRenderer {
     LightLayers* layers;
     HitVectors* vectors;  // null: no AOV shows them
     PathRecord* record;   // null: none
-    LandedCache* landed;
   };
-  FilmSample trace_sample(const SampleAddress& at, const PixelSampler& sampler, uint32_t frame_sample,
-                          RenderCounters* counters, const SampleParts& parts) const;
+  FilmSample trace_sample(const SampleAddress& at, const PixelSampler& sampler, RenderCounters* counters,
+                          const SampleParts& parts) const;
 
-  void add_landed(const LandedLight& landed, const SampleParts& parts, FilmSample* result) const;
   NonfiniteCause nonfinite_cause(const PathContext& path, const Ray& ray, const PixelSampler& sampler) const;
 
   const RenderRequest& request_;
@@ -76,7 +73,6 @@ class TileRenderer {
   bool has_layers_, has_vectors_;
   PathIntegrator trace_path_;
   std::unique_ptr<const CameraInteriors> camera_interiors_;  // null: camera rays begin outside of clear bodies
-  std::unique_ptr<LightLandings> landings_;                  // null: no sample has light paths
 };
 
 template <class MayGoOn, class Tile>
@@ -87,9 +83,7 @@ bool TileRenderer::render(const TileSamples& samples, const MayGoOn& may_go_on, 
   const int step = samples.pass.block;
   LightLayers layers;
   HitVectors vectors;
-  LandedCache landed(landings_.get());
-  const SampleParts parts{&layers, has_vectors_ ? &vectors : nullptr, nullptr, &landed};
-  const auto cost = [&] { return counters->rays() - landed.rays(); };
+  const SampleParts parts{&layers, has_vectors_ ? &vectors : nullptr, nullptr};
   for (int y = rect.y0; y < rect.y1; y += step)
     for (int x = rect.x0; x < rect.x1; x += step) {
       // Skip pixels whose group has ended.
@@ -103,11 +97,11 @@ bool TileRenderer::render(const TileSamples& samples, const MayGoOn& may_go_on, 
       const uint32_t seed = seed_of(x, y), end = samples.allocation.samples(in_window, samples.pass.end);
       for (uint32_t s = tile->next_sample(pixel); s < end; ++s) {
         if (!may_go_on()) return false;
-        const uint64_t cost_before = cost();
+        const uint64_t rays_before = counters->rays();
         try {
-          const uint32_t frame_sample = samples.allocation.frame_sample(in_window, s);
-          const FilmSample sample = trace_sample({x, y, s}, {seed, s}, frame_sample, counters, parts);
-          tile->add(pixel, sample, has_layers_ ? &layers : nullptr, static_cast<uint32_t>(cost() - cost_before));
+          const FilmSample sample = trace_sample({x, y, s}, {seed, s}, counters, parts);
+          tile->add(pixel, sample, has_layers_ ? &layers : nullptr,
+                    static_cast<uint32_t>(counters->rays() - rays_before));
         } catch (const BuildCancelled&) {
           return false;
         }

@@ -37,8 +37,6 @@ FAULTS = [
           ("settings_table", "walkGuiding")),
     Fault("3a", "twins in mode reference", "core/session/render_settings.cpp", "out.walk.twins = shortcuts;", "out.walk.twins = true;",
           ("settings_table", "subsurface")),
-    Fault("3b", "light paths in mode reference", "core/session/render_settings.cpp", "shortcuts && out.glossy_filter == 0",
-          "s.glossy_filter == 0", ("settings_table", "subsurface")),
     Fault("4", "two layers are not exposed", "core/session/tile_renderer.cpp", "&layers->unscattered, &layers->single, ", "",
           ("picture_numbers", "PictureNumbers.test_layers_add_up_under_exposure")),
     Fault("5", "layers of a sample that is not finite are kept", "core/session/tile_renderer.cpp", "    *parts.layers = {};\n", "",

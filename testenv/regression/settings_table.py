@@ -15,7 +15,7 @@ import zlib
 from typing import Callable, NamedTuple
 
 import hdalabaster
-from small_scene import HEIGHT, KEY, WIDTH, at, draw, set_ball, small_scene
+from small_scene import HEIGHT, WIDTH, at, draw, set_ball, small_scene
 
 BASIC = {"samples": 4}
 
@@ -51,12 +51,6 @@ def thick_body(scene):
     set_ball(scene, "/wax_ball", at(0, 1.5, 1, 1.5), material="/wax", refine_level=3)
 
 
-def matt(scene):
-    """Nothing that light paths start from."""
-    for material in ("/glass", "/metal"):
-        scene.set_material(material, roughness=1.0, specular=0.0)
-
-
 def large_image(scene):
     """2048 x 1024 texels, more than half of 1 MiB."""
     file = pathlib.Path(FOLDER) / "large.png"
@@ -67,13 +61,6 @@ def large_image(scene):
         header = struct.pack(">IIBBBBB", 2048, 1024, 8, 2, 0, 0, 0)
         file.write_bytes(b"\x89PNG\r\n\x1a\n" + chunk(b"IHDR", header) + chunk(b"IDAT", rows) + chunk(b"IEND", b""))
     scene.set_material("/floor", nodes={"surface": {"baseColor": ("image", "rgb")}, "image": {"type": "AlabasterTexture", "file": str(file)}})
-
-
-def caustic(scene):
-    """No wax, and a mirror that throws a small lamp's light on the floor."""
-    scene.remove("/wax_ball")
-    scene.set_material("/metal", metallic=1.0, roughness=0.05, baseColor=(0.9, 0.8, 0.6))
-    scene.set_light("/key", "rectLight", KEY, width=0.05, height=0.05, intensity=3000)
 
 
 def memory(before, after):
@@ -93,8 +80,7 @@ TABLE = {
     "maxDepth": [Row({"maxDepth": 1}, color), Row({"maxDepth": 0}, color, {"maxDepth": 1})],
     # promise: farm.resume.settings
     "threads": [Row({"threads": 2}, same_color, {"threads": 1}, refused="")],  # and test_threads
-    "subsurface": [Row({"subsurface": "reference"}, color, scene=caustic),  # light paths are a shortcut
-                   Row({"subsurface": "reference"}, color, {"walkGuiding": False, "walkSphereSteps": False}, scene=matt)],  # and so are twins
+    "subsurface": [Row({"subsurface": "reference"}, color, {"walkGuiding": False, "walkSphereSteps": False})],  # twins are a shortcut
     "inversion": [Row({"inversion": "chiang2016"}, color)],
     "walkGuiding": [Row({"walkGuiding": False}, color), Row({"walkGuiding": False}, same_color, {"subsurface": "reference"})],
     "walkSphereSteps": [Row({"walkSphereSteps": False}, color, scene=thick_body),

@@ -54,46 +54,6 @@ TEST(Camera, PixelConeIsTheDistanceOfNeighbouringRays) {
   EXPECT_EQ(cone.spread, 0);
 }
 
-// Cameras of every kind, off the axis and turned.
-std::vector<Camera> all_kinds() {
-  CameraParameters p = at({1, 2, 3});
-  p.camera_to_world = Matrix4d().setAxisAngle(Vec3d(1, 1, 0), 0.2) * p.camera_to_world;
-  p.horizontal_aperture_offset = 3;
-  std::vector<Camera> cameras{Camera(p, 300, 200, {0, 0, 0})};
-  p.f_stop = 2, p.focus_distance = 400;
-  cameras.emplace_back(p, 300, 200, Vec3d(0, 0, 0));
-  p.aperture_blades = 6;
-  cameras.emplace_back(p, 300, 200, Vec3d(0, 0, 0));
-  p.orthographic = true;
-  cameras.emplace_back(p, 300, 200, Vec3d(0, 0, 0));
-  return cameras;
-}
-
-TEST(Camera, FilmPositionIsWhereTheRayThroughAPointBegan) {
-  const Vec2f film(37, 150), lens(0.8f, 0.3f);
-  for (const Camera& camera : all_kinds()) {
-    const Ray ray = camera.generate_ray(film, lens);
-    const auto found = camera.film_position(ray.org + ray.dir * 70, lens);
-    ASSERT_TRUE(found);
-    EXPECT_NEAR(found->x, film.x, 0.01f);
-    EXPECT_NEAR(found->y, film.y, 0.01f);
-    EXPECT_FALSE(camera.film_position(ray.org - ray.dir * 70, lens)) << "behind the camera";
-  }
-}
-
-// The film positions of points around one, in the plane that its ray meets at a right angle.
-TEST(Camera, PixelsPerAreaIsTheJacobianOfFilmPositions) {
-  const Vec2f lens(0.8f, 0.3f);
-  for (const Camera& camera : all_kinds()) {
-    const Ray ray = camera.generate_ray({37, 150}, lens);
-    const Vec3f p = ray.org + ray.dir * 70, x = normalize(cross(ray.dir, Vec3f(0, 1, 0))), y = cross(x, ray.dir);
-    const auto moved = [&](const Vec3f& by) { return *camera.film_position(p + by, lens); };
-    const Vec2f dx = moved(x) - moved(-x), dy = moved(y) - moved(-y);
-    const float jacobian = std::abs(dx.x * dy.y - dx.y * dy.x) / 4;
-    EXPECT_NEAR(camera.pixels_per_area(ray.dir, p), jacobian, 0.005f * jacobian);
-  }
-}
-
 TEST(Camera, LensRaysMeetInThePlaneOfFocus) {
   CameraParameters p = at({0, 0, 0});
   p.f_stop = 2;

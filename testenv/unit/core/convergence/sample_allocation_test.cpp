@@ -63,23 +63,6 @@ TEST(SampleAllocation, NoisyPixelsGetMoreSamples) {
   EXPECT_NEAR(mean_samples(allocation, 0, 24), 64, 1);
 }
 
-// Each sample of the frame takes the samples that a pixel gains by it, so a pass meets samples of the frame that are
-// its own, whatever the rate.
-TEST(SampleAllocation, SamplesOfAPixelBelongToSamplesOfTheFrame) {
-  const SampleAllocation allocation = allocate(8, std::vector<uint32_t>(24 * 24, 10));
-  uint32_t least = ~0u, most = 0;
-  for (size_t pixel = 0; pixel < 24 * 24; ++pixel) {
-    for (uint32_t frame = 0; frame < 300; ++frame)
-      for (uint32_t s = allocation.samples(pixel, frame); s < allocation.samples(pixel, frame + 1); ++s)
-        ASSERT_EQ(allocation.frame_sample(pixel, s), frame) << s;
-    least = std::min(least, allocation.samples(pixel, 300));
-    most = std::max(most, allocation.samples(pixel, 300));
-  }
-  EXPECT_LT(least, 150u);
-  EXPECT_GT(most, 600u) << "or rates are all the same";
-  EXPECT_EQ(SampleAllocation().frame_sample(3, 77), 77u);
-}
-
 // One pixel that met a bright path does not take the samples of those around it.
 TEST(SampleAllocation, OneBrightSampleMovesFewSamples) {
   Film film({0, 0, 24, 24}, 0);

@@ -38,17 +38,6 @@ TEST(PixelFilter, SamplesFollowTheirDensities) {
   });
 }
 
-TEST(PixelFilter, DensitiesAreThoseOfSamples) {
-  for (const PixelFilter filter :
-       {PixelFilter::box, PixelFilter::triangle, PixelFilter::gaussian, PixelFilter::blackman_harris}) {
-    const auto density = [&](double x) { return double(pixel_filter_density(filter, float(x))); };
-    expect_matches(filter, 1.5, density);
-    EXPECT_NEAR(mass(density, -2, 2), 1, 1e-4);
-    EXPECT_EQ(density(1.51), 0);
-    EXPECT_EQ(density(-0.3), density(0.3));
-  }
-}
-
 TEST(PixelFilter, AxesAreIndependent) {
   const Vec2f a = sample_pixel_filter(PixelFilter::gaussian, {0.2f, 0.9f});
   EXPECT_EQ(a.x, sample_pixel_filter(PixelFilter::gaussian, {0.2f, 0.1f}).x);

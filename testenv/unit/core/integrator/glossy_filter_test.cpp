@@ -3,21 +3,34 @@
 
 #include "core/integrator/path_state.h"
 #include "core/material/disney_transmissive_bsdf.h"
-#include "testenv/support/ball_on_floor.h"
 #include "testenv/support/path_tracer.h"
+#include "testenv/support/scene_builder.h"
 #include "testenv/support/z_test.h"
 
 namespace alabaster {
 namespace {
 
-using testing::metal;
 using testing::PathTracer;
 using testing::SceneBuilder;
+
+DisneyParameters metal(float roughness) {
+  DisneyParameters p;
+  p.base_color = Rgb(0.9f);
+  p.metallic = 1;
+  p.roughness = roughness;
+  return p;
+}
 
 // The camera sees a matt floor beside a ball of metal, on which the light of a small bright sphere falls.
 std::shared_ptr<const SceneSnapshot> floor_and_ball(const DisneyParameters& ball, const DisneyParameters& floor) {
   SceneBuilder b;
-  testing::add_ball_on_floor(ball, floor, testing::small_light(), &b);
+  b.add(b.prototype(testing::sphere_mesh(1, 24, true)), b.material(ball), Matrix4d().setTranslation(Vec3d(0, 1, -1.2)));
+  LightParameters light;
+  light.type = LightType::sphere;
+  light.color = Rgb(200.0f);
+  light.radius = 0.1f;
+  light.light_to_world = Matrix4d().setTranslation(Vec3d(0, 3, 4));
+  b.add(b.prototype(testing::plane_mesh(20)), b.material(floor)).add(light);
   return b.snapshot();
 }
 

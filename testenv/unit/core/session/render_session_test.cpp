@@ -16,6 +16,7 @@
 #include <type_traits>
 #include <variant>
 
+#include "core/session/pass_schedule.h"
 #include "testenv/support/same_bytes.h"
 #include "testenv/support/scene_builder.h"
 

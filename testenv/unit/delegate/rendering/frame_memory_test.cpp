@@ -21,7 +21,7 @@ TEST(FrameMemory, EstimateIsTheMostThatARenderHolds) {
       most = peak.bytes();
     }
     const size_t counted = frame_bytes(request.data_window, testing::kFrameMemoryAovs, c.settings);
-    const size_t uncounted = size_t(1) << 20;  // tiles, threads, light paths
+    const size_t uncounted = size_t(1) << 20;  // tiles, threads
     EXPECT_LT(most, counted + uncounted) << c.name;
     // The second film is taken only where a group of pixels ends before others.
     const bool is_whole = c.settings.target_error == 0;
