@@ -94,6 +94,16 @@ std::optional<Interiors> agreed_at(const PathContext& context, const Vec3f& p) {
 
 }  // namespace
 
+bool begin_behind_fronts(const SceneSnapshot& scene, const Bounds& origins) {
+  const auto is_behind = [&](const Instance& i) {
+    return i.single_sided && overlap(bounds_in_render_space(i), origins);
+  };
+  return std::any_of(scene.instances.begin(), scene.instances.end(), is_behind) ||
+         std::any_of(scene.arrays.begin(), scene.arrays.end(), [&](const InstanceArray& array) {
+           return array.look.single_sided && overlap(array.placed->bounds(), origins);
+         });
+}
+
 std::unique_ptr<const CameraInteriors> CameraInteriors::find(const PathContext& context, const Bounds& origins) {
   const Surroundings surroundings = surroundings_of(context.scene, {origins, context.settings.walk.cancel});
   if (!surroundings.near) return nullptr;

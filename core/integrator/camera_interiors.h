@@ -10,6 +10,9 @@
 
 namespace alabaster {
 
+/// True if rays with these origins may begin behind a closed mesh that is there from its front alone: they pass it.
+bool begin_behind_fronts(const SceneSnapshot& scene, const Bounds& origins);
+
 /// Immutable: any number of threads may share one.
 class CameraInteriors {
  public:

@@ -31,7 +31,7 @@ inline float visibility(const PathContext& context, const Vec3f& p, const LightS
   const Ray ray{p, light.wi, light.shadow_length(), context.time};
   if (light.shadow_link != 0) [[unlikely]]
     return linked_visibility(context.scene, ray, light.shadow_link, within);
-  if (!context.scene.features.see_through) return context.scene.top->occluded(ray) ? 0.0f : 1.0f;
+  if (!context.sees_through()) return context.scene.top->occluded(ray) ? 0.0f : 1.0f;
   const Transmittance transmittance(context.scene, ray.dir, within);
   return context.scene.top->occluded(ray, &transmittance) ? 0.0f : transmittance.value();
 }

@@ -36,7 +36,7 @@ Rgb analytic_light_emission(const PathState& path, bool escaped) {
 // the ray met no surface.
 Rgb linked_light_emission(const PathContext& context, const PathState& path, bool escaped) {
   const auto weigh = [&path](float light_pdf) { return weight_of_met(path, light_pdf); };
-  const bool is_clear = escaped && !context.scene.features.see_through;
+  const bool is_clear = escaped && !context.sees_through();
   return path.lights->emitted_with_links(path.ray, path.search, weigh, [&](uint32_t link, float distance) -> Rgb {
     const Ray ray{path.ray.org, path.ray.dir, distance, path.ray.time};
     if (is_clear) return path.through_interiors(Rgb(1.0f), distance);

@@ -57,6 +57,8 @@ struct PathContext {
   float time = 0;                             // of the shutter; all rays have it. `camera` stands as it does then
   const HitVectorRequest* vectors = nullptr;  // null: no AOV shows them
   const CameraInteriors* camera_interiors = nullptr;  // null: camera rays begin outside of clear bodies
+  bool begins_behind_fronts = false;                  // camera rays do: begin_behind_fronts()
+  bool sees_through() const { return scene.features.see_through || begins_behind_fronts; }
 };
 
 /// Traces one camera sample. `camera_ray`: unit direction, render space, at the context's time. Color and alpha are the

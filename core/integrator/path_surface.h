@@ -13,7 +13,7 @@ namespace alabaster {
 /// The nearest surface that stops the path's ray. Updates path->hollows by the holes on the way.
 inline bool trace(const PathContext& context, const PixelSampler& sampler, PathState* path, TriangleHit* hit) {
   if (!context.scene.top->intersect(path->ray, hit)) return false;
-  if (!context.scene.features.see_through) return true;
+  if (!context.sees_through()) return true;
   // Most rays stop at the first surface. Only the others ask at all that they meet.
   const StochasticStop filter(context.scene, path->ray.dir, path->interiors, sampler, path->depth);
   if (filter.stops(*hit)) return true;
@@ -52,7 +52,7 @@ PathVertex vertex_on(const PathContext& context, const TriangleHit& hit, const P
   PathVertex vertex = make_vertex(context, path.ray, hit, context.settings.texture_filter * path.footprint.cone.width);
   if (context.settings.glossy_filter > 0 && path.depth > 0) [[unlikely]]
     vertex.material.least_roughness = std::sqrt(context.settings.glossy_filter * path.footprint.least_alpha());
-  if (context.scene.features.see_through && is_in_air_within(context, vertex, path)) [[unlikely]]
+  if (context.sees_through() && is_in_air_within(context, vertex, path)) [[unlikely]]
     vertex.material.thin = true, vertex.material.flatness = 0;
   if (kMode == SubsurfaceMode::lambert)
     vertex.material.scatter_distance = Rgb(0.0f);

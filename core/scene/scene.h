@@ -91,7 +91,7 @@ struct SceneFeatures {
   bool emissive_meshes = false;
   bool textures = false;
   bool smooth_normals = false;
-  bool see_through = false;         // some instance is
+  bool see_through = false;         // some instance is, and not only where rays begin behind it
   bool motion = false;              // some instance moves or deforms: rays have a time
   bool visible_background = false;  // a dome that the camera sees: the background is opaque
 };

@@ -69,6 +69,14 @@ bool is_single_sided(const InstanceDescription& d, const DisneyMaterial& materia
   return sides == Sides::mesh ? !d.options.double_sided : sides == Sides::front;
 }
 
+// Rays get behind a closed mesh of opaque faces, which are there from their fronts alone, where they begin there, or
+// not at all.
+bool shows_fronts_alone(const Instance& i) {
+  const auto is_partly_opaque = [](const DisneyMaterial* m) { return m->is_partly_opaque(); };
+  return i.single_sided && i.prototype->mesh.outward && i.options.camera_cull == CameraCull::none &&
+         std::none_of(i.materials.begin(), i.materials.end(), is_partly_opaque);
+}
+
 // All but where it stands.
 Instance look_of(const InstanceDescription& d) {
   Instance instance;
@@ -391,7 +399,7 @@ struct SnapshotCompiler::Compilation {
       });
       if (!is_placed) return true;
       before = d;
-      snapshot->features.see_through |= instance.see_through;
+      snapshot->features.see_through |= instance.see_through && !shows_fronts_alone(instance);
       snapshot->features.motion |= !instance.is_still();
       if (has_clear_interior(instance)) snapshot->clear_bodies.extend(bounds_in_render_space(instance));
       snapshot->instances.push_back(std::move(instance));
@@ -422,7 +430,7 @@ struct SnapshotCompiler::Compilation {
       InstanceArray& array = snapshot->arrays.emplace_back(InstanceArray{std::move(look), first, std::move(placed)});
       array.look.array = &array;
       missing_tiles->find(d, array.look);
-      snapshot->features.see_through |= array.look.see_through;
+      snapshot->features.see_through |= array.look.see_through && !shows_fronts_alone(array.look);
       if (has_clear_interior(array.look)) snapshot->clear_bodies.extend(array.placed->bounds());
     }
     looks.swap(traced);

@@ -67,8 +67,9 @@ TileRenderer::TileRenderer(const RenderRequest& request, const CancelToken& canc
       trace_path_(select_path_integrator(request.scene->features, integrator_settings_, has_layers_)) {
   if (integrator_settings_.texture_filter > 0) prepare_filtering(*request.scene, cancel);
   RenderCounters counters;  // the search is no part of a sample
-  camera_interiors_ = CameraInteriors::find({*request.scene, camera_.first(), integrator_settings_, counters},
-                                            ray_origins(request, camera_));
+  const Bounds origins = ray_origins(request, camera_);
+  begins_behind_fronts_ = begin_behind_fronts(*request.scene, origins);
+  camera_interiors_ = CameraInteriors::find({*request.scene, camera_.first(), integrator_settings_, counters}, origins);
 }
 
 FilmSample TileRenderer::trace_sample(const SampleAddress& at, RenderCounters* counters, LightLayers* layers,
@@ -93,6 +94,7 @@ FilmSample TileRenderer::trace_sample(const SampleAddress& at, const PixelSample
   PathContext context{*request_.scene, camera,        integrator_settings_, *counters,
                       parts.layers,    request_.aovs, parts.record,         time};
   context.camera_interiors = camera_interiors_.get();
+  context.begins_behind_fronts = begins_behind_fronts_;
   std::optional<HitVectorRequest> vectors;
   std::optional<Camera> closes;
   if (parts.vectors) [[unlikely]] {
@@ -131,6 +133,7 @@ NonfiniteCause TileRenderer::nonfinite_cause(const PathContext& path, const Ray&
   settings.walk.cancel = {};  // the sample has been counted
   PathContext context{*request_.scene, path.camera, settings, counters, &layers, request_.aovs, &record, path.time};
   context.camera_interiors = path.camera_interiors;
+  context.begins_behind_fronts = path.begins_behind_fronts;
   const FilmSample unexposed =
       select_path_integrator(request_.scene->features, integrator_settings_, true)(context, ray, sampler);
   return is_finite(unexposed.color) ? NonfiniteCause::exposure : record.cause();

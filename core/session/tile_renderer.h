@@ -71,6 +71,7 @@ class TileRenderer {
   float exposure_;   // factor of radiance
   IntegratorSettings integrator_settings_;
   bool has_layers_, has_vectors_;
+  bool begins_behind_fronts_ = false;
   PathIntegrator trace_path_;
   std::unique_ptr<const CameraInteriors> camera_interiors_;  // null: camera rays begin outside of clear bodies
 };
