@@ -107,7 +107,7 @@ class RenderCommand {
   void plan_products() {
     check_parts(a_, session_, settings_paths().size(), console_);
     if (a_.samples && a_.outputs.empty()) {
-      part_aovs_ = take_part_aovs(a_, &session_);
+      part_aovs_ = take_part_aovs(a_, &session_, &of_frame_);
       return check_names({});
     }
     if (!a_.outputs.empty())
@@ -205,6 +205,7 @@ class RenderCommand {
       options.colors = session_.colors();
       options.keep_going = a_.keep_going;
       options.aovs = part_aovs_;
+      options.of_frame = of_frame_;
       const hd::RenderSettingsDescription frame = session_.scene.GetAllRenderSettings().at(path);
       set_checkpoint(a_, frame, console_, &options);
       options.cancel = &interrupted();
@@ -330,6 +331,7 @@ class RenderCommand {
   RunStats stats_;
   std::vector<std::string> written_;
   std::vector<std::string> part_aovs_;  // of a part without files
+  std::vector<hd::RenderProduct> of_frame_;
 };
 
 }  // namespace

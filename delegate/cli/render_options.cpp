@@ -4,6 +4,7 @@
 #include <cmath>
 #include <filesystem>
 #include <limits>
+#include <utility>
 
 #include "delegate/cli/exit_codes.h"
 #include "delegate/cli/outputs.h"
@@ -136,12 +137,13 @@ void set_checkpoint(const RenderArguments& a, const hd::RenderSettingsDescriptio
     console.note("there is no checkpoint '" + options->checkpoint + "' yet: the render begins at its first sample");
 }
 
-std::vector<std::string> take_part_aovs(const RenderArguments& a, SceneSession* session) {
+std::vector<std::string> take_part_aovs(const RenderArguments& a, SceneSession* session,
+                                        std::vector<hd::RenderProduct>* of_frame) {
   hd::RenderSettingsDescription settings = session->scene.GetAllRenderSettings().at(session->file.settings);
   std::vector<std::string> aovs = a.aovs;
   for (const hd::RenderProduct& product : settings.products)
     for (const hd::RenderVar& var : product.vars) aovs.push_back(var.aov.str());
-  settings.products.clear();
+  *of_frame = std::exchange(settings.products, {});
   session->scene.SetRenderSettings(session->file.settings, std::move(settings));
   return aovs;
 }

@@ -34,6 +34,7 @@ struct RecordOptions {
   /// time, the file holds either the last state or the one before. Empty: none.
   std::string checkpoint;
   double checkpoint_seconds = 60;
+  std::vector<RenderProduct> of_frame;  // of the frame that a part without products belongs to, told by its checkpoint
   /// Go on from that file. The picture is, to the bit, the one that a render without interruption gives.
   bool resume = false;
   /// Polled at least every 20 ms. Once it is set the render ends, and the samples so far are written, marked

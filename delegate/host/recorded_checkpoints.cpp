@@ -41,7 +41,7 @@ CommandResult RecordedCheckpoints::resume() {
 std::string RecordedCheckpoints::note(const RenderSettingsDescription& d) const {
   RenderSettingsDescription frame = d;
   frame.products.clear();
-  for (const RenderProduct& product : d.products)
+  for (const RenderProduct& product : d.products.empty() ? options_.of_frame : d.products)
     if (product.camera.empty() && product.width == 0) {
       RenderProduct& shown = frame.products.emplace_back();
       shown.file = product.file, shown.dataType = product.dataType, shown.colorSpace = product.colorSpace;

@@ -130,7 +130,8 @@ TEST_F(MergeColours, AChangedOrMissingConfigurationIsRefusedByName) {
 }
 
 TEST_F(MergeColours, AFileIsShownAsTheProductOfItsNameIs) {
-  write("two.json", R"({"models": [{"file": "patch.gltf"}], "settings": {"resolution": [8, 8]}, "products": [
+  seen(R"({"emissiveFactor": [0.5, 0.25, 0.125]})");
+  write("two.json", R"({"models": [{"file": "square.gltf"}], "settings": {"resolution": [8, 8]}, "products": [
     {"file": "f.exr", "dataType": "float", "colorSpace": "ACEScg"}, {"file": "f.png", "view": "Raw", "exposure": -1},
     {"file": "g.png", "exposure": 1}]})");
   for (const std::string part : {"0", "1"})
@@ -141,6 +142,7 @@ TEST_F(MergeColours, AFileIsShownAsTheProductOfItsNameIs) {
   for (const std::string file : {"f.exr", "f.png", "g.png"}) whole[file] = middle(file);
   ASSERT_EQ(run({"merge", "part0", "part1", "-o", "f.exr", "-o", "g.png", "-o", "f.png"}).code, 0);
   for (const auto& [file, right] : whole) EXPECT_EQ(middle(file), right) << file;
+  EXPECT_NE(whole["f.png"], whole["g.png"]);
 }
 
 TEST_F(MergeColours, PartsThatShowTheFrameDifferentlyAreRefused) {
