@@ -21,7 +21,7 @@ FileState state_of(const TextureSource& source);
 class FailedFiles {
  public:
   struct Failure {
-    SceneFault fault;
+    std::string fault;
     std::vector<alabaster::Diagnostic> reports;  // for every prim that names the file
   };
   /// `state`: as it was before the file was read. A colour space that is not known does not count as a failure.

@@ -29,7 +29,7 @@ std::shared_ptr<const Texture> SceneParam::held_texture(const TextureSource& sou
 
 // One at a time decodes an image, which others may wait for. It takes up no other task meanwhile: that might wait for
 // this very image.
-std::shared_ptr<const Texture> SceneParam::texture(const TextureSource& source, std::optional<SceneFault>* fault,
+std::shared_ptr<const Texture> SceneParam::texture(const TextureSource& source, std::optional<std::string>* fault,
                                                    const alabaster::DiagnosticSink& sink, const CancelToken& cancel) {
   std::shared_ptr<std::mutex> decoding;
   {
@@ -66,12 +66,16 @@ std::shared_ptr<const Texture> SceneParam::texture(const TextureSource& source, 
   return loaded;
 }
 
-std::shared_ptr<const Texture> SceneParam::load(const TextureSource& source, std::optional<SceneFault>* fault,
+std::shared_ptr<const Texture> SceneParam::load(const TextureSource& source, std::optional<std::string>* fault,
                                                 const alabaster::DiagnosticSink& sink, const CancelToken& cancel) {
-  bool input = true, is_of_file = true;
+  bool is_of_file = true;
+  std::string refusal;
   FailedFiles::Failure failure;
   const alabaster::DiagnosticSink watched = [&](const alabaster::Diagnostic& d) {
-    input = d.code != "texture.memory";
+    if (d.code == "texture.memory") {
+      refusal = d.text;
+      return;
+    }
     // Contents fail until the file is written again. A failure to open it may pass.
     if (d.severity == alabaster::Severity::error)
       is_of_file = d.code == "texture.damaged" || d.code == "texture.format" || d.code == "texture.size";
@@ -83,18 +87,19 @@ std::shared_ptr<const Texture> SceneParam::load(const TextureSource& source, std
   const TextureLoading loading = {.store = texels_, .cancel = cancel};
   run([&] { tbb::this_task_arena::isolate([&] { loaded = load_texture(source, *colors_, watched, loading); }); });
   if (loaded) return loaded;
-  *fault = failure.fault = SceneFault{input, "the image '" + source.path + "' could not be read"};
+  if (!refusal.empty()) throw MemoryRefused(refusal, 0, source.path);
+  *fault = failure.fault = "the image '" + source.path + "' could not be read";
   if (is_of_file) failed_images_.keep(source, std::move(state), std::move(failure));
   return nullptr;
 }
 
-std::shared_ptr<const IesProfile> SceneParam::profile(const TextureSource& source, std::optional<SceneFault>* fault,
+std::shared_ptr<const IesProfile> SceneParam::profile(const TextureSource& source, std::optional<std::string>* fault,
                                                       const alabaster::DiagnosticSink& sink) {
   const std::string unread = "the IES profile '" + source.path + "' could not be read";
   if (source.bytes) {
     const std::string_view text(reinterpret_cast<const char*>(source.bytes->data()), source.bytes->size());
     auto parsed = IesProfile::parse(text, source.path, sink);
-    if (!parsed) *fault = SceneFault{true, unread};
+    if (!parsed) *fault = unread;
     return parsed;
   }
   const std::lock_guard turn(profiles_mutex_);
@@ -113,7 +118,7 @@ std::shared_ptr<const IesProfile> SceneParam::profile(const TextureSource& sourc
       held = {std::move(state), loaded};
       return loaded;
     }
-    failure = {SceneFault{true, unread}, std::move(reports)};
+    failure = {unread, std::move(reports)};
     failed_profiles_.keep(source, std::move(state), *failure);
   } else if (sink) {
     for (const alabaster::Diagnostic& d : failure->reports) sink(d);
