@@ -49,7 +49,7 @@ class TraceDevice {
     const RTCError error = rtcGetDeviceError(device_);
     if (error != RTC_ERROR_OUT_OF_MEMORY) return error != RTC_ERROR_NONE;
     if (!is_by_limit()) throw std::bad_alloc();
-    throw MemoryRefused(memory_->refusal(MemoryUse::tracing, refused_bytes_, what));
+    throw MemoryRefused(memory_->refusal(MemoryUse::tracing, refused_bytes_, what), refused_bytes_);
   }
   void forget_error() const { rtcGetDeviceError(device_); }
 

@@ -52,6 +52,14 @@ SizeText size_text(size_t in_use, size_t limit) {
 
 }  // namespace
 
+MemoryRefused refusal_of(const std::bad_alloc& e, const std::string& prim) {
+  const auto* const refused = dynamic_cast<const MemoryRefused*>(&e);
+  if (!refused)
+    return MemoryRefused("not enough memory (lower refineLevel, make images smaller, or free memory of other programs)",
+                         0, prim);
+  return refused->prim().empty() ? MemoryRefused(refused->what(), refused->bytes(), prim) : *refused;
+}
+
 size_t MemoryBudget::left() const {
   const size_t limit = limit_, total = total_;
   return limit > total ? limit - total : 0;
@@ -89,7 +97,7 @@ std::string MemoryBudget::refusal(MemoryUse use, size_t bytes, const std::string
 }
 
 void MemoryReservation::resize(size_t bytes, const std::string& what) {
-  if (!try_resize(bytes)) throw MemoryRefused(budget_->refusal(use_, bytes - bytes_, what));
+  if (!try_resize(bytes)) throw MemoryRefused(budget_->refusal(use_, bytes - bytes_, what), bytes - bytes_);
 }
 
 bool MemoryReservation::try_resize(size_t bytes) {

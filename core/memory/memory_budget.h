@@ -8,6 +8,7 @@
 #include <memory>
 #include <mutex>
 #include <new>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -21,11 +22,55 @@ enum class MemoryUse { scene, meshes, tracing, subsurface, lights, textures, fra
 /// what, and the remedy.
 class MemoryRefused : public std::bad_alloc {
  public:
-  explicit MemoryRefused(std::string text) : text_(std::make_shared<const std::string>(std::move(text))) {}
-  const char* what() const noexcept override { return text_->c_str(); }
+  /// `bytes` that were asked for; 0: not known. `prim`: the path of the prim or image for which; empty: the scene.
+  explicit MemoryRefused(std::string text, size_t bytes = 0, std::string prim = {})
+      : held_(std::make_shared<const Held>(Held{std::move(text), bytes, std::move(prim)})) {}
+  const char* what() const noexcept override { return held_->text.c_str(); }
+  size_t bytes() const { return held_->bytes; }
+  const std::string& prim() const { return held_->prim; }
 
  private:
-  std::shared_ptr<const std::string> text_;  // copies must not throw
+  struct Held {
+    std::string text;
+    size_t bytes;
+    std::string prim;
+  };
+  std::shared_ptr<const Held> held_;  // copies must not throw
+};
+
+/// The same exception, or one that names a remedy.
+MemoryRefused refusal_of(const std::bad_alloc& e, const std::string& prim = {});
+
+/// Runs a step that is made for a prim: MemoryRefused names it, also where it is thrown for std::bad_alloc.
+template <class Step>
+void in_name_of(const std::string& prim, const Step& step) {
+  try {
+    step();
+  } catch (const std::bad_alloc& e) {
+    throw refusal_of(e, prim);
+  }
+}
+
+/// Of steps that several threads make: the others go on where memory is refused for one.
+class Refusals {
+ public:
+  template <class Step>
+  void run(const std::string& prim, const Step& step) {
+    try {
+      in_name_of(prim, step);
+    } catch (const MemoryRefused& e) {
+      const std::lock_guard lock(mutex_);
+      if (!largest_ || e.bytes() > largest_->bytes()) largest_ = e;
+    }
+  }
+  /// Throws the refusal of the most bytes.
+  void check() const {
+    if (largest_) throw MemoryRefused(*largest_);
+  }
+
+ private:
+  std::mutex mutex_;
+  std::optional<MemoryRefused> largest_;
 };
 
 /// Counts bytes; it allocates nothing itself. Any thread.

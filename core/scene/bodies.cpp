@@ -65,17 +65,16 @@ class KnownUnions {
 
 class BodyPlanner {
  public:
-  BodyPlanner(const BodySources& sources, SceneSnapshot* snapshot, MemoryLacks* lacks)
+  BodyPlanner(const BodySources& sources, SceneSnapshot* snapshot)
       : drawn_(sources.drawn.alone),
         looks_(sources.drawn.looks),
         device_(sources.device),
         known_(sources.last),
         snapshot_(*snapshot),
-        lacks_(*lacks),
         clear_(*snapshot),
         cancel_(sources.cancel) {}
 
-  PlannedBodies plan() {
+  bool plan() {
     snapshot_.clear_meetings = clear_.meetings();
     rank_clear_bodies(&snapshot_);
     std::map<std::string, std::vector<uint32_t>> sets;
@@ -85,42 +84,20 @@ class BodyPlanner {
       const std::string& set = drawn_[i]->subsurface_set;
       if (!set.empty())
         sets[set].push_back(i);
-      else
-        try_body({i});
+      else if (!try_body({i}))
+        return false;
     }
-    for (uint32_t i = 0; i < looks_.size(); ++i) try_array(i);
-    for (const auto& [set, indices] : sets) try_body(indices);
-    std::sort(out_.instances.begin(), out_.instances.end());
-    if (out_.are_whole())  // else they are planned again
-      for (const auto& [d, reason] : slow_) lacks_.add({LackKind::shortcuts, d->name, d->prototype.get()}, reason);
-    return std::move(out_);
+    for (uint32_t i = 0; i < looks_.size(); ++i)
+      in_name_of(looks_[i]->name, [&] { add_array(*looks_[i], &snapshot_.arrays[i]); });
+    return std::all_of(sets.begin(), sets.end(), [&](const auto& set) { return try_body(set.second); });
   }
 
  private:
-  void try_body(const std::vector<uint32_t>& indices) {
-    if (out_.is_refused) return;
-    try {
-      out_.is_refused = !add_body(indices);
-    } catch (const std::bad_alloc& e) {
-      leave_out(indices, MemoryLacks::reason_of(e));
-      out_.instances.insert(out_.instances.end(), indices.begin(), indices.end());
-    }
-  }
-
-  // A set has one report, as a mesh has.
-  void leave_out(const std::vector<uint32_t>& indices, const std::string& reason) {
-    const InstanceDescription* const first = drawn_[indices.front()];
-    const bool is_set = indices.size() > 1;
-    const void* const shape = is_set ? static_cast<const void*>(first) : first->prototype.get();
-    for (const uint32_t i : indices)
-      lacks_.add({is_set ? LackKind::set : LackKind::instance, drawn_[i]->name, shape}, reason);
-  }
-
-  void try_array(uint32_t index) {
-    const InstanceDescription& look = *looks_[index];
-    InstanceArray& array = snapshot_.arrays[index];
-    const MemoryLacks::Concern concern{LackKind::instance, look.name, look.prototype.get(), array.placed->size()};
-    if (!lacks_.has_memory_for(concern, [&] { add_array(look, &array); })) out_.arrays.push_back(index);
+  // In the name of its first member.
+  bool try_body(const std::vector<uint32_t>& indices) {
+    bool added = false;
+    in_name_of(drawn_[indices.front()]->name, [&] { added = add_body(indices); });
+    return added;
   }
 
   bool add_body(const std::vector<uint32_t>& indices) {
@@ -241,13 +218,7 @@ class BodyPlanner {
         body->members[i].media[slot] = media_of(*materials[slot]);
       }
     }
-    try {
-      plan_shortcuts(paths, interiors, body, cancel_);
-    } catch (const std::bad_alloc& e) {
-      // Without distances a walk goes step by step.
-      for (Member& member : body->members) member.distances = nullptr;
-      slow_.emplace_back(members.front(), MemoryLacks::reason_of(e));
-    }
+    plan_shortcuts(paths, interiors, body, cancel_);
   }
 
   // A texture may be white anywhere.
@@ -271,11 +242,8 @@ class BodyPlanner {
   const std::shared_ptr<TraceDevice>& device_;
   const KnownUnions known_;
   SceneSnapshot& snapshot_;
-  MemoryLacks& lacks_;
   const ClearBoxes clear_;
   const CancelToken cancel_;
-  PlannedBodies out_;
-  std::vector<std::pair<const InstanceDescription*, std::string>> slow_;  // and why
   std::map<const DisneyMaterial*, std::shared_ptr<const MaterialMedia>> media_;
 };
 
@@ -285,8 +253,8 @@ bool scatter_separately(const InstanceDescription& look, const CancelToken& canc
   return scattering_slots(look).empty() || (look.subsurface_set.empty() && is_simple(look.prototype->shells(cancel)));
 }
 
-PlannedBodies plan_bodies(const BodySources& sources, SceneSnapshot* snapshot, MemoryLacks* lacks) {
-  return BodyPlanner(sources, snapshot, lacks).plan();
+bool plan_bodies(const BodySources& sources, SceneSnapshot* snapshot) {
+  return BodyPlanner(sources, snapshot).plan();
 }
 
 }  // namespace alabaster

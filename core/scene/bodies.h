@@ -21,15 +21,9 @@ struct BodySources {
   const CancelToken& cancel;
 };
 
-struct PlannedBodies {
-  bool is_refused = false;                  // by Embree (reported)
-  std::vector<uint32_t> instances, arrays;  // members of bodies for which memory ran out, in order
-  bool are_whole() const { return instances.empty() && arrays.empty(); }
-};
-
 /// Makes the bodies of the instances that scatter, with their media and the shortcuts that pay, and counts the bodies'
-/// memory, but for the interiors of meshes. Adds bodies and shortcuts for which memory runs out to `lacks`. Members of
-/// such bodies are to be left out, and the bodies planned again. Throws BuildCancelled and std::bad_alloc.
-PlannedBodies plan_bodies(const BodySources& sources, SceneSnapshot* snapshot, MemoryLacks* lacks);
+/// memory, but for the interiors of meshes. False when Embree refuses (reported). Throws BuildCancelled and
+/// std::bad_alloc.
+bool plan_bodies(const BodySources& sources, SceneSnapshot* snapshot);
 
 }  // namespace alabaster

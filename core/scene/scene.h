@@ -18,7 +18,6 @@
 #include "core/light/light_set.h"
 #include "core/material/disney_material.h"
 #include "core/scene/instance_array.h"
-#include "core/scene/memory_lacks.h"
 #include "core/scene/mesh_options.h"
 #include "core/subsurface/mesh_interior.h"
 
@@ -169,7 +168,6 @@ struct SceneSnapshot {
   std::vector<std::shared_ptr<const LightSet>> linked_lights;  // by category set; empty: all light everything
   std::vector<std::vector<bool>> shadow_casters;               // by shadow link, less 1, and category set
   std::vector<std::string> left_out;  // names of instances and lights that are too far away, too large or not finite
-  std::vector<MemoryLack> lacks;      // parts that it is without because memory ran out
   std::vector<std::string> faults;    // of the scale, and of sets of images that lack one that is needed
   size_t memory_bytes = 0;            // of meshes, their interiors, trees, lights and textures, each counted once
   std::shared_ptr<MemoryReservation> memory;  // of instances and lights; other parts hold their own

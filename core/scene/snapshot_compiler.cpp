@@ -190,13 +190,6 @@ size_t texture_bytes(const SceneSnapshot& snapshot) {
                          [](size_t sum, const auto& one) { return sum + one.second; });
 }
 
-// `indices` in order.
-template <class T>
-void erase_at(const std::vector<uint32_t>& indices, std::vector<T>* list) {
-  size_t i = 0;
-  std::erase_if(*list, [&](const T&) { return std::binary_search(indices.begin(), indices.end(), i++); });
-}
-
 bool stands_alike(const Instance& a, const Instance& b) {
   return a.prototype->object == b.prototype->object && a.object_to_world == b.object_to_world && a.poses == b.poses;
 }
@@ -213,7 +206,7 @@ struct SnapshotCompiler::Compilation {
   std::deque<InstanceDescription> taken_apart = {};    // arrays that cannot be traced as such
   std::vector<ArrayPlan> plans = {};                   // of the arrays
   std::vector<const InstanceDescription*> looks = {};  // theirs
-  MemoryLacks lacks = {};
+  std::vector<Diagnostic> faults = {};                 // of bodies
 
   // In world space, then beside the scene's size.
   void choose_drawn() {
@@ -225,12 +218,7 @@ struct SnapshotCompiler::Compilation {
       }
     for (const InstanceArrayDescription& array : description.arrays) {
       if (!has_shape(array.look)) continue;
-      bool stays = false;
-      if (!has_memory_for(array.look, array.places->size(), [&] { stays = stays_array(array.look); })) continue;
-      if (stays)
-        plan(array, &bounds);
-      else
-        try_take_apart(array, &bounds);
+      in_name_of(array.look.name, [&] { stays_array(array.look) ? plan(array, &bounds) : take_apart(array, &bounds); });
     }
     choose_space(bounds);
     std::erase_if(drawn, [&](const InstanceDescription* d) {
@@ -248,17 +236,6 @@ struct SnapshotCompiler::Compilation {
            scatter_separately(look, cancel);
   }
 
-  void try_take_apart(const InstanceArrayDescription& array, BoundsDouble* bounds) {
-    const size_t before = drawn.size(), apart = taken_apart.size();
-    BoundsDouble extended = *bounds;
-    if (has_memory_for(array.look, array.places->size(), [&] { take_apart(array, &extended); })) {
-      *bounds = extended;
-      return;
-    }
-    drawn.resize(before);
-    taken_apart.erase(taken_apart.begin() + std::ptrdiff_t(apart), taken_apart.end());
-  }
-
   void take_apart(const InstanceArrayDescription& array, BoundsDouble* bounds) {
     for (size_t i = 0; i < array.places->size(); ++i) {
       if (i % 1024 == 0) cancel.check();
@@ -273,21 +250,9 @@ struct SnapshotCompiler::Compilation {
 
   void plan(const InstanceArrayDescription& array, BoundsDouble* bounds) {
     const PlacedArray* const known = find_last(array.look);
-    ArrayPlan made;
-    if (!has_memory_for(array.look, array.places->size(), [&] {
-          made = plan_array(array, known ? &known->plan : nullptr, memory_of(*compiler.device_), cancel);
-        }))
-      return;
-    plans.push_back(std::move(made));
+    plans.push_back(plan_array(array, known ? &known->plan : nullptr, memory_of(*compiler.device_), cancel));
     looks.push_back(&array.look);
     for (const auto& block : plans.back().blocks) bounds->extend(block->bounds);
-  }
-
-  // Runs a step that concerns `count` instances of one mesh. False: memory ran out in it; the scene is drawn without
-  // them, and compiled again at the next commit.
-  template <class Step>
-  bool has_memory_for(const InstanceDescription& d, size_t count, const Step& step) {
-    return lacks.has_memory_for({LackKind::instance, d.name, d.prototype.get(), count}, step);
   }
 
   // Meshes of equal geometry have one prototype.
@@ -391,79 +356,41 @@ struct SnapshotCompiler::Compilation {
     hold(0);
     snapshot->instances.reserve(drawn.size());
     const InstanceDescription* before = nullptr;
-    std::erase_if(drawn, [&](const InstanceDescription* d) {
+    for (const InstanceDescription* d : drawn) {
       Instance instance;
-      const bool is_placed = has_memory_for(*d, 1, [&] {
-        instance = place(*d, snapshot->origin);
-        if (!before || !is_made_as(*d, *before)) missing_tiles.find(*d, instance);
-      });
-      if (!is_placed) return true;
+      in_name_of(d->name, [&] { instance = place(*d, snapshot->origin); });
+      if (!before || !is_made_as(*d, *before)) missing_tiles.find(*d, instance);
       before = d;
       snapshot->features.see_through |= instance.see_through && !shows_fronts_alone(instance);
       snapshot->features.motion |= !instance.is_still();
       if (has_clear_interior(instance)) snapshot->clear_bodies.extend(bounds_in_render_space(instance));
       snapshot->instances.push_back(std::move(instance));
-      return false;
-    });
+    }
     return place_arrays(&missing_tiles);
   }
 
   bool place_arrays(MissingTiles* missing_tiles) {
-    std::vector<const InstanceDescription*> traced;
-    traced.reserve(plans.size());
     snapshot->arrays.reserve(plans.size());
     for (size_t i = 0; i < plans.size(); ++i) {
       const InstanceDescription& d = *looks[i];
       std::shared_ptr<const PlacedArray> placed;
       Instance look;
-      if (!has_memory_for(d, plans[i].places->size(), [&] {
-            look = look_of(d);
-            const RenderSpace space{snapshot->origin, farthest_ray()};
-            placed = place_array(std::move(plans[i]), space, find_last(d), compiler.device_, cancel);
-          }))
-        continue;
+      in_name_of(d.name, [&] {
+        look = look_of(d);
+        const RenderSpace space{snapshot->origin, farthest_ray()};
+        placed = place_array(std::move(plans[i]), space, find_last(d), compiler.device_, cancel);
+      });
       if (!placed) return false;
       if (report_left_out(*placed, d.name, compiler.sink_)) snapshot->left_out.push_back(d.name);
       snapshot->memory_bytes += placed->memory_bytes();
       const auto first = static_cast<uint32_t>(snapshot->instance_count());
-      traced.push_back(&d);
       InstanceArray& array = snapshot->arrays.emplace_back(InstanceArray{std::move(look), first, std::move(placed)});
       array.look.array = &array;
       missing_tiles->find(d, array.look);
       snapshot->features.see_through |= array.look.see_through && !shows_fronts_alone(array.look);
       if (has_clear_interior(array.look)) snapshot->clear_bodies.extend(array.placed->bounds());
     }
-    looks.swap(traced);
     return true;
-  }
-
-  // Without those for which memory runs out. The others' indices then change, and they are planned again.
-  bool plan_all_bodies() {
-    const size_t bytes = snapshot->memory_bytes;
-    for (;;) {
-      const PlannedBodies planned =
-          plan_bodies({{drawn, looks}, compiler.device_, last, cancel}, snapshot.get(), &lacks);
-      if (planned.is_refused || planned.are_whole()) return !planned.is_refused;
-      snapshot->memory_bytes = bytes;
-      leave_out_bodies(planned);
-    }
-  }
-
-  void leave_out_bodies(const PlannedBodies& planned) {
-    erase_at(planned.instances, &drawn);
-    erase_at(planned.instances, &snapshot->instances);
-    erase_at(planned.arrays, &looks);
-    erase_at(planned.arrays, &snapshot->arrays);
-    snapshot->bodies.clear();
-    snapshot->features.subsurface = false;
-    for (Instance& instance : snapshot->instances) instance.body = nullptr;
-    auto first = static_cast<uint32_t>(snapshot->instances.size());
-    for (InstanceArray& array : snapshot->arrays) {
-      array.look.body = nullptr;
-      array.look.array = &array;
-      array.first = first;
-      first += static_cast<uint32_t>(array.placed->size());
-    }
   }
 
   bool build_top() {
@@ -492,9 +419,8 @@ struct SnapshotCompiler::Compilation {
   bool light() {
     const bool described_alike =
         description.lights == compiler.last_lights_ && description.category_sets == compiler.last_category_sets_;
-    const bool same =
-        add_lights({description, {drawn, looks}, last, described_alike, compiler.device_, compiler.sink_, cancel},
-                   snapshot.get(), &lacks);
+    const bool same = add_lights(
+        {description, {drawn, looks}, last, described_alike, compiler.device_, compiler.sink_, cancel}, snapshot.get());
     size_t bytes = snapshot->lights.memory_bytes();  // without what has reservations of its own
     for (const Light& light : snapshot->lights.lights()) {
       if (const auto image = image_of(light)) bytes -= image->memory_bytes();
@@ -513,32 +439,20 @@ struct SnapshotCompiler::Compilation {
                       same_looks);
   }
 
-  // The search for faults of bodies takes memory itself. Where it runs out, they are found with the next snapshot.
-  void find_faults() {
-    snapshot->lacks = lacks.all();
-    std::vector<Diagnostic> found = lacks.reports();
-    const DiagnosticSink keep = [&](const Diagnostic& d) { found.push_back(d); };
-    try {
-      if (snapshot->features.subsurface) report_bodies({description, {drawn, looks}, *snapshot, keep, cancel});
-    } catch (const std::bad_alloc&) {
-      // Those found so far are reported.
-    }
-    compiler.found_ = std::move(found);
-  }
-
   bool run(uint64_t number) {
     snapshot->number = number;
     choose_drawn();
     cancel.check();
     if (!place_all()) return false;
     cancel.check();
-    if (!plan_all_bodies()) return false;
+    if (!plan_bodies({{drawn, looks}, compiler.device_, last, cancel}, snapshot.get())) return false;
     cancel.check();
     if (!build_top()) return false;
     cancel.check();
     keep_alive({drawn, looks}, snapshot.get());
     const bool same_lights = light();
-    find_faults();
+    const DiagnosticSink keep = [&](const Diagnostic& d) { faults.push_back(d); };
+    if (snapshot->features.subsurface) report_bodies({description, {drawn, looks}, *snapshot, keep, cancel});
     const bool alike = same_lights && snapshot->top == last->top && are_linked_alike();
     plan_lit_surfaces(alike ? last : nullptr, snapshot.get());
     snapshot->memory_bytes += snapshot->lights.memory_bytes() + texture_bytes(*snapshot);
@@ -549,48 +463,25 @@ struct SnapshotCompiler::Compilation {
 std::shared_ptr<const SceneSnapshot> SnapshotCompiler::compile(const SceneDescription& description, uint64_t number,
                                                                const CancelToken& cancel) {
   Compilation compilation{*this, description, cancel};
-  found_.reset();
   std::vector<LightParameters> lights = description.lights;
   auto category_sets = description.category_sets;
-  if (!compilation.run(number)) {
-    forget();
-    return nullptr;
-  }
+  if (!compilation.run(number)) return nullptr;
+  const auto is_known = [&](const Diagnostic& d) {
+    return std::any_of(reported_.begin(), reported_.end(),
+                       [&](const Diagnostic& t) { return t.code == d.code && t.where == d.where && t.text == d.text; });
+  };
+  for (const Diagnostic& d : compilation.faults)
+    if (sink_ && !is_known(d)) sink_(d);
+  reported_ = std::move(compilation.faults);
   last_lights_ = std::move(lights);
   last_category_sets_ = std::move(category_sets);
   return last_ = std::move(compilation.snapshot);
 }
 
-// A fault is reported again only where it was gone in between. The numbers in a refusal of memory differ from one try
-// to the next.
-void SnapshotCompiler::report_faults() {
-  if (!found_) return;
-  const auto is_known = [&](const Diagnostic& d) {
-    return std::any_of(reported_.begin(), reported_.end(), [&](const Diagnostic& t) {
-      return t.code == d.code && t.where == d.where && (t.text == d.text || d.code.ends_with(".memory"));
-    });
-  };
-  for (const Diagnostic& d : *found_)
-    if (sink_ && !is_known(d)) sink_(d);
-  reported_ = std::move(*found_);
-  found_.reset();
-}
-
-void SnapshotCompiler::continue_from(std::shared_ptr<const SceneSnapshot> snapshot,
-                                     const SceneDescription& description) {
-  std::vector<LightParameters> lights = description.lights;
-  last_category_sets_ = description.category_sets;
-  last_lights_ = std::move(lights);
-  last_ = std::move(snapshot);
-}
-
 std::shared_ptr<const SceneSnapshot> compile_snapshot(const SceneDescription& description, uint64_t number,
                                                       const std::shared_ptr<TraceDevice>& device,
                                                       const DiagnosticSink& sink) {
-  SnapshotCompiler compiler(device, sink);
-  auto snapshot = compiler.compile(description, number);
-  compiler.report_faults();
-  return snapshot;
+  return SnapshotCompiler(device, sink).compile(description, number);
 }
 
 }  // namespace alabaster

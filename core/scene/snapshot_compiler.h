@@ -2,8 +2,6 @@
 // once.
 #pragma once
 
-#include <optional>
-
 #include "core/diagnostics/cancel.h"
 #include "core/scene/scene.h"
 
@@ -23,21 +21,11 @@ class SnapshotCompiler {
 
   /// Shares with the last snapshot: the top level, where all shapes and places are equal; the BVHs of bodies of several
   /// members; the densities of images of lights; emissive meshes that stand where they stood; and where light falls on
-  /// bodies, if shapes, places, lights and links are all equal. Null when Embree refuses (reported). Meshes, bodies and
-  /// lights for which memory runs out are left out (SceneSnapshot::lacks). Where it runs out for the scene as a whole,
-  /// throws MemoryRefused, by the budget of the device, or std::bad_alloc. Throws BuildCancelled. After an exception
-  /// the next snapshot shares as this one would have.
+  /// bodies, if shapes, places, lights and links are all equal. Reports faults of bodies, unless the last snapshot had
+  /// them, too. Null when Embree refuses (reported). Where memory runs out, throws MemoryRefused, which names the prim,
+  /// or std::bad_alloc. Throws BuildCancelled. After an exception the next snapshot shares as this one would have.
   std::shared_ptr<const SceneSnapshot> compile(const SceneDescription& description, uint64_t number,
                                                const CancelToken& cancel = {});
-
-  /// Reports faults of bodies and lacks of memory of the snapshot that compile() has just made, unless the one that was
-  /// reported before had them, too. Not called for a snapshot that is not drawn.
-  void report_faults();
-
-  /// Frees what the next snapshot would have shared. Reports about bodies and memory are not repeated all the same.
-  void forget() { last_ = nullptr; }
-  /// The next snapshot shares with this one of the description, instead of the last.
-  void continue_from(std::shared_ptr<const SceneSnapshot> snapshot, const SceneDescription& description);
 
  private:
   struct Compilation;
@@ -47,9 +35,7 @@ class SnapshotCompiler {
   std::shared_ptr<const SceneSnapshot> last_;
   std::vector<LightParameters> last_lights_;
   std::vector<std::vector<uint32_t>> last_category_sets_;
-  // Faults of bodies and lacks of memory: of the last snapshot until they are reported, and of the one before.
-  std::optional<std::vector<Diagnostic>> found_;
-  std::vector<Diagnostic> reported_;
+  std::vector<Diagnostic> reported_;  // faults of bodies of the last snapshot
 };
 
 }  // namespace alabaster

@@ -35,8 +35,7 @@ bool is_usable(const LightParameters& d, const DiagnosticSink& sink, std::vector
 
 class LightCompiler {
  public:
-  LightCompiler(const LightSources& sources, SceneSnapshot* snapshot, MemoryLacks* lacks)
-      : sources_(sources), snapshot_(snapshot), lacks_(*lacks) {}
+  LightCompiler(const LightSources& sources, SceneSnapshot* snapshot) : sources_(sources), snapshot_(snapshot) {}
 
   bool run() {
     std::vector<std::shared_ptr<const LightImage>> images;
@@ -51,18 +50,16 @@ class LightCompiler {
     std::vector<uint32_t> light_links;
     for (const auto& d : sources_.description.lights) {
       if (!is_usable(d, sources_.sink, &snapshot_->left_out)) continue;
-      const auto add = [&] {
+      in_name_of(d.name, [&] {
         lights.push_back(make_light(d, snapshot_->origin, {images, sources_.cancel, memory_of(*sources_.device)}));
-      };
-      if (!lacks_.has_memory_for({LackKind::light, d.name}, add)) continue;
+      });
       keep_image(lights.back());
       traits.visible_to_camera.push_back(d.visible_to_camera);
       traits.shadow_links.push_back(d.shadow_link);
       light_links.push_back(d.light_link);
       snapshot_->features.visible_background |= d.type == LightType::dome && d.visible_to_camera;
     }
-    bool same = sources_.last && sources_.last->lacks.empty() && snapshot_->origin == sources_.last->origin &&
-                sources_.described_alike;
+    bool same = sources_.last && snapshot_->origin == sources_.last->origin && sources_.described_alike;
     same &= add_mesh_lights(&lights);
     same = same && lights.size() == sources_.last->lights.size();
     light_links.resize(lights.size(), 0);
@@ -126,24 +123,22 @@ class LightCompiler {
       if (!instance.is_still()) continue;
       const MeshLight* const as_before = known.find(instance);
       same = same && as_before && as_before->instance() == i;
-      const auto add = [&] {
+      in_name_of(sources_.drawn.alone[i]->name, [&] {
         lights->emplace_back(as_before ? as_before->of_instance(i)
                                        : make_mesh_light(instance, i, memory_of(*sources_.device), sources_.cancel));
-      };
-      lacks_.has_memory_for({LackKind::sampling, sources_.drawn.alone[i]->name, instance.prototype}, add);
+      });
     }
     return same;
   }
 
   const LightSources& sources_;
   SceneSnapshot* const snapshot_;
-  MemoryLacks& lacks_;
 };
 
 }  // namespace
 
-bool add_lights(const LightSources& sources, SceneSnapshot* snapshot, MemoryLacks* lacks) {
-  return LightCompiler(sources, snapshot, lacks).run();
+bool add_lights(const LightSources& sources, SceneSnapshot* snapshot) {
+  return LightCompiler(sources, snapshot).run();
 }
 
 }  // namespace alabaster

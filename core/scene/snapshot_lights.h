@@ -19,8 +19,7 @@ struct LightSources {
 };
 
 /// Fills in the lights, their links and the features that they make, once the instances are placed. True if all lights
-/// are those of `last`. A light for which memory runs out is left out, and a mesh light not sampled (`lacks`). Throws
-/// BuildCancelled and std::bad_alloc.
-bool add_lights(const LightSources& sources, SceneSnapshot* snapshot, MemoryLacks* lacks);
+/// are those of `last`. Throws BuildCancelled and std::bad_alloc.
+bool add_lights(const LightSources& sources, SceneSnapshot* snapshot);
 
 }  // namespace alabaster

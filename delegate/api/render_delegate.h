@@ -112,7 +112,8 @@ class ALABASTER_API RenderDelegate {
   /// Numbers of meshes, and faults of the scene, are those of the last snapshot: command "waitForScene" waits for it.
   /// Where the scene could not be read, built or lit as asked (each fault has been reported as an error, and the frame
   /// is drawn without): scene.faultCount, scene.faults (text, a line for each, at most a hundred) and
-  /// scene.outOfMemory. All three are absent where the scene is whole. A fault that an edit mends is gone.
+  /// scene.outOfMemory (true: memory ran out, and the first line says for what; a scene that it does not hold is not
+  /// drawn). All three are absent where the scene is whole. A fault that an edit mends is gone.
   virtual Dictionary GetRenderStats() const = 0;
 
   // Background control: legal at any time, also before the first render.

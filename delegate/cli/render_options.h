@@ -36,6 +36,7 @@ void set_checkpoint(const RenderArguments& arguments, const hd::RenderSettingsDe
                     hd::host::RecordOptions* options);
 /// Takes the products from the scene, for a part that writes no picture, and returns their AOVs, which its sum will
 /// need.
-std::vector<std::string> take_part_aovs(const RenderArguments& arguments, SceneSession* session);
+std::vector<std::string> take_part_aovs(const RenderArguments& arguments, SceneSession* session,
+                                        std::vector<hd::RenderProduct>* of_frame);
 
 }  // namespace alabaster::cli

@@ -278,17 +278,18 @@ class Recording {
     return true;
   }
 
-  // A picture without its texture or light looks finished, so keep_going alone renders it.
+  // A picture without its texture or light looks finished, so keep_going alone renders it. None is rendered without
+  // what memory was refused for.
   bool scene_is_whole() {
     const Dictionary stats = delegate_->GetRenderStats();
     if (stats.empty()) return refuse(RecordStatus::render_failed, "record.memory", "memory ran out");
     const auto faults = static_cast<uint64_t>(number_in(stats, "scene.faultCount"));
-    if (faults == 0 || options_.keep_going) return true;
     const bool memory = number_in(stats, "scene.outOfMemory") != 0;
+    if (faults == 0 || (options_.keep_going && !memory)) return true;
     return refuse(memory ? RecordStatus::render_failed : RecordStatus::input_failed, "record.scene",
                   std::to_string(faults) + (faults == 1 ? " fault" : " faults") +
-                      " of the scene (see above): nothing is rendered. Correct the scene, or render without what is "
-                      "missing (keep_going)");
+                      " of the scene (see above): nothing is rendered. Correct the scene" +
+                      (memory ? "" : ", or render without what is missing (keep_going)"));
   }
 
   RenderPassState pass_state() const {

@@ -56,7 +56,7 @@ struct RecordEnd {
 };
 
 struct RecordResult : RecordEnd {
-  /// True if a degraded picture lacks parts because memory for them was refused.
+  /// True if texels of a degraded picture were lost, or memory ran out in a later Sync.
   bool out_of_memory = false;
   Dictionary stats;  // RenderDelegate::GetRenderStats at the end, plus phase.<sync|render|write>.wall / .cpu seconds
   std::vector<std::string> written;  // files

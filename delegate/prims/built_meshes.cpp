@@ -30,25 +30,17 @@ bool is_diced(const PulledMesh& mesh) {
   return mesh.point_samples.times.size() < 2 && mesh.style.refineLevel > 0 && is_refined(mesh);
 }
 
-// Where the instances of a mesh stand at the frame's time. Faults of instancers are the translation's to report, and so
-// are instances that memory does not hold.
+// Where the instances of a mesh stand at the frame's time. Faults of instancers are the translation's to report.
 std::vector<Matrix4d> placements_of(const Path& path, const MeshRecord& mesh, support::Placements& placements) {
   if (mesh.instancer.empty()) return {mesh.transform};
   std::vector<Matrix4d> all;
   try {
     for (const support::Placement& placed : placements.place(path, mesh.instancer, mesh.instance_indices))
       if (placed.used) all.push_back(mesh.transform * placed.matrix);
-  } catch (const MemoryRefused&) {
-    all.clear();
   } catch (const support::TooManyInstances&) {
     all.clear();
   }
   return all;
-}
-
-// For want of memory or threads.
-bool is_refused(const BuiltMesh& built) {
-  return built.fault && !built.fault->input;
 }
 
 MeshRequest request_of(const Path& path, const MeshRecord& mesh, MaterialLookup& materials, const MeshView& view,
@@ -65,20 +57,11 @@ MeshRequest request_of(const Path& path, const MeshRecord& mesh, MaterialLookup&
 // None: it was cancelled.
 std::optional<MeshResult> build_one(const MeshJob& job, SceneParam* param, const CancelToken& cancel) {
   if (cancel.is_cancelled()) return std::nullopt;
-  bool cancelled = false;
-  MeshResult result;
-  const auto keep = [&](const alabaster::Diagnostic& d) { result.failure = d; };
-  const auto build = [&] {
-    try {
-      result = build_mesh_job(job, param, cancel);
-    } catch (const BuildCancelled&) {
-      cancelled = true;
-    }
-  };
-  const bool built = guarded(keep, job.path.str(), build, "; the mesh is not drawn");
-  if (cancelled) return std::nullopt;
-  if (!built) result.built.fault = SceneFault{false, "the mesh could not be built"};
-  return result;
+  try {
+    return build_mesh_job(job, param, cancel);
+  } catch (const BuildCancelled&) {
+    return std::nullopt;
+  }
 }
 
 }  // namespace
@@ -94,21 +77,21 @@ SceneFaults BuiltMeshes::faults(const Records& records, const support::Selection
 // Makes `held_` the meshes of the records, moves those that are gone or hidden to `dropped_`, and returns those to
 // build. A mesh that has not been edited for kMostUnedited builds gives up what would make an edit of its points quick.
 std::vector<BuiltMeshes::Entry*> BuiltMeshes::collect(const Scene& scene, const std::shared_ptr<MemoryBudget>& budget) {
-  const auto& [records, selections, view] = scene;
+  const auto& [records, selection, view] = scene;
   support::Placements placements(
       [&held = scene.records](const Path& path) { return find_record<InstancerRecord>(held, path); },
       [](const char*, const Path&, const std::string&) {}, hold_placements_in(budget));
   MaterialLookup materials(records);
   support::AscendingLookup known(held_);
   ++collections_;
-  unbuilt_ = std::max<size_t>(unbuilt_, 1);  // until it is counted: memory may run out before
   size_t kept = 0;
   std::map<Path, Held> made;
   std::vector<Entry*> to_build;
   for (const auto& [path, record] : records) {
     const auto* mesh = std::get_if<MeshRecord>(&record);
     if (!mesh || !mesh->visible || !mesh->source || !mesh->slots) continue;
-    MeshRequest request = request_of(path, *mesh, materials, view, placements);
+    MeshRequest request;
+    in_name_of(path.str(), [&, &id = path] { request = request_of(id, *mesh, materials, view, placements); });
     Held* const held = known.find(path);
     const bool same_shape = held && held->job->source == mesh->source && held->job->request == request;
     if (same_shape && held->job->slots == mesh->slots && held->done) {
@@ -118,16 +101,12 @@ std::vector<BuiltMeshes::Entry*> BuiltMeshes::collect(const Scene& scene, const 
       ++kept;
       continue;
     }
-    if (std::none_of(selections.begin(), selections.end(),
-                     [&id = path, &shown = *mesh](const auto& s) { return is_shown(s, id, shown); }))
-      continue;
+    if (!is_shown(selection, path, *mesh)) continue;
     MeshJob job{path, mesh->source, mesh->slots, std::move(request), nullptr, {}};
     to_build.push_back(&*made.emplace(path, make_held(std::move(job), held, same_shape, budget)).first);
   }
   drop_all_but(kept);
   held_.merge(made);
-  unbuilt_ = to_build.size();
-  view_ = view;
   return to_build;
 }
 
@@ -181,14 +160,11 @@ void BuiltMeshes::rest() {
 void BuiltMeshes::adopt(Held* held, MeshResult result, const alabaster::DiagnosticSink& sink) {
   held->has_shape = result.built.prototype && !result.built.reported;
   held->built = std::move(result.built);
-  held->done = !is_refused(held->built);
-  if (held->done) --unbuilt_;
-  if (result.failure) result.reports = {*result.failure};
+  held->done = true;
   held->faults.report(sink, std::move(result.reports));
 }
 
 void BuiltMeshes::build(const Scene& scene, SceneParam* param, const CancelToken& cancel) {
-  if (incomplete()) rest();  // it may be memory that they lack
   const std::vector<Entry*> to_build = collect(scene, param->memory());
   if (to_build.empty()) return;
   release_dropped();  // their memory may be needed
@@ -230,13 +206,16 @@ std::vector<BuiltMeshes::Entry*> BuiltMeshes::build_first(const std::vector<Entr
 // Embree and OpenSubdiv do not ask for a cancel at each moment of a large mesh.
 void BuiltMeshes::build_batch(const std::vector<Entry*>& to_build, SceneParam* param, const CancelToken& cancel) {
   std::vector<std::optional<MeshResult>> results(to_build.size());
-  param->run([&] {
-    tbb::parallel_for(size_t(0), to_build.size(),
-                      [&](size_t i) { results[i] = build_one(*to_build[i]->second.job, param, cancel); });
-  });
+  Refusals refusals;
+  const auto build = [&](size_t i) {
+    const MeshJob& job = *to_build[i]->second.job;
+    refusals.run(job.path.str(), [&] { results[i] = build_one(job, param, cancel); });
+  };
+  param->run([&] { tbb::parallel_for(size_t(0), to_build.size(), build); });
   for (size_t i = 0; i < to_build.size(); ++i)
     if (results[i]) adopt(&to_build[i]->second, std::move(*results[i]), param->sink());
   cancel.check();
+  refusals.check();
 }
 
 }  // namespace alabaster::hd::prims

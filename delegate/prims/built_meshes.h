@@ -22,16 +22,16 @@ class BuiltMeshes {
  public:
   struct Scene {
     const Records& records;
-    const std::vector<support::Selection>& selections;  // that show it
+    const support::Selection& selection;
     const MeshView& view;
   };
-  /// Builds those that are missing, in the delegate's arena. A mesh that cannot be built is reported and not drawn; for
-  /// want of memory the next build() tries again. Meshes that are done when the build is cancelled (BuildCancelled) are
-  /// kept. A build of a large mesh may take some tenths of a second to end.
+  /// Builds those that are missing, in the delegate's arena. A mesh that cannot be built is reported and not drawn.
+  /// Meshes that are done are kept when the build is cancelled (BuildCancelled) or memory for one is refused
+  /// (MemoryRefused). A build of a large mesh may take some tenths of a second to end.
   void build(const Scene& scene, SceneParam* param, const CancelToken& cancel);
   /// Frees the meshes that are gone or were built again, which the last build() put aside.
   void release_dropped() { dropped_.clear(); }
-  /// No edits are expected for now: frees what would make those of points quick.
+  /// No edits are expected for now, or memory has run out: frees what would make edits of points quick.
   void rest();
   class Lookup;
   template <class Visit>
@@ -39,9 +39,6 @@ class BuiltMeshes {
     for (const auto& [path, held] : held_)
       if (held.done) visit(path, held.built);
   }
-  bool is_built_for(const MeshView& view) const { return view == view_; }
-  /// Memory or threads did not suffice for some mesh: the next build() tries again.
-  bool incomplete() const { return unbuilt_ > 0; }
   SceneFaults faults(const Records& records, const support::Selection& selection) const;
 
  private:
@@ -59,7 +56,7 @@ class BuiltMeshes {
   std::vector<Entry*> collect(const Scene& scene, const std::shared_ptr<MemoryBudget>& budget);
   Held make_held(MeshJob job, const Held* before, bool same_shape, const std::shared_ptr<MemoryBudget>& budget) const;
   void drop_all_but(size_t kept);
-  void adopt(Held* held, MeshResult result, const alabaster::DiagnosticSink& sink);
+  static void adopt(Held* held, MeshResult result, const alabaster::DiagnosticSink& sink);
   std::vector<Entry*> build_first(const std::vector<Entry*>& to_build, SceneParam* param, const CancelToken& cancel);
   void build_batch(const std::vector<Entry*>& to_build, SceneParam* param, const CancelToken& cancel);
   std::shared_ptr<PointEdits> edits_after(const Held& from, const MeshJob& next,
@@ -67,9 +64,7 @@ class BuiltMeshes {
 
   std::map<Path, Held> held_;
   uint64_t collections_ = 0;  // so far
-  size_t unbuilt_ = 0;        // meshes that are held and not `done`
   std::vector<Held> dropped_;
-  MeshView view_;
 };
 
 /// Finds built meshes by paths in ascending order.

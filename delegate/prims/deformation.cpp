@@ -25,9 +25,9 @@ MeshPose pose_at(const Deformation& deformation, double time) {
   return {mixed(a.points, b.points, f), mixed(a.normals, b.normals, f)};
 }
 
-// Without its BVH.
 std::shared_ptr<MeshPrototype> deformed(const Mesh& mesh, const Deformation& deformation, const Shutter& shutter,
-                                        const std::shared_ptr<MemoryBudget>& budget) {
+                                        SceneParam* param, const CancelToken& cancel) {
+  const std::shared_ptr<MemoryBudget>& budget = param->memory();
   auto prototype = std::make_shared<MeshPrototype>();
   const size_t count = even_pose_count(deformation.times, shutter, kMostMeshPoses);
   prototype->memory =
@@ -47,46 +47,13 @@ std::shared_ptr<MeshPrototype> deformed(const Mesh& mesh, const Deformation& def
     else
       out.points = std::move(pose.points), out.normals = std::move(pose.normals);
   }
+  prototype->object = build_object_scene(param->device(), out, [cancel] { return cancel.is_cancelled(); });
+  cancel.check();
+  if (!prototype->object) throw MemoryRefused("Embree built no hierarchy of its poses; lower its refineLevel");
   return prototype;
 }
 
 }  // namespace
-
-void Deformations::build(const Path& path, const MeshPrototype& still, Built* built, SceneParam* param,
-                         const CancelToken& cancel) {
-  std::string refusal = "not enough memory to trace it";
-  param->run([&] {
-    try {
-      auto prototype = deformed(still.mesh, *built->from, built->shutter, param->memory());
-      prototype->object =
-          build_object_scene(param->device(), prototype->mesh, [cancel] { return cancel.is_cancelled(); });
-      if (prototype->object) built->prototype = std::move(prototype);
-    } catch (const MemoryRefused& e) {
-      refusal = e.what();
-    } catch (const std::bad_alloc&) {
-      // The text says so.
-    }
-  });
-  cancel.check();
-  const bool is_reported = built->fault.has_value();
-  built->fault = std::nullopt;
-  if (built->prototype) return;
-  built->fault = SceneFault{false, refusal + "; the mesh is drawn without deformation"};
-  if (!is_reported)
-    alabaster::report(param->sink(), alabaster::Severity::error, "mesh.memory", path.str(), built->fault->text);
-}
-
-bool Deformations::incomplete() const {
-  return std::any_of(built_.begin(), built_.end(), [](const auto& entry) { return entry.second.fault.has_value(); });
-}
-
-void Deformations::add_faults(const Records& records, const support::Selection& selection, SceneFaults* faults) const {
-  for (const auto& [path, built] : built_) {
-    const auto* mesh = find_record<MeshRecord>(records, path);
-    if (built.fault && mesh && selection.includes(path, mesh->visible, mesh->render_tag))
-      faults->emplace(path, *built.fault);
-  }
-}
 
 DeformedMeshes Deformations::in(const Shutter& shutter, const BuiltMeshes& meshes, SceneParam* param,
                                 const CancelToken& cancel) {
@@ -100,13 +67,13 @@ DeformedMeshes Deformations::in(const Shutter& shutter, const BuiltMeshes& meshe
     if (built.from != mesh.deformation || !(built.shutter == shutter) || !built.prototype) {
       cancel.check();
       built.from = mesh.deformation, built.shutter = shutter, built.prototype = shared[mesh.deformation.get()];
-      if (built.prototype)
-        built.fault = std::nullopt;
-      else
-        build(path, *mesh.prototype, &built, param, cancel);
+      const auto deform = [&] {
+        built.prototype = deformed(mesh.prototype->mesh, *built.from, shutter, param, cancel);
+      };
+      if (!built.prototype) param->run([&] { in_name_of(path.str(), deform); });
     }
     shared[mesh.deformation.get()] = built.prototype;
-    if (built.prototype) drawn[path] = built.prototype;
+    drawn[path] = built.prototype;
   });
   std::erase_if(built_, [&](const auto& entry) { return !deforming.contains(entry.first); });
   return drawn;

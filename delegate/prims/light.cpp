@@ -15,7 +15,7 @@ struct LightFiles {
   struct Contents {
     std::shared_ptr<const Texture> texture;
     std::shared_ptr<const IesProfile> ies;
-    std::optional<SceneFault> fault;
+    std::optional<std::string> fault;
   };
   BuiltOnce<Contents> contents = {};
 

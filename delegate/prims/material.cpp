@@ -65,7 +65,7 @@ struct NodeReader {
 
 /// A node of type AlabasterTexture.
 struct TextureNodeReader : NodeReader {
-  std::optional<SceneFault>* fault;  // receives an image that cannot be read
+  std::optional<std::string>* fault;  // receives an image that cannot be read
   const CancelToken& cancel;
   const std::vector<Value>& of_alpha;  // files whose alpha the material uses
 
@@ -115,7 +115,7 @@ class MaterialReader {
       : id_(id), network_(network), param_(param), sink_(sink), cancel_(cancel) {}
 
   /// *fault receives an image that cannot be read.
-  std::shared_ptr<const DisneyMaterial> read(std::optional<SceneFault>* fault) {
+  std::shared_ptr<const DisneyMaterial> read(std::optional<std::string>* fault) {
     fault_ = fault;
     auto material = std::make_shared<DisneyMaterial>();
     material->name = id_.str();
@@ -352,7 +352,7 @@ class MaterialReader {
   SceneParam& param_;
   const alabaster::DiagnosticSink& sink_;
   const CancelToken& cancel_;
-  std::optional<SceneFault>* fault_ = nullptr;
+  std::optional<std::string>* fault_ = nullptr;
   std::vector<Value> of_alpha_;                         // files whose alpha some input reads
   std::map<std::pair<Path, Texels>, size_t> textures_;  // of the material, by node and meaning
 };

@@ -115,14 +115,9 @@ void MeshPrim::pull_shape(SceneDelegate& scene, DirtyBits bits) {
   if (bits & dirty::kTopology) {
     MeshTopology topology = frozen(scene.GetMeshTopology(GetId()));
     subsets_ = std::exchange(topology.geomSubsets, {});
-    if (!(pulled_.topology == topology)) pulled_.topology_memory = {};
     update(&pulled_.topology, std::move(topology), &shape_changed_);
   }
-  if (bits & dirty::kSubdivTags) {
-    SubdivTags tags = frozen(scene.GetSubdivTags(GetId()));
-    if (!(pulled_.tags == tags)) pulled_.topology_memory = {};
-    update(&pulled_.tags, std::move(tags), &shape_changed_);
-  }
+  if (bits & dirty::kSubdivTags) update(&pulled_.tags, frozen(scene.GetSubdivTags(GetId())), &shape_changed_);
   if (bits & dirty::kDisplayStyle) update(&pulled_.style, scene.GetDisplayStyle(GetId()), &shape_changed_);
   if (bits & dirty::kPoints) {
     PulledPrimvar points;  // pulled even when no descriptor names them
@@ -132,10 +127,8 @@ void MeshPrim::pull_shape(SceneDelegate& scene, DirtyBits bits) {
     update(&pulled_.points, std::move(points), &shape_changed_);
     update(&pulled_.point_samples, pull_samples(scene, GetId(), "points"), &shape_changed_);
   }
-  if (bits & (dirty::kPoints | dirty::kNormals)) {
-    pulled_.samples_memory = {};
+  if (bits & (dirty::kPoints | dirty::kNormals))
     update(&pulled_.normal_samples, pull_samples(scene, GetId(), "normals"), &shape_changed_);
-  }
 }
 
 // Those that no material reads are held beside the shape: they do not count as a change of it.
@@ -155,11 +148,11 @@ void MeshPrim::pull_primvars(SceneDelegate& scene, SceneParam& param) {
       uvs[descriptor.name] = pull_primvar(scene, GetId(), descriptor.name, descriptors);
     } else if (!is_of_shape(descriptor.name)) {
       PulledPrimvar other = pull_primvar(scene, GetId(), descriptor.name, descriptors);
-      if (is_of_numbers(other.value)) others[descriptor.name] = std::move(other);
+      if (is_of_numbers(other.value)) others.by_name[descriptor.name] = std::move(other);
     }
   }
   update(&pulled_.uvs, std::move(uvs), &shape_changed_);
-  if (others.empty()) {
+  if (others.by_name.empty()) {
     record_.other_primvars = nullptr;
   } else if (!record_.other_primvars || !(*record_.other_primvars == others)) {
     hold_arrays(&others, &param.buffers(), GetId().str());
@@ -197,8 +190,10 @@ void MeshPrim::update_slots(SceneParam& param) {
 
 DirtyBits MeshPrim::post_record(SceneDelegate& scene, SceneParam& param, DirtyBits bits) {
   pull(scene, param, bits);
-  hold_arrays(&pulled_, &param.buffers(), GetId().str());
-  if (shape_changed_) record_.source = std::make_shared<const PulledMesh>(pulled_);
+  if (shape_changed_) {
+    hold_arrays(&pulled_, &param.buffers(), GetId().str());
+    record_.source = std::make_shared<const PulledMesh>(pulled_);
+  }
   shape_changed_ = false;
   if (bits & dirty::kTopology) update_slots(param);
   record_.prim_id = GetPrimId();

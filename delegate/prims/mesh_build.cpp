@@ -3,7 +3,6 @@
 #include <algorithm>
 
 #include "core/geometry/used_points.h"
-#include "core/scene/memory_lacks.h"
 
 #include "delegate/prims/motion.h"
 
@@ -106,15 +105,9 @@ class MeshBuilder {
         cancel_(cancel) {}
 
   MeshResult run() {
-    BuiltMesh out;
-    try {
-      out = job_.shape ? assign_slots(*job_.shape) : build();
-    } catch (const std::bad_alloc& e) {
-      out.fault = SceneFault{false, MemoryLacks::reason_of(e)};
-      sink_({alabaster::Severity::error, "mesh.memory", where_, out.fault->text});
-    }
+    BuiltMesh out = job_.shape ? assign_slots(*job_.shape) : build();
     for (const alabaster::Diagnostic& d : reports_)
-      if (d.severity == alabaster::Severity::error && !out.fault) out.fault = SceneFault{true, d.text};
+      if (d.severity == alabaster::Severity::error && !out.fault) out.fault = d.text;
     out.reported = !reports_.empty();
     return {std::move(out), std::move(reports_)};
   }
@@ -200,16 +193,12 @@ class MeshBuilder {
     prototype->object =
         edits_ ? edits_->object.build(param_.device(), prototype->mesh, cancel)
                : build_object_scene(param_.device(), prototype->mesh, [cancel] { return cancel.is_cancelled(); });
-    if (prototype->object) {
-      out->prototype = std::move(prototype);
-      if (edits_) edits_->before = out->prototype;
-      return;
-    }
     cancel_.check();
-    out->deformation = nullptr;
-    out->fault = SceneFault{
-        false, "Embree built no hierarchy of its " + std::to_string(prototype->mesh.triangles.size()) + " triangles"};
-    sink_({alabaster::Severity::error, "trace.embree", where_, out->fault->text + "; lower its refineLevel"});
+    if (!prototype->object)
+      throw MemoryRefused("Embree built no hierarchy of its " + std::to_string(prototype->mesh.triangles.size()) +
+                          " triangles; lower its refineLevel");
+    out->prototype = std::move(prototype);
+    if (edits_) edits_->before = out->prototype;
   }
 
   const MeshJob& job_;

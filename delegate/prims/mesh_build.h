@@ -19,7 +19,7 @@ struct BuiltMesh {
   std::shared_ptr<const MeshPrototype> prototype;  // null: nothing to draw
   std::shared_ptr<const Deformation> deformation;  // null: the prototype's shape is that of all times
   std::shared_ptr<const TriangleSlots> slots;      // in the place of the prototype's; null: those
-  std::optional<SceneFault> fault;
+  std::optional<std::string> fault;
   bool reported = false;  // something about the mesh, be it a warning
 };
 
@@ -66,11 +66,10 @@ struct MeshJob {
 
 struct MeshResult {
   BuiltMesh built;
-  std::vector<alabaster::Diagnostic> reports;         // faults of the mesh
-  std::optional<alabaster::Diagnostic> failure = {};  // an exception; nothing was built
+  std::vector<alabaster::Diagnostic> reports;  // faults of the mesh
 };
 
-/// In the caller's arena. Want of memory is a fault of the result. Throws BuildCancelled.
+/// In the caller's arena. Throws BuildCancelled and std::bad_alloc.
 MeshResult build_mesh_job(const MeshJob& job, SceneParam* param, const CancelToken& cancel);
 
 }  // namespace alabaster::hd::prims

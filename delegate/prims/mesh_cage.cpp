@@ -111,8 +111,8 @@ const PulledPrimvar* find_primvar(const PulledMesh& mesh, const NamedPrimvars& n
     if (name == Token(known)) return &(mesh.*primvar);
   if (const auto uvs = mesh.uvs.find(name); uvs != mesh.uvs.end()) return &uvs->second;
   if (!named.others) return nullptr;
-  const auto other = named.others->find(name);
-  return other == named.others->end() ? nullptr : &other->second;
+  const auto other = named.others->by_name.find(name);
+  return other == named.others->by_name.end() ? nullptr : &other->second;
 }
 
 alabaster::Primvar<Rgb> to_colors(alabaster::Primvar<Vec3f> vectors, const RgbMatrix* to_rendering) {
@@ -152,43 +152,33 @@ void for_each_buffer(const Visit& visit, const TimeSamples<Value>& samples) {
   for (const Value& value : samples.values) for_each_buffer(visit, value);
 }
 
-size_t bytes_in(const PulledPrimvar& primvar) {
-  size_t all = 0;
-  for_each_buffer([&](const void*, size_t bytes) { all += bytes; }, primvar);
-  return all;
-}
-
-// Calls visit(buffers, reservations) for each part that is pulled at once; buffers(f) calls f(data, bytes).
-template <class Mesh, class Visit>
-void for_each_part(Mesh& mesh, const Visit& visit) {
-  const auto visit_primvar = [&](auto& primvar) {
-    visit([&](const auto& f) { for_each_buffer(f, primvar); }, &primvar.memory);
-  };
-  for (const auto& [name, primvar] : kPulledPrimvars) visit_primvar(mesh.*primvar);
-  for (auto& [name, uv] : mesh.uvs) visit_primvar(uv);
+template <class Visit>
+void for_each_buffer(const Visit& visit, const PulledMesh& mesh) {
+  for (const auto& [name, primvar] : kPulledPrimvars) for_each_buffer(visit, mesh.*primvar);
+  for (const auto& [name, uv] : mesh.uvs) for_each_buffer(visit, uv);
   const MeshTopology& t = mesh.topology;
   const SubdivTags& tags = mesh.tags;
-  visit(
-      [&](const auto& f) {
-        for_each_buffer(f, t.faceVertexCounts, t.faceVertexIndices, t.holeIndices, t.invisibleFaces, tags.creaseIndices,
-                        tags.creaseLengths, tags.cornerIndices, tags.creaseWeights, tags.cornerWeights);
-      },
-      &mesh.topology_memory);
-  visit(
-      [&](const auto& f) {
-        for_each_buffer(f, mesh.point_samples);
-        for_each_buffer(f, mesh.normal_samples);
-      },
-      &mesh.samples_memory);
+  for_each_buffer(visit, t.faceVertexCounts, t.faceVertexIndices, t.holeIndices, t.invisibleFaces, tags.creaseIndices,
+                  tags.creaseLengths, tags.cornerIndices, tags.creaseWeights, tags.cornerWeights);
+  for_each_buffer(visit, mesh.point_samples);
+  for_each_buffer(visit, mesh.normal_samples);
 }
 
-// Reserves all buffers that `for_each` visits, or none.
-template <class ForEach>
-void hold_all(const ForEach& for_each, BufferReservations* buffers, const std::string& where,
-              SharedReservations* reservations) {
-  SharedReservations all;
-  for_each([&](const void* data, size_t bytes) { all.held.push_back(buffers->hold(data, bytes, where)); });
-  *reservations = std::move(all);
+template <class Visit>
+void for_each_buffer(const Visit& visit, const FaceSlots& slots) {
+  for (const Array<int32_t>& faces : slots.faces) for_each_buffer(visit, faces);
+}
+
+template <class Visit>
+void for_each_buffer(const Visit& visit, const OtherPrimvars& primvars) {
+  for (const auto& [name, primvar] : primvars.by_name) for_each_buffer(visit, primvar);
+}
+
+template <class T>
+size_t bytes_in(const T& value) {
+  size_t all = 0;
+  for_each_buffer([&](const void*, size_t bytes) { all += bytes; }, value);
+  return all;
 }
 
 }  // namespace
@@ -227,33 +217,22 @@ Cage make_cage(const PulledMesh& mesh, const NamedPrimvars& named, const std::st
 }
 
 size_t memory_bytes(const PulledMesh& mesh, const NamedPrimvars& named) {
-  size_t all = 0;
-  for_each_part(mesh, [&](const auto& buffers, const SharedReservations*) {
-    buffers([&](const void*, size_t bytes) { all += bytes; });
-  });
+  size_t all = bytes_in(mesh);
   for (const Token& name : named.names)
     if (const PulledPrimvar* const found = find_primvar(mesh, named, name)) all += bytes_in(*found);
   return all;
 }
 
-void hold_arrays(PulledMesh* mesh, BufferReservations* buffers, const std::string& where) {
-  for_each_part(*mesh, [&](const auto& part, SharedReservations* reservations) {
-    if (reservations->held.empty()) hold_all(part, buffers, where, reservations);
-  });
+template <class T>
+void hold_arrays(T* value, BufferReservations* buffers, const std::string& where) {
+  SharedReservations all;
+  for_each_buffer([&](const void* data, size_t bytes) { all.held.push_back(buffers->hold(data, bytes, where)); },
+                  *value);
+  value->memory = std::move(all);
 }
-
-void hold_arrays(FaceSlots* slots, BufferReservations* buffers, const std::string& where) {
-  const auto each = [&](const auto& visit) {
-    for (const Array<int32_t>& faces : slots->faces) for_each_buffer(visit, faces);
-  };
-  hold_all(each, buffers, where, &slots->memory);
-}
-
-void hold_arrays(OtherPrimvars* primvars, BufferReservations* buffers, const std::string& where) {
-  for (auto& [name, primvar] : *primvars)
-    hold_all([&primvar = primvar](const auto& visit) { for_each_buffer(visit, primvar); }, buffers, where,
-             &primvar.memory);
-}
+template void hold_arrays(PulledMesh*, BufferReservations*, const std::string&);
+template void hold_arrays(FaceSlots*, BufferReservations*, const std::string&);
+template void hold_arrays(OtherPrimvars*, BufferReservations*, const std::string&);
 
 std::vector<int32_t> slots_of_faces(const FaceSlots& slots, size_t count, const std::string& where,
                                     const alabaster::DiagnosticSink& sink) {

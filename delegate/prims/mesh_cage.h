@@ -15,7 +15,6 @@ struct PulledPrimvar {
   hd::Interpolation interpolation = hd::Interpolation::vertex;
   Value value;
   Array<int32_t> indices;
-  SharedReservations memory = {};
   std::shared_ptr<const RgbMatrix> to_rendering = {};  // of its colours; null: they are in that space
   bool operator==(const PulledPrimvar&) const = default;
 };
@@ -29,7 +28,7 @@ struct PulledMesh {
   PulledPrimvar points, normals, tangents, display_color, display_opacity;
   TimeSamples<Value> point_samples, normal_samples;
   std::map<Token, PulledPrimvar> uvs;  // texture coordinates by name
-  SharedReservations topology_memory, samples_memory;
+  SharedReservations memory;
 };
 
 struct PulledPrimvarName {
@@ -55,13 +54,16 @@ struct FaceSlots {
 };
 
 /// Primvars that no material reads, by name.
-using OtherPrimvars = std::map<Token, PulledPrimvar>;
+struct OtherPrimvars {
+  std::map<Token, PulledPrimvar> by_name;
+  SharedReservations memory = {};
+  bool operator==(const OtherPrimvars&) const = default;
+};
 
-/// Has the memory budget hold the arrays that it does not hold yet, each once, however many meshes share it. Throws
-/// MemoryRefused.
-void hold_arrays(PulledMesh* mesh, BufferReservations* buffers, const std::string& where);
-void hold_arrays(FaceSlots* slots, BufferReservations* buffers, const std::string& where);
-void hold_arrays(OtherPrimvars* primvars, BufferReservations* buffers, const std::string& where);
+/// Has the memory budget hold all arrays, each once, however many meshes share it. Throws MemoryRefused, and then those
+/// of before are held.
+template <class T>  // PulledMesh, FaceSlots or OtherPrimvars
+void hold_arrays(T* value, BufferReservations* buffers, const std::string& where);
 
 /// The primvars of a mesh that AOVs show.
 struct NamedPrimvars {

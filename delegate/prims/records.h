@@ -17,14 +17,9 @@
 
 namespace alabaster::hd::prims {
 
-/// Something that a prim could not read, build or light as it was asked to. It has been reported as an error, and the
-/// frame is drawn without it.
-struct SceneFault {
-  bool input = true;  // false: memory or threads ran out
-  std::string text;
-  bool operator==(const SceneFault&) const = default;
-};
-using SceneFaults = std::map<Path, SceneFault>;
+/// Things that prims could not read, build or light as they were asked to. They have been reported as errors, and the
+/// frame is drawn without them.
+using SceneFaults = std::map<Path, std::string>;
 
 /// Counts placements in `budget`. The answer throws MemoryRefused.
 support::HoldPlacements hold_placements_in(std::shared_ptr<MemoryBudget> budget);
@@ -51,7 +46,7 @@ using support::InstancerRecord;
 
 struct MaterialRecord {
   std::shared_ptr<const DisneyMaterial> material;
-  std::optional<SceneFault> fault;  // an image that could not be read
+  std::optional<std::string> fault;  // an image that could not be read
   bool operator==(const MaterialRecord&) const = default;
 };
 
@@ -63,7 +58,7 @@ struct LightRecord {
   alabaster::LightParameters light;
   bool visible = true;            // else it gives no light
   Token light_link, shadow_link;  // categories; empty: everything
-  std::optional<SceneFault> fault = {};
+  std::optional<std::string> fault = {};
   bool operator==(const LightRecord&) const = default;
 };
 

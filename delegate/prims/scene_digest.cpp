@@ -131,23 +131,11 @@ class SceneDigest {
   Shared<DisneyMaterial> materials_;
 };
 
-// Samples of a scene with a part and of one without it are not of one picture.
-void add_lacks(const std::vector<MemoryLack>& lacks, std::map<std::string, std::string>* digests) {
-  for (const MemoryLack& lack : lacks) {
-    if (!changes_picture(lack.kind)) continue;
-    std::string& held = (*digests)[(lack.kind == LackKind::light ? "light " : "mesh ") + lack.name];
-    Digest digest;
-    add(&digest, held, lack.kind, lack.count);
-    held = digest.text();
-  }
-}
-
 }  // namespace
 
-std::map<std::string, std::string> digest_scene(const Translation& translation, const std::vector<MemoryLack>& lacks) {
+std::map<std::string, std::string> digest_scene(const Translation& translation) {
   constexpr size_t kMostNames = 10000;
   std::map<std::string, std::string> digests = SceneDigest(translation).by_name();
-  add_lacks(lacks, &digests);
   if (digests.size() <= kMostNames) return digests;
   std::map<std::string, Digest> kinds;
   for (const auto& [name, text] : digests) {

@@ -10,8 +10,8 @@ namespace alabaster::hd::prims {
 
 /// Digests of all that is drawn, by kind and name: "mesh /world/head" for all instances of a prim. Contents count, not
 /// names of files: an image is its texels. Runs on all threads of the caller's TBB arena, for a second where gigabytes
-/// are drawn. Scenes of more than 10,000 names have one digest for each kind. `lacks`: of the snapshot that is drawn.
-std::map<std::string, std::string> digest_scene(const Translation& translation, const std::vector<MemoryLack>& lacks);
+/// are drawn. Scenes of more than 10,000 names have one digest for each kind.
+std::map<std::string, std::string> digest_scene(const Translation& translation);
 
 /// A camera counts with its poses in the scene's shutter.
 std::string digest_camera(const CameraParameters& camera);

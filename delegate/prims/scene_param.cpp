@@ -29,7 +29,7 @@ std::shared_ptr<const Texture> SceneParam::held_texture(const TextureSource& sou
 
 // One at a time decodes an image, which others may wait for. It takes up no other task meanwhile: that might wait for
 // this very image.
-std::shared_ptr<const Texture> SceneParam::texture(const TextureSource& source, std::optional<SceneFault>* fault,
+std::shared_ptr<const Texture> SceneParam::texture(const TextureSource& source, std::optional<std::string>* fault,
                                                    const alabaster::DiagnosticSink& sink, const CancelToken& cancel) {
   std::shared_ptr<std::mutex> decoding;
   {
@@ -58,21 +58,26 @@ std::shared_ptr<const Texture> SceneParam::texture(const TextureSource& source, 
   return loaded;
 }
 
-std::shared_ptr<const Texture> SceneParam::load(const TextureSource& source, std::optional<SceneFault>* fault,
+std::shared_ptr<const Texture> SceneParam::load(const TextureSource& source, std::optional<std::string>* fault,
                                                 const alabaster::DiagnosticSink& sink, const CancelToken& cancel) {
-  bool input = true;
+  std::string refusal;
   const alabaster::DiagnosticSink watched = [&](const alabaster::Diagnostic& d) {
-    input = d.code != "texture.memory";
+    if (d.code == "texture.memory") {
+      refusal = d.text;
+      return;
+    }
     if (sink) sink(d);
   };
   std::shared_ptr<const Texture> loaded;
   const TextureLoading loading = {.store = texels_, .cancel = cancel};
   run([&] { tbb::this_task_arena::isolate([&] { loaded = load_texture(source, *colors_, watched, loading); }); });
-  if (!loaded) *fault = SceneFault{input, "the image '" + source.path + "' could not be read"};
-  return loaded;
+  if (loaded) return loaded;
+  if (!refusal.empty()) throw MemoryRefused(refusal, 0, source.path);
+  *fault = "the image '" + source.path + "' could not be read";
+  return nullptr;
 }
 
-std::shared_ptr<const IesProfile> SceneParam::profile(const TextureSource& source, std::optional<SceneFault>* fault,
+std::shared_ptr<const IesProfile> SceneParam::profile(const TextureSource& source, std::optional<std::string>* fault,
                                                       const alabaster::DiagnosticSink& sink) {
   std::shared_ptr<const IesProfile> profile;
   if (source.bytes) {
@@ -88,7 +93,7 @@ std::shared_ptr<const IesProfile> SceneParam::profile(const TextureSource& sourc
     if (!profile || held.state != state) profile = IesProfile::load(source.path, sink, source.within);
     held = {state, profile};
   }
-  if (!profile) *fault = SceneFault{true, "the IES profile '" + source.path + "' could not be read"};
+  if (!profile) *fault = "the IES profile '" + source.path + "' could not be read";
   return profile;
 }
 

@@ -59,12 +59,12 @@ class SceneParam final : public RenderParam {
   /// Counts the arrays of meshes.
   BufferReservations& buffers() { return buffers_; }
   /// Shared by all materials and lights that name the same image, whatever their wrap modes and filters; null
-  /// (reported, and in *fault) if it cannot be had.
-  /// Within run() only. Throws BuildCancelled while it decodes.
-  std::shared_ptr<const Texture> texture(const TextureSource& source, std::optional<SceneFault>* fault,
+  /// (reported, and in *fault) if it cannot be had. Within run() only. Throws BuildCancelled while it decodes, and
+  /// MemoryRefused.
+  std::shared_ptr<const Texture> texture(const TextureSource& source, std::optional<std::string>* fault,
                                          const alabaster::DiagnosticSink& sink, const CancelToken& cancel);
   /// The same for an IES profile, which lights share. Path, bytes and `within` of the source count.
-  std::shared_ptr<const IesProfile> profile(const TextureSource& source, std::optional<SceneFault>* fault,
+  std::shared_ptr<const IesProfile> profile(const TextureSource& source, std::optional<std::string>* fault,
                                             const alabaster::DiagnosticSink& sink);
   /// Texels that were in the file of `textureMemory` are gone (reported): they are black.
   bool has_lost_texels() const { return texels_->failed(); }
@@ -128,7 +128,7 @@ class SceneParam final : public RenderParam {
     std::weak_ptr<const IesProfile> profile;
   };
   std::shared_ptr<const Texture> held_texture(const TextureSource& source, bool any) const;
-  std::shared_ptr<const Texture> load(const TextureSource& source, std::optional<SceneFault>* fault,
+  std::shared_ptr<const Texture> load(const TextureSource& source, std::optional<std::string>* fault,
                                       const alabaster::DiagnosticSink& sink, const CancelToken& cancel);
   std::shared_ptr<tbb::task_arena> arena();
   void post(Edit edit);

@@ -188,27 +188,13 @@ struct SceneTranslator::Run {
   using OpenClears = std::map<std::string, OpenClear>;
   OpenClears open_clear = {};
 
-  // A mesh that memory does not hold is left out.
+  // Places are counted before any is added.
   void add_mesh(const Path& path, const MeshRecord& mesh) {
-    const size_t instances = out.scene.instances.size(), materials = out.material_paths.size();
-    const size_t bytes = out.memory->bytes();
-    const auto take_back = [&](const char* reason, bool input) {
-      out.scene.instances.erase(out.scene.instances.begin() + std::ptrdiff_t(instances), out.scene.instances.end());
-      out.material_paths.erase(out.material_paths.begin() + std::ptrdiff_t(materials), out.material_paths.end());
-      out.array_materials.resize(out.scene.arrays.size());
-      out.memory->shrink(bytes);
-      out.lacks_memory |= !input;
-      translator.fail(input ? "instancer.size" : "mesh.memory", path, reason);
-      out.faults[path] = {input, reason};
-    };
     try {
-      add_placed(path, mesh);
-    } catch (const MemoryRefused& e) {
-      take_back(e.what(), false);
-    } catch (const std::bad_alloc&) {
-      take_back("not enough memory: the mesh is left out; the next commit tries again", false);
+      in_name_of(path.str(), [&] { add_placed(path, mesh); });
     } catch (const support::TooManyInstances& e) {
-      take_back(e.what(), true);
+      translator.fail("instancer.size", path, e.what());
+      out.faults[path] = e.what();
     }
   }
 
@@ -254,7 +240,6 @@ struct SceneTranslator::Run {
     return times;
   }
 
-  // Throws MemoryRefused, with some of them added.
   void add_instances(const Path& path, const MeshRecord& mesh, const std::vector<Matrix4d>& own,
                      InstanceDescription instance) {
     support::PlacementSource placed = placements.source(path, mesh.instancer, mesh.instance_indices);
@@ -505,6 +490,7 @@ struct SceneTranslator::Run {
 
 Translation SceneTranslator::translate(const Parts& parts) {
   std::erase_if(reversed_edges_, [](const auto& entry) { return entry.first.expired(); });
+  found_.clear();
   Run run{.translator = *this, .parts = parts, .out = {}, .category_sets = CategorySets(parts.records)};
   run.out.shutter = parts.shutter;
   run.out.memory = std::make_shared<MemoryReservation>(parts.memory, MemoryUse::scene);
@@ -515,6 +501,7 @@ Translation SceneTranslator::translate(const Parts& parts) {
   run.report_open_clear();
   run.out.scene.category_sets = run.category_sets.take();
   run.out.categories = run.category_sets.names();
+  faults_.report(sink_, std::move(found_));
   return std::move(run.out);
 }
 

@@ -28,8 +28,7 @@ struct Translation {
   std::vector<std::vector<Path>> array_materials;  // the same of each array's look
   std::vector<Path> light_paths;                   // parallel to scene.lights
   std::vector<Token> categories;                   // that lights name: the first is 1 in scene.lights
-  SceneFaults faults;                              // meshes that memory does not hold in all their places (reported)
-  bool lacks_memory = false;                       // for one of these
+  SceneFaults faults;                              // meshes of too many places (reported)
   std::shared_ptr<MemoryReservation> memory;       // of the instances
 };
 
@@ -48,10 +47,8 @@ class SceneTranslator {
     const std::shared_ptr<MemoryBudget>& memory;
     const std::list<Edit>& unread;  // materials that wait for a mesh that uses them are among these
   };
+  /// Throws std::bad_alloc.
   Translation translate(const Parts& parts);
-  /// Reports the faults that the translations since begin() have found.
-  void begin() { found_.clear(); }
-  void report() { faults_.report(sink_, std::move(found_)); }
 
  private:
   struct Run;

@@ -65,7 +65,7 @@ void Checkpoints::set_pending(std::shared_ptr<const Pending> pending, bool shown
 std::shared_ptr<const Checkpoints::Digests> Checkpoints::digests_of(const BuiltScene& scene) const {
   const std::lock_guard lock(digests_mutex_);
   if (!digests_ || digested_ != scene.snapshot->number)
-    digests_ = std::make_shared<const Digests>(prims::digest_scene(scene.translation, scene.snapshot->lacks));
+    digests_ = std::make_shared<const Digests>(prims::digest_scene(scene.translation));
   digested_ = scene.snapshot->number;
   return digests_;
 }

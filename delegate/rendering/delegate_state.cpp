@@ -231,7 +231,12 @@ prims::Dicing DelegateState::dicing(const Shutter& shutter) const {
   return out;
 }
 
-// As all passes together look at the scene.
+void DelegateState::note_executed(const support::Selection& selection, bool view_changed) {
+  selection_ = selection;
+  views_changed_ |= view_changed;
+}
+
+// As all passes together look at the scene, but for the selection.
 SnapshotBuilder::View DelegateState::wanted_view() {
   SnapshotBuilder::View view;
   std::optional<Shutter> shutter;
@@ -239,16 +244,14 @@ SnapshotBuilder::View DelegateState::wanted_view() {
     const std::lock_guard lock(mutex_);
     shutter = prims::shutter_of(cameras_and_settings_);
   }
-  std::vector<support::Selection> selections;
   for (const auto& pass : passes()) {
     const std::optional<PassView> seen = pass->view();
     if (!seen) continue;
-    if (std::find(selections.begin(), selections.end(), seen->selection) == selections.end())
-      selections.push_back(seen->selection);
     if (seen->shutter) shutter = shutter ? united(*shutter, *seen->shutter) : *seen->shutter;
     shown_primvars_.insert(seen->primvars.begin(), seen->primvars.end());
   }
-  if (!selections.empty()) view.selections = std::move(selections);
+  view.selection = selection_;
+  view.version = version_;
   view.shutter = shutter.value_or(Shutter());
   view.meshes = {dicing(view.shutter), {shown_primvars_.begin(), shown_primvars_.end()}};
   return view;
@@ -260,20 +263,21 @@ void DelegateState::hand_over() {
   const RenderSettings settings = render_settings();
   dicing_changed_ = false;
   views_changed_ = false;
-  const SnapshotBuilder::View view = wanted_view();
+  SnapshotBuilder::View view = wanted_view();
   if (settings.refine_edge_length > 0 && view.meshes.dicing == prims::Dicing())
     alabaster::report(param->sink(), alabaster::Severity::warning, "settings.refineEdgeLength", "render settings",
                       "refineEdgeLength needs a RenderSettings prim with a camera; refineLevel is used");
   if (scene_edits_.empty() && view_ == view && !builder_.has_failed()) return;
-  const bool same_scenes = scene_edits_.empty() && !builder_.has_failed() && view_ && view_->shutter == view.shutter &&
-                           view_->meshes == view.meshes;
-  const std::vector<support::Selection> built = same_scenes ? view_->selections : std::vector<support::Selection>();
+  const bool is_edited =
+      !scene_edits_.empty() || !view_ || view_->shutter != view.shutter || view_->meshes != view.meshes;
+  view.version += is_edited ? 1 : 0;
   builder_.post(&scene_edits_, view);
-  view_ = view;
-  // Another selection that some pass asks for changes nothing for the others.
+  version_ = view.version;
+  view_ = std::move(view);
   for (const auto& pass : passes()) {
     const std::optional<PassView> seen = pass->view();
-    if (!seen || std::find(built.begin(), built.end(), seen->selection) == built.end()) pass->expect_new_scene();
+    const auto shown = seen ? scene(seen->selection) : nullptr;
+    if (!shown || !is_current(*shown)) pass->expect_new_scene();
   }
 }
 
@@ -300,14 +304,33 @@ std::string DelegateState::dump() {
 std::string DelegateState::requirements() {
   builder_.wait(kUnlimited);
   const auto built = scene();
-  return built && built->snapshot ? prims::describe_requirements(*built->snapshot, built->translation) : std::string();
+  return built ? prims::describe_requirements(*built->snapshot, built->translation) : std::string();
+}
+
+// A pass keeps the scene that it draws while the builder makes those of others.
+template <class IsWanted>
+std::shared_ptr<const BuiltScene> DelegateState::find_scene(const IsWanted& is_wanted) const {
+  for (const auto& pass : passes()) {
+    auto drawn = pass->scene();
+    if (drawn && is_current(*drawn) && is_wanted(*drawn)) return drawn;
+  }
+  auto built = builder_.built();
+  return built && is_wanted(*built) ? built : nullptr;
+}
+
+std::shared_ptr<const BuiltScene> DelegateState::scene(const support::Selection& selection) const {
+  return find_scene([&](const BuiltScene& scene) { return scene.selection == selection; });
+}
+
+std::shared_ptr<const BuiltScene> DelegateState::scene(const std::shared_ptr<const SceneSnapshot>& snapshot) const {
+  return find_scene([&](const BuiltScene& scene) { return scene.snapshot == snapshot; });
 }
 
 std::shared_ptr<const BuiltScene> DelegateState::scene() const {
   const auto all = passes();
   for (auto pass = all.rbegin(); pass != all.rend(); ++pass)
     if (const auto view = (*pass)->view()) return scene(view->selection);
-  return scene(support::Selection());
+  return builder_.built();
 }
 
 std::shared_ptr<const SceneSnapshot> DelegateState::snapshot() const {
@@ -319,13 +342,13 @@ std::vector<std::string> DelegateState::scene_faults(bool* input) const {
   std::vector<std::string> texts;
   *input = true;
   const auto built = scene();
-  for (const auto& [prim, fault] : built ? built->faults : prims::SceneFaults()) {
-    texts.push_back(prim.str() + ": " + fault.text);
-    *input = *input && fault.input;
+  if (std::string refusal = builder_.refusal(); !refusal.empty()) {
+    texts.push_back(std::move(refusal));
+    *input = false;
   }
-  // The builder fails, too, where memory does not hold what a line names.
-  const bool is_named = !*input || (built && built->snapshot && !built->snapshot->lacks.empty());
-  if (const int failed = param->failed() + (builder_.has_failed() && !is_named); failed > 0) {
+  for (const auto& [prim, fault] : built ? built->faults : prims::SceneFaults())
+    texts.push_back(prim.str() + ": " + fault);
+  if (const int failed = param->failed() + (builder_.has_failed() && *input); failed > 0) {
     texts.push_back(std::to_string(failed) + " prims or commits failed, for want of memory or by the host's scene");
     *input = false;
   }
@@ -333,22 +356,16 @@ std::vector<std::string> DelegateState::scene_faults(bool* input) const {
     texts.emplace_back("the temporary file of textures cannot be read: parts of textures are black");
     *input = false;
   }
-  if (built && built->snapshot) {
+  if (built) {
     const SceneSnapshot* const held = built->snapshot.get();
     for (const std::string& name : held->left_out) texts.push_back(name + ": could not be placed");
-    for (const MemoryLack& lack : held->lacks) {
-      if (!changes_picture(lack.kind)) continue;
-      texts.push_back(text_of(lack));
-      *input = false;
-    }
     texts.insert(texts.end(), held->faults.begin(), held->faults.end());
   }
   return texts;
 }
 
 std::string DelegateState::commit_error(const SceneSnapshot* snapshot) const {
-  const bool failed = builder_.has_failed() || failed_;
-  return failed && !is_building() && !snapshot ? "the scene could not be compiled" : "";
+  return has_failed() && !is_building() && !snapshot ? "the scene could not be built" : "";
 }
 
 void DelegateState::add_pass(const std::shared_ptr<PassControl>& pass) {

@@ -31,14 +31,17 @@ class DelegateState {
 
   // The scene (host thread).
   /// Takes cameras and settings from the edit transaction, and hands the rest to the builder. A scene that cannot be
-  /// compiled leaves no snapshot and a commit_error(). Whatever an earlier commit could not do, for want of memory or
+  /// built leaves no snapshot and a commit_error(). Whatever an earlier commit could not do, for want of memory or
   /// threads, the next one does. Never throws.
   void commit();
   /// Edits were posted since the last commit, or there was none. False after a commit that failed: only the host's
   /// CommitResources tries again, for a pass would compile the scene again with every Execute.
   bool needs_commit() const { return param->has_edits() || !committed_ || dicing_changed_ || views_changed_; }
-  /// PassControl::view() of a pass has changed. Host thread.
-  void note_view() { views_changed_ = true; }
+  /// A pass of this selection is executed: the next scene is built for it. `view_changed`: PassControl::view() has.
+  /// Host thread.
+  void note_executed(const support::Selection& selection, bool view_changed);
+  /// Has the builder make the scene of a selection that has none, because those of other passes were made. Any thread.
+  void build_for(const support::Selection& selection) { builder_.build_for(selection); }
   /// These wait for the builder.
   std::string dump();
   std::string requirements();
@@ -46,13 +49,11 @@ class DelegateState {
   // Any thread.
   /// Loads the library at the first call. Null, with the reason in *problem, if it cannot be used.
   std::shared_ptr<const Denoiser> denoiser(std::string* problem);
-  /// Null: none has been built yet.
-  std::shared_ptr<const BuiltScene> scene(const support::Selection& selection) const {
-    return builder_.built(selection);
-  }
-  std::shared_ptr<const BuiltScene> scene(const std::shared_ptr<const SceneSnapshot>& snapshot) const {
-    return builder_.built(snapshot);
-  }
+  /// The scene that the builder made last, or one that a pass has drawn and that is_current(). Null: none of these.
+  std::shared_ptr<const BuiltScene> scene(const support::Selection& selection) const;
+  std::shared_ptr<const BuiltScene> scene(const std::shared_ptr<const SceneSnapshot>& snapshot) const;
+  /// Nothing was edited since.
+  bool is_current(const BuiltScene& scene) const { return scene.version >= version_; }
   /// The scene of the pass that was created last, of those that have been executed.
   std::shared_ptr<const BuiltScene> scene() const;
   std::shared_ptr<const SceneSnapshot> snapshot() const;
@@ -67,6 +68,7 @@ class DelegateState {
   std::optional<CameraParameters> camera(const Path& path, const Shutter& of_scene) const;
   /// The end of a sentence about a camera that does not exist: the nearest path that one has.
   std::string nearest_camera(const Path& path) const;
+  bool has_failed() const { return builder_.has_failed() || failed_; }
   /// Why a pass has no snapshot; empty if it has one, or may get one.
   std::string commit_error(const SceneSnapshot* snapshot) const;
   /// One line for each fault of the scene that was reported and not mended since. *input: none of them is for want of
@@ -107,6 +109,8 @@ class DelegateState {
   void apply_services();
   void hand_over();
   SnapshotBuilder::View wanted_view();
+  template <class IsWanted>
+  std::shared_ptr<const BuiltScene> find_scene(const IsWanted& is_wanted) const;
 
   mutable std::mutex mutex_;  // guards what follows, for look-ups only
   std::map<Token, Value> settings_;
@@ -124,8 +128,10 @@ class DelegateState {
   std::list<prims::Edit> edits_;               // taken, but not applied yet
   std::list<prims::Edit> scene_edits_;         // for the builder, not handed over yet
   std::optional<SnapshotBuilder::View> view_;  // handed over last
+  support::Selection selection_;               // of the pass that was executed last
   bool committed_ = false;                     // once
 
+  std::atomic<uint64_t> version_{0};         // of view_
   std::atomic<bool> dicing_changed_{false};  // by a setting
   bool views_changed_ = false;
   std::set<Token> shown_primvars_;   // by AOVs of some pass, once

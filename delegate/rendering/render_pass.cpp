@@ -157,10 +157,10 @@ void PassControl::add_bindings(const DrawRequest& asked, PassInputs* in, std::ve
   }
 }
 
-PassInputs PassControl::inputs(const DrawRequest& asked, std::vector<alabaster::Diagnostic>* faults) {
+PassInputs PassControl::inputs(const DrawRequest& asked, const BuiltScene* scene,
+                               std::vector<alabaster::Diagnostic>* faults) {
   PassInputs in;
   const RenderPassState& state = asked.state;
-  const std::shared_ptr<const BuiltScene> scene = delegate_->scene(view()->selection);
   if (scene) in.scene = scene->snapshot;
   in.settings = delegate_->render_settings();
   // A picture depends on these by its scene alone.
@@ -192,7 +192,7 @@ PassInputs PassControl::inputs(const DrawRequest& asked, std::vector<alabaster::
   if (in.error.empty() && !(in.error = part_fault(in.settings)).empty()) in.refused = true;
   if (in.error.empty()) choose_denoiser(&in);
   if (in.error.empty() && (in.scene || in.shows_checkpoint) &&
-      !(in.error = delegate_->checkpoints.fault(scene.get(), request_of(in))).empty())
+      !(in.error = delegate_->checkpoints.fault(scene, request_of(in))).empty())
     in.refused = true;
   if (in.error.empty()) {
     // Linux grants memory that it does not have and ends the process that uses it, without a report.
@@ -304,13 +304,18 @@ void PassControl::set_view(const RenderPassState& state) {
   PassView now{support::Selection(state.renderTags, state.collection), std::nullopt, primvars_of(state)};
   if (state.freeCamera) now.shutter = free_record_.shutter();
   const std::lock_guard lock(view_mutex_);
-  if (!view_ || *view_ != now) delegate_->note_view();
+  delegate_->note_executed(now.selection, view_ != now);
   view_ = std::move(now);
 }
 
 std::optional<PassView> PassControl::view() const {
   const std::lock_guard lock(view_mutex_);
   return view_;
+}
+
+std::shared_ptr<const BuiltScene> PassControl::scene() const {
+  const std::lock_guard lock(view_mutex_);
+  return scene_;
 }
 
 void PassControl::execute(const RenderPassState& state) {
@@ -320,11 +325,13 @@ void PassControl::execute(const RenderPassState& state) {
   draw({state, buffers_of(state)});
 }
 
-void PassControl::start_deferred() {
+bool PassControl::start_deferred() {
   const std::lock_guard lock(executing_);
-  if (!deferred_ || delegate_->is_building() || delegate_->is_stopped()) return;
-  const std::optional<DrawRequest> asked = std::exchange(deferred_, std::nullopt);
-  draw(*asked);
+  if (deferred_ && !delegate_->is_building() && !delegate_->is_stopped()) {
+    const std::optional<DrawRequest> asked = std::exchange(deferred_, std::nullopt);
+    draw(*asked);
+  }
+  return !deferred_;
 }
 
 void PassControl::retire() {
@@ -336,14 +343,22 @@ void PassControl::draw(const DrawRequest& asked) {
   executed_ = true;
   deferred_.reset();
   const bool building = delegate_->is_building();  // asked before the scene is taken
-  if (building) {
+  const support::Selection selection = view()->selection;
+  auto scene = delegate_->scene(selection);
+  const bool waits = scene ? building && !delegate_->is_current(*scene)
+                           : building || !(delegate_->has_failed() || delegate_->is_stopped());
+  if (waits) {
     deferred_ = asked;
-    const auto scene = delegate_->scene(view()->selection);
-    if (!scene || !scene->snapshot || delegate_->checkpoints.is_pending()) return expect_new_scene();
+    if (!building) delegate_->build_for(selection);
+    if (!scene || delegate_->checkpoints.is_pending()) return expect_new_scene();
   }
   std::vector<alabaster::Diagnostic> faults;
-  PassInputs next = inputs(asked, &faults);
-  update(std::move(next), building, &faults);
+  PassInputs next = inputs(asked, scene.get(), &faults);
+  {
+    const std::lock_guard lock(view_mutex_);
+    scene_.swap(scene);
+  }
+  update(std::move(next), waits, &faults);
   std::vector<std::pair<std::string, std::string>> now;
   for (const auto& fault : faults) {
     now.emplace_back(fault.where, fault.text);
@@ -391,11 +406,14 @@ void PassControl::expect_new_scene() {
 
 bool PassControl::wait(double seconds) {
   const auto start = std::chrono::steady_clock::now();
+  const auto left = [&] {
+    return seconds - std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  };
   if (delegate_->is_building() && !delegate_->wait_for_build(seconds) && !delegate_->is_stopped()) return false;
-  start_deferred();
+  while (!start_deferred() && !delegate_->is_stopped())  // the scene of another pass came first
+    if (!delegate_->wait_for_build(left()) && !delegate_->is_stopped()) return false;
   if (!active_ || failed_ || is_converged()) return true;
-  const std::chrono::duration<double> spent = std::chrono::steady_clock::now() - start;
-  if (!session_->wait(seconds - spent.count())) return false;
+  if (!session_->wait(left())) return false;
   const std::string failure = see_end();
   if (!failure.empty())
     alabaster::report(delegate_->param->sink(), alabaster::Severity::error, "pass.failed", "render", failure);

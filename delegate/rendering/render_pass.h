@@ -45,12 +45,14 @@ class PassControl : public std::enable_shared_from_this<PassControl> {
   ~PassControl() { session_->stop(); }
 
   void execute(const RenderPassState& state);  // host thread
-  /// Draws what Execute requested while the scene was being built, if that has ended. Any thread.
-  void start_deferred();
+  /// Draws what Execute requested while the scene was being built, if that has ended. False: it has not. Any thread.
+  bool start_deferred();
   /// The host destroys the pass: no render begins any more.
   void retire();
   /// Empty: it has not been executed.
   std::optional<PassView> view() const;
+  /// That it was drawn of last; null: none, or that could not be built.
+  std::shared_ptr<const BuiltScene> scene() const;
   /// A new scene is being built: the picture does not converge before it, though the old one is rendered on.
   void expect_new_scene();
   void abandon();     // Execute threw: the pass fails and converges
@@ -84,7 +86,7 @@ class PassControl : public std::enable_shared_from_this<PassControl> {
   };
   void set_view(const RenderPassState& state);
   void draw(const DrawRequest& asked);
-  PassInputs inputs(const DrawRequest& asked, std::vector<alabaster::Diagnostic>* faults);
+  PassInputs inputs(const DrawRequest& asked, const BuiltScene* scene, std::vector<alabaster::Diagnostic>* faults);
   static void add_bindings(const DrawRequest& asked, PassInputs* in, std::vector<alabaster::Diagnostic>* faults);
   std::optional<CameraParameters> camera_of(const RenderPassState& state, const Path& path,
                                             const Shutter& shutter) const;
@@ -108,6 +110,7 @@ class PassControl : public std::enable_shared_from_this<PassControl> {
   std::atomic<bool> converged_{false}, failed_{false}, refused_{false};
   mutable std::mutex view_mutex_;
   std::optional<PassView> view_;
+  std::shared_ptr<const BuiltScene> scene_;       // under view_mutex_
   std::optional<CameraDescription> free_camera_;  // of the last Execute, under executing_ as its record
   prims::CameraRecord free_record_;
   prims::KnownFaults free_faults_;

@@ -17,8 +17,9 @@ namespace alabaster::hd::rendering {
 /// Immutable.
 struct BuiltScene {
   support::Selection selection;
+  uint64_t version;  // SnapshotBuilder::View::version
   prims::Translation translation;
-  std::shared_ptr<const SceneSnapshot> snapshot;  // of the translation; null: it could not be compiled
+  std::shared_ptr<const SceneSnapshot> snapshot;  // of the translation
   prims::SceneFaults faults;
 };
 
@@ -37,29 +38,32 @@ class SnapshotBuilder {
 
   /// All inputs of a build beside the records.
   struct View {
-    std::vector<support::Selection> selections{support::Selection()};  // a scene is built for each; no two are equal
+    support::Selection selection;
     Shutter shutter;
     prims::MeshView meshes;
+    uint64_t version = 0;  // another one after each edit, and for another shutter or other demands on meshes
     bool operator==(const View&) const = default;
   };
-  /// Asks for the scenes after these edits. One thread at a time. The first call starts the thread, and may throw
-  /// before anything is taken.
+  /// Asks for the scene after these edits. One thread at a time. The first call starts the thread, and may throw before
+  /// anything is taken.
   void post(std::list<prims::Edit>* edits, const View& view);
+  /// Asks for the scene as it was posted last, of another selection, unless a build is asked for already. Any thread.
+  void build_for(const support::Selection& selection);
   /// Cancels the build and starts no other until it is called with false. Returns when no build is running.
   void set_stopped(bool stopped);
 
   // Any thread.
-  /// The scenes as they were posted last have not been built.
+  /// The scene as it was posted last has not been built.
   bool is_pending() const { return pending_; }
   /// Blocks until nothing is pending (true), the builder is stopped, or `seconds` have passed.
   bool wait(double seconds);
-  /// Null: none of this selection yet, or the first build after an edit, or a view, ended in an exception, and no later
-  /// one has succeeded.
-  std::shared_ptr<const BuiltScene> built(const support::Selection& selection) const;
-  /// The one that has this snapshot, or null.
-  std::shared_ptr<const BuiltScene> built(const std::shared_ptr<const SceneSnapshot>& snapshot) const;
-  /// The last build failed, for want of memory or threads. Reported; the next post() tries again.
+  /// The last one. Null: none yet, or has_failed().
+  std::shared_ptr<const BuiltScene> built() const;
+  /// A build has failed, for want of memory or threads, and no later one has succeeded. Reported; the next post() tries
+  /// again.
   bool has_failed() const { return failed_; }
+  /// Why it failed; empty: not for want of memory.
+  std::string refusal() const;
   /// Wall time of translating and compiling.
   double compile_seconds() const { return compile_seconds_; }
   /// Passes have released scenes: unused ones are destroyed on the builder's thread.
@@ -72,30 +76,14 @@ class SnapshotBuilder {
   bool take_work();
   void await_work(std::unique_lock<std::mutex>* lock);
   void build();
+  void refuse(const std::bad_alloc& e);
   std::set<Path> used_materials(const std::map<Path, prims::Edit*>& edits) const;
   void read_files(const CancelToken& cancel);
   void apply_edits();
-  prims::SceneFaults faults(const support::Selection& selection) const;
-  /// The scene of a selection, and the compiler of its snapshots.
-  struct Variant {
-    support::Selection selection;
-    SnapshotCompiler compiler;
-    bool has_failed;  // the last time, which has been reported
-  };
+  prims::SceneFaults faults() const;
   void update(const CancelToken& cancel);
-  void choose_variants(const std::vector<support::Selection>& selections);
-  void translate(Variant* variant, const prims::DeformedMeshes& deformed, const CancelToken& cancel);
-  std::shared_ptr<const BuiltScene> unedited(const support::Selection& selection) const;
-  bool try_compile(Variant* variant, BuiltScene* scene, alabaster::Diagnostic* failure, const CancelToken& cancel);
-  void compile(Variant* variant, BuiltScene scene, const std::shared_ptr<const BuiltScene>& drawn,
-               const CancelToken& cancel);
-  template <class IsSame>
-  std::shared_ptr<const SceneSnapshot> find_held(const SceneDescription& scene, const IsSame& is_same) const;
-  std::shared_ptr<const SceneSnapshot> snapshot_of(const SceneDescription& scene) const;
-  std::shared_ptr<const SceneSnapshot> as_incomplete(const BuiltScene& scene) const;
+  void translate(const CancelToken& cancel);
   void publish(std::shared_ptr<const BuiltScene> scene);
-  void retire_unselected();
-  bool lacks_snapshots() const;  // under mutex_
   void destroy_unused();
 
   const std::shared_ptr<prims::SceneParam> param_;
@@ -107,9 +95,10 @@ class SnapshotBuilder {
   std::list<prims::Edit> posted_;
   std::shared_ptr<const View> posted_view_;
   bool requested_ = false, building_ = false, stopped_ = false, quit_ = false, release_ = false;
-  std::vector<std::shared_ptr<const BuiltScene>> built_;  // by selection
+  std::shared_ptr<const BuiltScene> built_;
+  std::string refusal_;
   std::vector<std::shared_ptr<const BuiltScene>> retired_;
-  std::atomic<bool> pending_{false}, failed_{false}, lost_{false}, cancel_{false};
+  std::atomic<bool> pending_{false}, failed_{false}, cancel_{false};
   bool cancelled_before_ = false;  // the last build was cancelled by an edit
   std::atomic<double> compile_seconds_{0};
 
@@ -121,11 +110,9 @@ class SnapshotBuilder {
   prims::BuiltMeshes meshes_;
   prims::Deformations deformations_;
   prims::SceneTranslator translator_;
-  std::vector<Variant> variants_;
+  SnapshotCompiler compiler_;
   uint64_t scene_number_ = 0;
-  bool scenes_stale_ = true;  // the scenes do not show records_ as they are
-  bool changed_ = true;       // edits or views have come since the scenes were made
-  bool in_vain_ = false;      // a scene stays that lacks parts: the try to add them was no better
+  prims::KnownFaults refusals_;
 
   std::thread thread_;
 };

@@ -186,7 +186,7 @@ TEST_F(FaultsTest, TheMemoryLimitIsNamedByWhatWouldExceedIt) {
   EXPECT_HAS(fine.err, "raise memoryLimit");
   EXPECT_FALSE(exists("a.exr"));
   EXPECT_EQ(render("fine.json", {"--memory-limit", "16", "--keep-going"}).code, 4);
-  EXPECT_TRUE(exists("a.exr")) << "written without the mesh, and marked";
+  EXPECT_FALSE(exists("a.exr")) << "nothing is drawn without the mesh";
   EXPECT_EQ(run({"check", "fine.json", "--memory-limit", "16"}).code, 4);
   EXPECT_EQ(render("fine.json", {"--memory-limit", "512"}).code, 0);
 

@@ -108,27 +108,6 @@ TEST_F(Checkpoints, PixelsAreMeasuredOnRequest) {
   EXPECT_NE(frame.command("describeCheckpoint", request), "") << "damage is told";
 }
 
-// Samples without the body are not of the same picture.
-TEST_F(Checkpoints, ARenderThatLackedABodyDoesNotGoOnWithIt) {
-  constexpr double kMiB = 1 << 20;
-  Frame frame;
-  Stage& stage = frame.stage;
-  host::MeshDescription mesh = Stage::cube(6);
-  mesh.material = "/wax";
-  stage.scene.SetMesh("/cube", mesh);
-  stage.set_surface("/wax", {});
-  frame.picture();
-  stage.delegate->SetRenderSetting("memoryLimit", static_cast<int64_t>(stage.stat("memoryInUse") / kMiB + 2));
-  stage.set_surface("/wax", {{"scatterDistance", Vec3f(9, 9, 9)}});
-  const std::string file = written(frame);
-  ASSERT_EQ(stage.text_stat("scene.faults"), "/cube: memory ran out: the instance is left out");
-  EXPECT_EQ(frame.refusal(file), "") << "of the same scene";
-  stage.delegate->SetRenderSetting("memoryLimit", 1024);
-  const std::string text = frame.refusal(file);
-  EXPECT_EQ(stage.text_stat("scene.faults"), "");
-  EXPECT_TRUE(text.ends_with("it is of another render: mesh /cube has changed")) << text;
-}
-
 // promise: farm.checkpoint.other_render
 TEST_F(Checkpoints, AnotherRenderIsRefusedByName) {
   const std::string file = written();

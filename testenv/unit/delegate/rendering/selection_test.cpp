@@ -1,7 +1,9 @@
 // Render tags and collections of passes that draw one scene.
 #include <gtest/gtest.h>
 
+#include <chrono>
 #include <set>
+#include <thread>
 
 #include "testenv/support/stage.h"
 
@@ -141,6 +143,44 @@ TEST(Selection, PassesOfOneDelegateMayDiffer) {
   EXPECT_EQ(stage.drawn(a), (Names{"geometry", "render", "more"}));
   b.pass.reset();
   EXPECT_EQ(stage.drawn(a), (Names{"geometry", "render", "more"}));
+}
+
+// A host with two views executes both in each turn, and an edit cancels the build before.
+TEST(Selection, PassesThatTakeTurnsBothConverge) {
+  Tagged stage;
+  Tagged::View a = stage.view("/a"), b = stage.view("/b");
+  b.state.renderTags = {"proxy"};
+  for (int edit = 0; edit < 5; ++edit) {
+    stage.add("/set/more", edit % 2 ? "proxy" : "geometry", 1.5);
+    stage.index->SyncAll();
+    for (int i = 0; i < 2000 && !(a.pass->IsConverged() && b.pass->IsConverged()); ++i) {
+      a.pass->Execute(a.state);
+      b.pass->Execute(b.state);
+      std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    }
+    EXPECT_EQ(stage.drawn(a).contains("more"), edit % 2 == 0) << edit;
+    EXPECT_EQ(stage.drawn(b).contains("more"), edit % 2 == 1) << edit;
+    EXPECT_TRUE(a.pass->IsConverged() && b.pass->IsConverged()) << edit;
+  }
+}
+
+// As C and Python do: each is executed once.
+TEST(Selection, PassesThatAreExecutedOnceBothEnd) {
+  Tagged stage;
+  Tagged::View a = stage.view("/a"), b = stage.view("/b");
+  b.state.renderTags = {"proxy"};
+  for (int i = 0; i < 3; ++i) {
+    stage.add("/set/more", "hidden", i);
+    stage.index->SyncAll();
+    a.pass->Execute(a.state);
+    b.pass->Execute(b.state);
+    for (const Tagged::View* view : {&a, &b}) {
+      EXPECT_TRUE(view->pass->WaitForConvergence(20));
+      EXPECT_EQ(view->pass->GetState(), PassState::rendering) << "until the next Execute";
+      view->pass->Execute(view->state);
+      EXPECT_TRUE(view->pass->IsConverged());
+    }
+  }
 }
 
 // The picture of one pass stays while a scene is built for another.
