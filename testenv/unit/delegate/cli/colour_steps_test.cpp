@@ -134,6 +134,7 @@ TEST_F(MergeColours, AFileIsShownAsTheProductOfItsNameIs) {
   write("two.json", R"({"models": [{"file": "square.gltf"}], "settings": {"resolution": [8, 8]}, "products": [
     {"file": "f.exr", "dataType": "float", "colorSpace": "ACEScg"}, {"file": "f.png", "view": "Raw", "exposure": -1},
     {"file": "g.png", "exposure": 1}]})");
+  for (const char* part : {"part0", "part1"}) std::filesystem::remove(folder_ / part);
   for (const std::string part : {"0", "1"})
     ASSERT_EQ(run({"render", "two.json", "--samples", part == "0" ? "0:2" : "2:4", "--checkpoint", "part" + part}).code,
               0);
@@ -146,6 +147,7 @@ TEST_F(MergeColours, AFileIsShownAsTheProductOfItsNameIs) {
 }
 
 TEST_F(MergeColours, PartsThatShowTheFrameDifferentlyAreRefused) {
+  for (const char* part : {"part0", "part1"}) std::filesystem::remove(folder_ / part);
   ASSERT_EQ(run({"render", "show.json", "--samples", "0:2", "--checkpoint", "part0", "-o", "a.png"}).code, 0);
   ASSERT_EQ(
       run({"render", "show.json", "--samples", "2:4", "--checkpoint", "part1", "-o", "b.png", "--exposure", "1"}).code,
@@ -159,6 +161,7 @@ TEST_F(MergeColours, PartsThatShowTheFrameDifferentlyAreRefused) {
 }
 
 TEST_F(MergeColours, PartsOfTwoConfigurationsAreRefusedByName) {
+  std::filesystem::remove(folder_ / "part1");
   ASSERT_EQ(run({"render", "show.json", "--samples", "2:4", "--checkpoint", "part1", "--ocio", "built-in"}).code, 0);
   const Outcome merged = run({"merge", "part0", "part1", "-o", "merged.exr"});
   EXPECT_EQ(merged.code, 3) << merged.err;
