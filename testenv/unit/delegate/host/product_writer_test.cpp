@@ -385,7 +385,7 @@ TEST_F(ProductFile, ATiffOrJpegThatCannotSayItsDisplayIsReported) {
     RenderProduct p = product(name);
     EXPECT_TRUE(check(p));
     EXPECT_EQ(text(), "");
-    p.display = "P3-D65";
+    p.display = "Rec.2100-PQ";
     EXPECT_TRUE(check(p));
     EXPECT_EQ(reports_.size(), 1u);
     EXPECT_NE(text().find("write a .png file"), std::string::npos) << text();
