@@ -56,29 +56,40 @@ struct RenderCounters {
     if (!first_nonfinite || at < *first_nonfinite) first_nonfinite = at;
   }
 
-  void add(const RenderCounters& o) {
-    camera_rays += o.camera_rays;
-    bounce_rays += o.bounce_rays;
-    shadow_rays += o.shadow_rays;
-    walk_rays += o.walk_rays;
-    probe_rays += o.probe_rays;
-    probe_hits += o.probe_hits;
-    walks += o.walks;
-    walk_events += o.walk_events;
-    walk_sphere_steps += o.walk_sphere_steps;
-    walk_exits += o.walk_exits;
-    walk_roulette_ends += o.walk_roulette_ends;
-    walk_lost += o.walk_lost;
-    walk_safety_cap += o.walk_safety_cap;
-    rejected_rays += o.rejected_rays;
-    nonfinite_samples += o.nonfinite_samples;
-    for (size_t i = 0; i < nonfinite_causes.size(); ++i) nonfinite_causes[i] += o.nonfinite_causes[i];
-    if (o.first_nonfinite && (!first_nonfinite || *o.first_nonfinite < *first_nonfinite))
-      first_nonfinite = o.first_nonfinite;
-    samples += o.samples;
-    max_walk_weight = std::max(max_walk_weight, o.max_walk_weight);
-    walk_lost_energy += o.walk_lost_energy;
-  }
+  void add(const RenderCounters& o);
 };
+
+/// Those that are added up. A new one has its member and its row.
+struct CounterRow {
+  uint64_t RenderCounters::*member;
+  const char* name;  // in the delegate's statistics; empty: they do not show it
+};
+inline constexpr CounterRow kCounters[] = {
+    {&RenderCounters::camera_rays, "rays.camera"},
+    {&RenderCounters::bounce_rays, "rays.bounce"},
+    {&RenderCounters::shadow_rays, "rays.shadow"},
+    {&RenderCounters::walk_rays, "rays.walk"},
+    {&RenderCounters::probe_rays, "rays.probe"},
+    {&RenderCounters::probe_hits, "probe.hits"},
+    {&RenderCounters::walks, "walk.count"},
+    {&RenderCounters::walk_events, "walk.events"},
+    {&RenderCounters::walk_sphere_steps, ""},
+    {&RenderCounters::walk_exits, "walk.exits"},
+    {&RenderCounters::walk_roulette_ends, ""},
+    {&RenderCounters::walk_lost, "walk.lost"},
+    {&RenderCounters::walk_safety_cap, "walk.safetyCap"},
+    {&RenderCounters::rejected_rays, "rejectedRays"},
+    {&RenderCounters::nonfinite_samples, "nonfiniteSamples"},
+    {&RenderCounters::samples, ""},
+};
+
+inline void RenderCounters::add(const RenderCounters& o) {
+  for (const CounterRow& row : kCounters) this->*row.member += o.*row.member;
+  for (size_t i = 0; i < nonfinite_causes.size(); ++i) nonfinite_causes[i] += o.nonfinite_causes[i];
+  if (o.first_nonfinite && (!first_nonfinite || *o.first_nonfinite < *first_nonfinite))
+    first_nonfinite = o.first_nonfinite;
+  max_walk_weight = std::max(max_walk_weight, o.max_walk_weight);
+  walk_lost_energy += o.walk_lost_energy;
+}
 
 }  // namespace alabaster

@@ -34,9 +34,8 @@ enum class Aov {
   motion,        // of the first hit over the picture, in pixels, while the shutter is open
   first_primvar  // the named primvars that a render is asked for: primvar_aov()
 };
-/// A set of AOVs, by aov_bit(). A type of more bits has room for more AOVs. Checkpoints hold it (Head in core/session/
-/// render_state.cpp, which must have no padding), so kMagic of delegate/rendering/checkpoint_file.cpp rises with it.
-using AovSet = uint32_t;
+/// A set of AOVs, by aov_bit(). Checkpoints hold it.
+using AovSet = uint64_t;
 constexpr AovSet aov_bit(Aov a) {
   return AovSet{1} << static_cast<uint32_t>(a);
 }

@@ -45,7 +45,7 @@ std::optional<double> CylinderLight::meet(const View& v, double x, double y) con
   return t;
 }
 
-std::optional<LightSample> CylinderLight::sample(const Vec3f& p, const Vec2f& u) const {
+std::optional<LightSample> CylinderLight::sample(const Vec3f& p, const Vec2f& u, const Vec3f& /*n*/) const {
   if (is_black(radiance_)) return std::nullopt;
   const auto v = view_from(Vec3d(p));
   if (!v) return std::nullopt;
@@ -65,7 +65,7 @@ std::optional<LightSample> CylinderLight::sample(const Vec3f& p, const Vec2f& u)
   return s;
 }
 
-std::optional<LightHit> CylinderLight::intersect(const Ray& ray) const {
+std::optional<LightHit> CylinderLight::intersect(const Ray& ray, const Vec3f& /*n*/) const {
   if (is_black(radiance_)) return std::nullopt;
   const auto v = view_from(Vec3d(ray.org));
   if (!v) return std::nullopt;

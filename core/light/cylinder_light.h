@@ -18,11 +18,12 @@ class CylinderLight {
  public:
   CylinderLight(const LightParameters& parameters, const Vec3d& render_origin);
   /// Empty for points that see no outside: nearer to the axis than the radius.
-  std::optional<LightSample> sample(const Vec3f& p, const Vec2f& u) const;
-  std::optional<LightHit> intersect(const Ray& ray) const;
+  std::optional<LightSample> sample(const Vec3f& p, const Vec2f& u, const Vec3f& n = Vec3f(0, 0, 0)) const;
+  std::optional<LightHit> intersect(const Ray& ray, const Vec3f& n = Vec3f(0, 0, 0)) const;
   /// 0 where no outside is seen, and outside the spot of every part.
   double importance(const Vec3f& p) const;
   LightExtent extent() const;
+  std::shared_ptr<const LightImage> image() const { return nullptr; }
   /// True only if every direction from p to the light lies below the plane through p with unit normal n.
   bool is_below(const Vec3f& p, const Vec3f& n) const;
 

@@ -37,7 +37,7 @@ DistantLight::DistantLight(const LightParameters& parameters, const Vec3d& /*ren
   radiance_ = finite_or_black(emitted, parameters.normalize ? 1 / size_factor(half_angle) : 1);
 }
 
-std::optional<LightSample> DistantLight::sample(const Vec3f& /*p*/, const Vec2f& u) const {
+std::optional<LightSample> DistantLight::sample(const Vec3f& /*p*/, const Vec2f& u, const Vec3f& /*n*/) const {
   if (is_black(radiance_)) return std::nullopt;
   LightSample s;
   s.distance = kInfinity;
@@ -48,7 +48,7 @@ std::optional<LightSample> DistantLight::sample(const Vec3f& /*p*/, const Vec2f&
   return s;
 }
 
-std::optional<LightHit> DistantLight::intersect(const Ray& ray) const {
+std::optional<LightHit> DistantLight::intersect(const Ray& ray, const Vec3f& /*n*/) const {
   if (is_black(radiance_) || is_delta()) return std::nullopt;
   const Vec3d direction(ray.dir);
   // |a - b|^2 = 2 (1 - cos) for unit vectors: no cancellation for narrow cones.

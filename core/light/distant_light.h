@@ -11,11 +11,13 @@ namespace alabaster {
 class DistantLight {
  public:
   DistantLight(const LightParameters& parameters, const Vec3d& render_origin);
-  std::optional<LightSample> sample(const Vec3f& p, const Vec2f& u) const;
+  std::optional<LightSample> sample(const Vec3f& p, const Vec2f& u, const Vec3f& n = Vec3f(0, 0, 0)) const;
   /// A delta is never hit.
-  std::optional<LightHit> intersect(const Ray& ray) const;
+  std::optional<LightHit> intersect(const Ray& ray, const Vec3f& n = Vec3f(0, 0, 0)) const;
   double importance(const Vec3f& p) const;
   LightExtent extent() const;
+  bool is_below(const Vec3f&, const Vec3f&) const { return false; }
+  std::shared_ptr<const LightImage> image() const { return nullptr; }
   bool is_delta() const { return one_minus_cos_ == 0; }
 
  private:

@@ -27,6 +27,7 @@ class DomeLight {
   std::optional<LightHit> intersect(const Ray& ray, const Vec3f& n = Vec3f(0, 0, 0)) const;
   double importance(const Vec3f& p) const;
   LightExtent extent() const;
+  bool is_below(const Vec3f&, const Vec3f&) const { return false; }
   /// Null: a constant dome.
   const std::shared_ptr<const LightImage>& image() const { return image_; }
 

@@ -20,12 +20,7 @@ Light make_light(const LightParameters& d, const Vec3d& render_origin, const Lig
 }
 
 std::shared_ptr<const LightImage> image_of(const Light& light) {
-  return std::visit(
-      [](const auto& l) -> std::shared_ptr<const LightImage> {
-        if constexpr (requires { l.image(); }) return l.image();
-        return nullptr;
-      },
-      light);
+  return std::visit([](const auto& l) -> std::shared_ptr<const LightImage> { return l.image(); }, light);
 }
 
 }  // namespace alabaster

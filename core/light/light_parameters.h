@@ -19,6 +19,7 @@
 namespace alabaster {
 
 class IesProfile;
+class LightImage;
 
 inline constexpr float kInfinity = std::numeric_limits<float>::infinity();
 

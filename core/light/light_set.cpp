@@ -39,14 +39,7 @@ std::optional<LightSample> LightSet::sample(const Vec3f& p, float u_light, const
 }
 
 std::optional<LightSample> LightSet::sample_light(size_t i, const Vec3f& p, const Vec2f& u, const Vec3f& n) const {
-  auto s = std::visit(
-      [&](const auto& light) {
-        if constexpr (requires { light.sample(p, u, n); })
-          return light.sample(p, u, n);
-        else
-          return light.sample(p, u);
-      },
-      lights_[i]);
+  auto s = std::visit([&](const auto& light) { return light.sample(p, u, n); }, lights_[i]);
   if (!shadow_links_.empty() && s) [[unlikely]]
     s->shadow_link = shadow_links_[i];
   return s;
@@ -71,14 +64,10 @@ std::optional<Vec2f> LightSet::leading_dome_numbers(const Vec3f& p, const std::a
 }
 
 bool LightSet::is_below(size_t i, const Vec3f& p, const Horizon& horizon) const {
-  return std::visit(
-      [&](const auto& light) {
-        if constexpr (requires { light.is_below(p, horizon[0]); })
-          return light.is_below(p, horizon[0]) || light.is_below(p, horizon[1]);
-        else
-          return false;
-      },
-      lights_[i]);
+  const auto is_below = [&](const auto& light) {
+    return light.is_below(p, horizon[0]) || light.is_below(p, horizon[1]);
+  };
+  return std::visit(is_below, lights_[i]);
 }
 
 Vec2f LightSet::shifted(const Vec2f& u, size_t i) {
@@ -94,10 +83,8 @@ std::optional<LightHit> LightSet::intersect(size_t i, const Ray& ray, const Vec3
       [&](const auto& light) -> std::optional<LightHit> {
         if constexpr (std::is_same_v<std::decay_t<decltype(light)>, MeshLight>)
           return std::nullopt;
-        else if constexpr (requires { light.intersect(ray, n); })
-          return light.intersect(ray, n);
         else
-          return light.intersect(ray);
+          return light.intersect(ray, n);
       },
       lights_[i]);
 }

@@ -76,7 +76,7 @@ float MeshLight::Emitter::pdf(size_t entry, const Vec3d& wi, double distance) co
   return facing > 0 && std::isfinite(pdf) ? pdf : 0;
 }
 
-std::optional<LightSample> MeshLight::sample(const Vec3f& p, const Vec2f& u) const {
+std::optional<LightSample> MeshLight::sample(const Vec3f& p, const Vec2f& u, const Vec3f& /*n*/) const {
   const Emitter& emitter = *emitter_;
   if (!(emitter.power > 0)) return std::nullopt;
   const auto chosen = emitter.distribution.sample(u.x);

@@ -28,12 +28,14 @@ class MeshLight {
   /// `emission` empty: each triangle emits its radiance all over. Throws BuildCancelled.
   MeshLight(uint32_t instance, std::vector<Triangle> triangles, const std::vector<uint32_t>& triangle_ids,
             Emission emission = {}, const CancelToken& cancel = {});
-  std::optional<LightSample> sample(const Vec3f& p, const Vec2f& u) const;
+  std::optional<LightSample> sample(const Vec3f& p, const Vec2f& u, const Vec3f& n = Vec3f(0, 0, 0)) const;
   /// pdf of sampling the point where a ray from `p` with unit `wi` met triangle `triangle_id` at distance t; 0 for
   /// triangles that are never chosen or not of this light.
   float pdf(uint32_t triangle_id, const Vec3f& wi, float t) const;
   double importance(const Vec3f& p) const;
   LightExtent extent() const;
+  bool is_below(const Vec3f&, const Vec3f&) const { return false; }
+  std::shared_ptr<const LightImage> image() const { return nullptr; }
   uint32_t instance() const { return instance_; }
   /// The same light as that of another instance. Copies share what they hold.
   MeshLight of_instance(uint32_t instance) const {

@@ -58,7 +58,7 @@ std::optional<LightSample> SphereLight::sample_point(const Vec3d& to_center) con
   return s;
 }
 
-std::optional<LightSample> SphereLight::sample(const Vec3f& p, const Vec2f& u) const {
+std::optional<LightSample> SphereLight::sample(const Vec3f& p, const Vec2f& u, const Vec3f& /*n*/) const {
   if (is_black(radiance_)) return std::nullopt;
   const Vec3d to_center = center_ - Vec3d(p);
   if (is_delta()) return sample_point(to_center);
@@ -93,7 +93,7 @@ std::optional<LightSample> SphereLight::sample(const Vec3f& p, const Vec2f& u) c
   return s;
 }
 
-std::optional<LightHit> SphereLight::intersect(const Ray& ray) const {
+std::optional<LightHit> SphereLight::intersect(const Ray& ray, const Vec3f& /*n*/) const {
   if (is_black(radiance_) || is_delta()) return std::nullopt;
   const Vec3d to_center = center_ - Vec3d(ray.org);
   const double speed = length(Vec3d(ray.dir)), d = length(to_center);

@@ -11,12 +11,13 @@ namespace alabaster {
 class SphereLight {
  public:
   SphereLight(const LightParameters& parameters, const Vec3d& render_origin);
-  std::optional<LightSample> sample(const Vec3f& p, const Vec2f& u) const;
+  std::optional<LightSample> sample(const Vec3f& p, const Vec2f& u, const Vec3f& n = Vec3f(0, 0, 0)) const;
   /// A point is never hit.
-  std::optional<LightHit> intersect(const Ray& ray) const;
+  std::optional<LightHit> intersect(const Ray& ray, const Vec3f& n = Vec3f(0, 0, 0)) const;
   /// 0 only where no part of the sphere sends light.
   double importance(const Vec3f& p) const;
   LightExtent extent() const;
+  std::shared_ptr<const LightImage> image() const { return nullptr; }
   /// True only if every direction from p to the light lies below the plane through p with unit normal n.
   bool is_below(const Vec3f& p, const Vec3f& n) const;
   bool is_delta() const { return radius_ == 0; }

@@ -89,7 +89,6 @@ struct SceneFeatures {
   bool subsurface = false;
   bool emissive_meshes = false;
   bool textures = false;
-  bool smooth_normals = false;
   bool see_through = false;         // some instance is, and not only where rays begin behind it
   bool motion = false;              // some instance moves or deforms: rays have a time
   bool visible_background = false;  // a dome that the camera sees: the background is opaque

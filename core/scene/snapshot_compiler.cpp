@@ -171,7 +171,6 @@ void keep_alive(const DrawnInstances& drawn, SceneSnapshot* snapshot) {
   for (const auto& p : snapshot->prototypes) {
     snapshot->memory_bytes +=
         p->mesh.memory_bytes() + p->object->memory_bytes() + p->interior.memory_bytes() + p->tangents.memory_bytes();
-    snapshot->features.smooth_normals |= !p->mesh.normals.empty();
   }
   for (const auto& m : snapshot->materials) snapshot->features.textures |= !m->textures.empty();
 }

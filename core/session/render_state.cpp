@@ -1,24 +1,13 @@
 #include "core/session/render_state.h"
 
 #include <algorithm>
-#include <bit>
+#include <array>
 #include <cmath>
 #include <cstring>
-#include <tuple>
 #include <type_traits>
 
 namespace alabaster {
 namespace {
-
-// The members of counters, but for the first sample that was not finite.
-auto members_of(RenderCounters& c) {
-  static_assert(sizeof(RenderCounters) == 24 * sizeof(uint64_t) + 16, "a new counter belongs here, too");
-  return std::tie(c.camera_rays, c.bounce_rays, c.shadow_rays, c.walk_rays, c.probe_rays, c.probe_hits, c.walks,
-                  c.walk_events, c.walk_sphere_steps, c.walk_exits, c.walk_roulette_ends, c.walk_lost,
-                  c.walk_safety_cap, c.rejected_rays, c.nonfinite_samples, c.nonfinite_causes[0], c.nonfinite_causes[1],
-                  c.nonfinite_causes[2], c.nonfinite_causes[3], c.nonfinite_causes[4], c.nonfinite_causes[5], c.samples,
-                  c.max_walk_weight, c.walk_lost_energy);
-}
 
 // Thirty years: clocks of nanoseconds hold some multiples of it. No checkpoint holds more.
 constexpr double kMostSeconds = 1e9;
@@ -27,14 +16,15 @@ constexpr double kMostSeconds = 1e9;
 struct Head {
   PixelRect window;
   AovSet aovs = 0;
-  uint32_t rays = 0;
   SampleRange range, round;
-  uint32_t ended = 0, kept = 0, has_rates = 0, has_nonfinite = 0;
+  uint32_t rays = 0, ended = 0, kept = 0, has_rates = 0, has_nonfinite = 0;
   SampleAddress first_nonfinite;
-  double wall_seconds = 0, cpu_seconds = 0;
-  uint64_t counters[24] = {};
+  double wall_seconds = 0, cpu_seconds = 0, max_walk_weight = 0, walk_lost_energy = 0;
+  std::array<uint64_t, std::size(kCounters)> counters = {};
+  decltype(RenderCounters::nonfinite_causes) nonfinite_causes = {};
 };
-static_assert(std::is_trivially_copyable_v<Head> && sizeof(Head) == 16 + 8 + 16 + 16 + 16 + 16 + 192);
+static_assert(std::is_trivially_copyable_v<Head> &&
+              sizeof(Head) == 16 + 8 + 16 + 20 + 12 + 32 + 8 * (std::size(kCounters) + std::size(kNonfiniteCauses)));
 
 std::span<std::byte> bytes_of(Head& head) {
   return std::as_writable_bytes(std::span(&head, 1));
@@ -48,27 +38,21 @@ Head head_of(const RenderState& state) {
   head.range = film.extras().range, head.round = state.round;
   head.ended = state.stopping.ended(), head.kept = state.stopping.kept_film() ? state.stopping.kept() : 0;
   head.has_rates = !state.allocation.rates().empty();
-  RenderCounters counters = state.counters;
+  const RenderCounters& counters = state.counters;
   head.has_nonfinite = counters.first_nonfinite.has_value();
   head.first_nonfinite = counters.first_nonfinite.value_or(SampleAddress());
   head.wall_seconds = std::min(state.wall_seconds, kMostSeconds), head.cpu_seconds = state.cpu_seconds;
-  std::apply(
-      [&](const auto&... member) {
-        size_t i = 0;
-        ((head.counters[i++] = std::bit_cast<uint64_t>(member)), ...);
-      },
-      members_of(counters));
+  head.max_walk_weight = counters.max_walk_weight, head.walk_lost_energy = counters.walk_lost_energy;
+  for (size_t i = 0; i < std::size(kCounters); ++i) head.counters[i] = counters.*kCounters[i].member;
+  head.nonfinite_causes = counters.nonfinite_causes;
   return head;
 }
 
 RenderCounters counters_of(const Head& head) {
   RenderCounters counters;
-  std::apply(
-      [&](auto&... member) {
-        size_t i = 0;
-        ((member = std::bit_cast<std::decay_t<decltype(member)>>(head.counters[i++])), ...);
-      },
-      members_of(counters));
+  for (size_t i = 0; i < std::size(kCounters); ++i) counters.*kCounters[i].member = head.counters[i];
+  counters.nonfinite_causes = head.nonfinite_causes;
+  counters.max_walk_weight = head.max_walk_weight, counters.walk_lost_energy = head.walk_lost_energy;
   if (head.has_nonfinite) counters.first_nonfinite = head.first_nonfinite;
   return counters;
 }

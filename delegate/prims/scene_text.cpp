@@ -184,7 +184,7 @@ std::string describe_requirements(const SceneSnapshot& snapshot, const Translati
   std::string smooth;
   for (const InstanceDescription* instance : looks(translation))
     if (smooth.empty() && !instance->prototype->mesh.normals.empty()) smooth = instance->name;
-  line("smooth normals", snapshot.features.smooth_normals, smooth);
+  line("smooth normals", !smooth.empty(), smooth);
   text += "instances: " + std::to_string(snapshot.instance_count()) + " of " +
           std::to_string(snapshot.prototypes.size()) + " meshes\n";
   text += "lights: " + std::to_string(snapshot.lights.size()) + "\n";

@@ -18,7 +18,7 @@ namespace {
 using nlohmann::json;
 
 // The number rises whenever the state or the header changes its meaning.
-constexpr std::string_view kMagic = "Alabaster checkpoint 4\n", kAnyMagic = "Alabaster checkpoint ";
+constexpr std::string_view kMagic = "Alabaster checkpoint 5\n", kAnyMagic = "Alabaster checkpoint ";
 
 struct BlockHead {
   uint64_t size = 0, checksum = 0;

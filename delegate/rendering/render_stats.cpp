@@ -21,23 +21,12 @@ Value count(uint64_t n) {
 
 void add_counters(const RenderCounters& c, Dictionary* stats) {
   Dictionary& s = *stats;
-  s["rays.camera"] = count(c.camera_rays);
-  s["rays.bounce"] = count(c.bounce_rays);
-  s["rays.shadow"] = count(c.shadow_rays);
-  s["rays.walk"] = count(c.walk_rays);
-  s["rays.probe"] = count(c.probe_rays);
-  s["probe.hits"] = count(c.probe_hits);
-  s["walk.count"] = count(c.walks);
-  s["walk.events"] = count(c.walk_events);
-  s["walk.exits"] = count(c.walk_exits);
-  s["walk.lost"] = count(c.walk_lost);
-  s["walk.lostEnergy"] = c.walk_lost_energy;
-  s["walk.safetyCap"] = count(c.walk_safety_cap);
-  s["walk.maxWeight"] = c.max_walk_weight;
-  s["nonfiniteSamples"] = count(c.nonfinite_samples);
+  for (const CounterRow& row : kCounters)
+    if (*row.name) s[row.name] = count(c.*row.member);
   for (size_t i = 0; i < c.nonfinite_causes.size(); ++i)
     s[std::string("nonfiniteSamples.") + kNonfiniteCauses[i]] = count(c.nonfinite_causes[i]);
-  s["rejectedRays"] = count(c.rejected_rays);
+  s["walk.lostEnergy"] = c.walk_lost_energy;
+  s["walk.maxWeight"] = c.max_walk_weight;
 }
 
 // A render that missed its target error, or may have, tells the error that it reached and the cost of the target.
