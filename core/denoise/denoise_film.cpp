@@ -25,17 +25,29 @@ DenoiserFrame frame_of(const Film& film, const std::vector<float>& rgba) {
   return frame;
 }
 
+// Open Image Denoise takes light below 1e-8 for black: a picture is denoised at a geometric mean of about 1, which few
+// bright pixels do not move. A power of two changes no digit.
+int exponent_of(const std::vector<float>& color) {
+  constexpr int kRoom = 60;  // of the brightest
+  double logarithms = 0;
+  size_t lit = 0;
+  float largest = 0;
+  for (const float v : color) {
+    if (!(v > 0)) continue;
+    logarithms += std::log2(double(v));
+    largest = std::max(largest, v);
+    ++lit;
+  }
+  return lit ? std::max(int(std::floor(logarithms / double(lit))), std::ilogb(largest) - kRoom) : 0;
+}
+
 }  // namespace
 
 DenoiseStatus denoise_film(const Denoiser& denoiser, const DenoiseOptions& options, Film* film, std::string* problem) {
   try {
     const std::vector<float> rgba = film->resolve_float(Aov::color);
     DenoiserFrame frame = frame_of(*film, rgba);
-    // Open Image Denoise takes light below 1e-8 for black: the picture is denoised at a mean of about 1. A power of two
-    // changes no digit.
-    double sum = 0;
-    for (const float v : frame.color) sum += double(std::abs(v));
-    const int exponent = sum > 0 ? std::ilogb(sum / double(frame.color.size())) : 0;
+    const int exponent = exponent_of(frame.color);
     for (float& v : frame.color) v = std::ldexp(v, -exponent);
     const DenoiseStatus status = denoiser.denoise(&frame, options, problem);
     if (status != DenoiseStatus::done) return status;

@@ -20,6 +20,7 @@ std::string foreign_reason(const std::string& path) {
   for (size_t begin = 0, end = 0; begin < path.size(); begin = end + 1) {
     end = std::min(path.find('/', begin), path.size());
     const std::string part = path.substr(begin, end - begin);
+    if (begin > 0 && part.size() > 2 && part[1] == ':') continue;  // a drive stands first
     if (const std::string reason = foreign_name(part); !reason.empty())
       return std::filesystem::exists(path.substr(0, end), none) ? std::string() : reason;
   }

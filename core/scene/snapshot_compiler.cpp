@@ -72,9 +72,9 @@ bool is_single_sided(const InstanceDescription& d, const DisneyMaterial& materia
 // Rays get behind a closed mesh of opaque faces, which are there from their fronts alone, where they begin there, or
 // not at all.
 bool shows_fronts_alone(const Instance& i) {
-  const auto is_partly_opaque = [](const DisneyMaterial* m) { return m->is_partly_opaque(); };
+  const auto lets_in = [](const DisneyMaterial* m) { return m->is_partly_opaque() || m->is_translucent(); };
   return i.single_sided && i.prototype->mesh.outward && i.options.camera_cull == CameraCull::none &&
-         std::none_of(i.materials.begin(), i.materials.end(), is_partly_opaque);
+         std::none_of(i.materials.begin(), i.materials.end(), lets_in);
 }
 
 // All but where it stands.

@@ -26,6 +26,8 @@ class SnapshotCompiler {
   /// or std::bad_alloc. Throws BuildCancelled. After an exception the next snapshot shares as this one would have.
   std::shared_ptr<const SceneSnapshot> compile(const SceneDescription& description, uint64_t number,
                                                const CancelToken& cancel = {});
+  /// Gives up the last snapshot: the next one shares nothing.
+  void forget() { last_ = nullptr; }
 
  private:
   struct Compilation;

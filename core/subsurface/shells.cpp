@@ -131,11 +131,10 @@ class ShellFinder {
 
   // Looks at points over all of the mesh, and over each shell: a small one may have none of the former.
   bool overlaps() const {
-    constexpr size_t kOfMesh = 4096, kOfShell = 16;
+    constexpr size_t kOfMesh = 4096, kOfShell = 16, kOfShells = 65536;
     std::vector<uint32_t> order(corners_.size());
     std::iota(order.begin(), order.end(), 0u);
-    if (shells_.size() > 1)
-      std::stable_sort(order.begin(), order.end(), [&](uint32_t a, uint32_t b) { return shell_[a] < shell_[b]; });
+    std::stable_sort(order.begin(), order.end(), [&](uint32_t a, uint32_t b) { return shell_[a] < shell_[b]; });
     std::vector<double> area(order.size() + 1, 0);
     std::vector<std::array<size_t, 2>> parts;  // of `order`
     for (size_t i = 0; i < order.size(); ++i) {
@@ -159,9 +158,11 @@ class ShellFinder {
     tbb::parallel_for(tbb::blocked_range<size_t>(0, kOfMesh, 64), [&](const tbb::blocked_range<size_t>& range) {
       for (size_t i = range.begin(); i < range.end() && !found; ++i) look({0, order.size()}, i, kOfMesh);
     });
-    if (parts.size() == 1) return found;
+    if (shells_.size() < 2) return found;
+    const size_t of_shell = std::clamp(kOfShells / shells_.size(), size_t(1), kOfShell);
     tbb::parallel_for(size_t(0), parts.size(), [&](size_t part) {
-      for (size_t i = 0; i < kOfShell && !found; ++i) look(parts[part], i, kOfShell);
+      if (shell_[order[parts[part][0]]] == kNone) return;
+      for (size_t i = 0; i < of_shell && !found; ++i) look(parts[part], i, of_shell);
     });
     return found;
   }

@@ -188,6 +188,10 @@ class MergeCommand {
 
   void compare_colors(const std::string& part, const hd::host::FrameNote& note) {
     if (first_part_.empty()) first_part_ = part, config_ = note.color_config, config_digest_ = note.color_digest;
+    if (note.color_digest.empty() || config_digest_.empty())
+      console_.fail(kInput, part,
+                    "this part or " + first_part_ +
+                        " does not tell its colour configuration, as those of an earlier version: render it again");
     if (note.color_digest != config_digest_)
       console_.fail(kInput, part,
                     "its colour configuration, '" + note.color_config + "', is not that of " + first_part_ + ", '" +

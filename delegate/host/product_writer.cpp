@@ -88,6 +88,10 @@ std::vector<ImageAttribute> attributes_of(const ProductImage& image, const Outpu
   return attributes;
 }
 
+bool has_color(const ProductPlan& plan) {
+  return std::any_of(plan.channels.begin(), plan.channels.end(), [](const auto& c) { return c.is_color; });
+}
+
 /// Somebody waits for an incomplete image, so it is not compressed.
 ImageDescription describe(const ProductPlan& plan, const ProductImage& image, const OutputTransform& out) {
   const Framing& framing = image.framing;
@@ -101,7 +105,7 @@ ImageDescription describe(const ProductPlan& plan, const ProductImage& image, co
   file.display = {x, y, std::max(1, int(std::lround(framing.displayMax.x)) - x),
                   std::max(1, int(std::lround(framing.displayMax.y)) - y)};
   file.attributes = attributes_of(image, out, plan.kind);
-  if (out.encoding != kSrgbCodePoints) file.encoding = out.encoding;
+  if (has_color(plan) && out.encoding != kSrgbCodePoints) file.encoding = out.encoding;
   file.fast = image.incomplete;
   return file;
 }
@@ -201,9 +205,7 @@ bool check_image(const RenderProduct& product, const ProductImage& image, Produc
 /// Viewers take a file without tags for sRGB.
 void report_untagged(const RenderProduct& product, const ProductPlan& plan, const OutputTransform& out,
                      const DiagnosticSink& sink) {
-  const bool has_color =
-      std::any_of(plan.channels.begin(), plan.channels.end(), [](const auto& c) { return c.is_color; });
-  if (!sink || !has_color || !plan.display_referred || plan.kind == FileKind::exr) return;
+  if (!sink || !has_color(plan) || !plan.display_referred || plan.kind == FileKind::exr) return;
   if (out.encoding == kSrgbCodePoints || (out.encoding && plan.kind == FileKind::png)) return;
   const char* const name = plan.kind == FileKind::png ? "PNG" : plan.kind == FileKind::tiff ? "TIFF" : "JPEG";
   sink({Severity::warning, "product.untagged", product.file,

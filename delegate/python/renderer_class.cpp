@@ -183,6 +183,8 @@ struct Recording {
       PyErr_SetString(PyExc_ValueError, "a process that a progress callback forks must end within the callback");
     } catch (py::error_already_set& thrown) {
       thrown.restore();
+    } catch (const std::exception& thrown) {
+      PyErr_SetString(PyExc_RuntimeError, thrown.what());
     }
     PyErr_PrintEx(0);  // ends the process where the error is SystemExit
     Py_Exit(1);

@@ -69,6 +69,7 @@ class DelegateState {
   /// The end of a sentence about a camera that does not exist: the nearest path that one has.
   std::string nearest_camera(const Path& path) const;
   bool has_failed() const { return builder_.has_failed() || failed_; }
+  bool has_failed(const support::Selection& selection) const { return builder_.has_failed(selection) || failed_; }
   /// Why a pass has no snapshot; empty if it has one, or may get one.
   std::string commit_error(const SceneSnapshot* snapshot) const;
   /// One line for each fault of the scene that was reported and not mended since. *input: none of them is for want of

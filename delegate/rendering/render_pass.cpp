@@ -346,7 +346,7 @@ void PassControl::draw(const DrawRequest& asked) {
   const support::Selection selection = view()->selection;
   auto scene = delegate_->scene(selection);
   const bool waits = scene ? building && !delegate_->is_current(*scene)
-                           : building || !(delegate_->has_failed() || delegate_->is_stopped());
+                           : building || !(delegate_->has_failed(selection) || delegate_->is_stopped());
   if (waits) {
     deferred_ = asked;
     if (!building) delegate_->build_for(selection);
@@ -358,6 +358,7 @@ void PassControl::draw(const DrawRequest& asked) {
     const std::lock_guard lock(view_mutex_);
     scene_.swap(scene);
   }
+  scene.reset();  // the old one, which the builder may destroy once the session has let go of it
   update(std::move(next), waits, &faults);
   std::vector<std::pair<std::string, std::string>> now;
   for (const auto& fault : faults) {

@@ -93,6 +93,11 @@ std::string SnapshotBuilder::refusal() const {
   return refusal_;
 }
 
+bool SnapshotBuilder::has_failed(const support::Selection& selection) const {
+  const std::lock_guard lock(mutex_);
+  return failed_ && failed_selection_ == selection;
+}
+
 void SnapshotBuilder::release_retired() {
   const std::lock_guard lock(mutex_);
   if (retired_.empty()) return;
@@ -156,7 +161,8 @@ void SnapshotBuilder::build() {
     const std::lock_guard lock(mutex_);
     // After a failure no scene is given: the earlier one would be taken for the new one.
     if (!cancelled) failed_ = !done;
-    if (!failed_) refusal_.clear();
+    if (!done) failed_selection_ = view_->selection;
+    if (!cancelled && !refused) refusal_.clear();
     cancelled_before_ = cancelled && requested_;
     if (cancelled) requested_ = true;
     pending_ = requested_;
@@ -172,12 +178,16 @@ void SnapshotBuilder::build() {
 
 // Reported once, whatever the numbers in it, until a build succeeds.
 void SnapshotBuilder::refuse(const std::bad_alloc& e) {
-  meshes_.rest();  // the next try may need their memory
+  // The next try may need the memory of what only the builder holds.
+  meshes_.rest();
+  replaced_.clear();
+  compiler_.forget();
   const MemoryRefused refused = refusal_of(e);
   const std::string refusal = (refused.prim().empty() ? "" : refused.prim() + ": ") + refused.what();
   {
     const std::lock_guard lock(mutex_);
     refusal_ = refusal;
+    if (built_) retired_.push_back(std::exchange(built_, nullptr));
   }
   refusals_.report(param_->sink(),
                    {{alabaster::Severity::error, "scene.memory", refused.prim().empty() ? kWhere : refused.prim(),

@@ -62,6 +62,8 @@ class SnapshotBuilder {
   /// A build has failed, for want of memory or threads, and no later one has succeeded. Reported; the next post() tries
   /// again.
   bool has_failed() const { return failed_; }
+  /// The build that failed was for this selection.
+  bool has_failed(const support::Selection& selection) const;
   /// Why it failed; empty: not for want of memory.
   std::string refusal() const;
   /// Wall time of translating and compiling.
@@ -97,6 +99,7 @@ class SnapshotBuilder {
   bool requested_ = false, building_ = false, stopped_ = false, quit_ = false, release_ = false;
   std::shared_ptr<const BuiltScene> built_;
   std::string refusal_;
+  support::Selection failed_selection_;
   std::vector<std::shared_ptr<const BuiltScene>> retired_;
   std::atomic<bool> pending_{false}, failed_{false}, cancel_{false};
   bool cancelled_before_ = false;  // the last build was cancelled by an edit

@@ -171,9 +171,9 @@ TEST(DenoiseFilm, LeavesColorAndShowsTheDenoisedBesideIt) {
   EXPECT_EQ(film->resolve_float(Aov::color), color);
   const auto denoised = film->resolve_float(Aov::denoised);
   ASSERT_EQ(denoised.size(), color.size());
-  float sum = 0;  // the denoiser gets a picture whose mean is from 1 to 2
-  for (size_t i = 0; i < color.size(); i += 4) sum += color[i] + color[i + 1] + color[i + 2];
-  const float unit = std::ldexp(1.0f, std::ilogb(sum / (0.75f * static_cast<float>(color.size()))));
+  double sum = 0;  // the denoiser gets a picture whose geometric mean is from 1 to 2
+  for (size_t i = 0; i < color.size(); ++i) sum += i % 4 < 3 ? std::log2(double(color[i])) : 0;
+  const auto unit = float(std::exp2(std::floor(sum / (0.75 * double(color.size())))));
   for (size_t i = 0; i < color.size(); i += 4) {
     EXPECT_EQ(denoised[i], color[i] + 0.25f * unit);
     EXPECT_EQ(denoised[i + 1], color[i + 1] + (0.125f + 0.5f) * unit);

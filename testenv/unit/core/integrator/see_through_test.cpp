@@ -114,6 +114,10 @@ TEST(SeeThrough, AClosedMeshCostsNothingSingleSided) {
   b.add(b.prototype(std::move(sphere)), b.material({}));
   b.description.instances[0].options.double_sided = false;
   EXPECT_FALSE(b.snapshot()->features.see_through) << "only its front can be seen";
+  DisneyParameters glass;
+  glass.spec_trans = 1;
+  b.description.instances[0].materials.push_back(b.material(glass));
+  EXPECT_TRUE(b.snapshot()->features.see_through) << "light comes in through the glass";
 }
 
 /// Black on the left, white on the right.

@@ -26,9 +26,10 @@ RenderRequest denoised_request(uint32_t samples) {
 std::vector<float> expected(const Film& film) {
   std::vector<float> rgba = film.resolve_float(Aov::color);
   const auto albedo = film.resolve_float(Aov::albedo), normal = film.resolve_float(Aov::normal);
-  float sum = 0;  // the denoiser gets a picture whose mean is from 1 to 2
-  for (size_t i = 0; i < rgba.size(); ++i) sum += i % 4 < 3 ? rgba[i] : 0;
-  const float share = std::ldexp(0.5f, std::ilogb(sum / (0.75f * static_cast<float>(rgba.size()))));
+  double sum = 0, lit = 0;  // the denoiser gets a picture whose geometric mean is from 1 to 2
+  for (size_t i = 0; i < rgba.size(); ++i)
+    if (i % 4 < 3 && rgba[i] > 0) sum += std::log2(double(rgba[i])), ++lit;
+  const auto share = float(0.5 * std::exp2(std::floor(sum / lit)));
   for (size_t i = 0; i < albedo.size(); ++i)
     if (float& v = rgba[i / 3 * 4 + i % 3]; rgba[i / 3 * 4 + 3] > 0)
       v = v + share * std::clamp(albedo[i], 0.0f, 1.0f) + share * normal[i];

@@ -165,6 +165,32 @@ TEST(Selection, PassesThatTakeTurnsBothConverge) {
 }
 
 // As C and Python do: each is executed once.
+TEST(Selection, ASceneThatIsRefusedLeavesTheOtherPassAlone) {
+  Tagged stage;
+  Tagged::View a = stage.view("/a"), b = stage.view("/b");
+  b.state.renderTags = {"proxy"};
+  stage.add("/set/more", "geometry", 1.5);
+  stage.index->SyncAll();
+  const auto execute = [&](int times, const auto& is_over) {
+    for (int i = 0; i < times && !is_over(); ++i) {
+      a.pass->Execute(a.state);
+      b.pass->Execute(b.state);
+      std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    }
+  };
+  execute(2000, [&] { return a.pass->IsConverged() && b.pass->IsConverged(); });
+  stage.delegate->SetRenderSetting("memoryLimit", int64_t(stage.stat("memoryInUse") / (1 << 20) + 4));
+  host::MeshDescription large = Stage::cube(7);
+  large.renderTag = "proxy";
+  stage.scene.SetMesh("/set/large", large);
+  stage.add("/set/more", "geometry", 0.4);
+  stage.index->SyncAll();
+  execute(2000, [&] { return a.pass->IsConverged() && b.pass->GetState() == PassState::failed; });
+  EXPECT_TRUE(a.pass->IsConverged());
+  EXPECT_EQ(b.pass->GetState(), PassState::failed);
+  EXPECT_TRUE(stage.drawn(a).contains("more"));
+}
+
 TEST(Selection, PassesThatAreExecutedOnceBothEnd) {
   Tagged stage;
   Tagged::View a = stage.view("/a"), b = stage.view("/b");
