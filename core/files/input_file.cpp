@@ -20,7 +20,6 @@ std::string foreign_reason(const std::string& path) {
   for (size_t begin = 0, end = 0; begin < path.size(); begin = end + 1) {
     end = std::min(path.find('/', begin), path.size());
     const std::string part = path.substr(begin, end - begin);
-    if (begin > 0 && part.size() > 2 && part[1] == ':') continue;  // a drive stands first
     if (const std::string reason = foreign_name(part); !reason.empty())
       return std::filesystem::exists(path.substr(0, end), none) ? std::string() : reason;
   }
@@ -37,7 +36,7 @@ std::string foreign_name(std::string_view part) {
   const std::string_view rest = is_word ? part.substr(scheme.size() + 1) : std::string_view();
   const bool ends = is_word && (rest.empty() || rest[0] == '\\' || rest[0] == '/');
   const std::string with_colon = "'" + std::string(scheme) + ":'";
-  if (is_word && scheme.size() == 1)
+  if (ends && scheme.size() == 1)
     return "it begins with a drive letter, " + with_colon + ", which this system does not have; use a relative path";
   if (scheme == "data" && is_word) return "it is a data URI, which is not read here; save the data as a file";
   if (ends)
