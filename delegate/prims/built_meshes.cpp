@@ -91,7 +91,8 @@ std::vector<BuiltMeshes::Entry*> BuiltMeshes::collect(const Scene& scene, const 
     const auto* mesh = std::get_if<MeshRecord>(&record);
     if (!mesh || !mesh->visible || !mesh->source || !mesh->slots) continue;
     MeshRequest request;
-    in_name_of(path.str(), [&, &id = path] { request = request_of(id, *mesh, materials, view, placements); });
+    in_name_of(path.str(),
+               [&, &id = path, &seen = view] { request = request_of(id, *mesh, materials, seen, placements); });
     Held* const held = known.find(path);
     const bool same_shape = held && held->job->source == mesh->source && held->job->request == request;
     if (same_shape && held->job->slots == mesh->slots && held->done) {
