@@ -72,7 +72,8 @@ constexpr auto kParameters = std::to_array<MaterialParameter>({
       "both."}},
     {{"specTrans", &P::spec_trans, 0, 1, {},
       "none", "Share of the dielectric base that is clear: light is reflected and refracted by ior and roughness, "
-      "and takes the square root of baseColor at each of the two surfaces that it passes."}},
+      "and takes the square root of baseColor at each of the two surfaces that it passes, but in a body that scatters, "
+      "whose medium has that colour."}},
     {{"thin", &P::thin, -kUnbounded, kUnbounded, {},
       "none", "The surface is a sheet without an interior: light passes without refraction, takes baseColor once, "
       "and is spread by roughness (0.65 ior - 0.35)."}},
