@@ -288,8 +288,8 @@ class Recording {
     if (faults == 0 || (options_.keep_going && !memory)) return true;
     return refuse(memory ? RecordStatus::render_failed : RecordStatus::input_failed, "record.scene",
                   std::to_string(faults) + (faults == 1 ? " fault" : " faults") +
-                      " of the scene (see above): nothing is rendered. Correct the scene" +
-                      (memory ? "" : ", or render without what is missing (keep_going)"));
+                      " of the scene (see above): nothing is rendered" +
+                      (memory ? "" : ". Correct the scene, or render without what is missing (keep_going)"));
   }
 
   RenderPassState pass_state() const {

@@ -325,11 +325,12 @@ FieldResult SubsetFields::set(const std::string& name, const Value& value) {
   GeomSubset& subset = subsets_[place->second];
   if (suffix == "material") return read_into(name, value, {}, &subset.materialId);
   if (!value.empty()) return read_into(name, value, {}, &subset.indices);
+  removes_ = true;
   return subset.id = Path(), places_.erase(place), "";
 }
 
 void SubsetFields::finish() {
-  std::erase_if(subsets_, [](const GeomSubset& subset) { return subset.id.empty(); });
+  if (removes_) std::erase_if(subsets_, [](const GeomSubset& subset) { return subset.id.empty(); });
 }
 
 FieldResult set_open_field(MeshDescription* mesh, const std::string& name, const Value& value) {

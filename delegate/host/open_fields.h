@@ -29,6 +29,7 @@ class SubsetFields {
   std::vector<GeomSubset>& subsets_;
   std::map<Path, size_t> places_;
   size_t known_ = 0;  // so many of them have places
+  bool removes_ = false;
 };
 /// All but the fields of subsets.
 FieldResult set_open_field(MeshDescription* mesh, const std::string& name, const Value& value);

@@ -31,6 +31,18 @@ void add_attribute(Bytes& to, const std::string& name, const std::string& type, 
   to.insert(to.end(), value.begin(), value.end());
 }
 
+/// The attributes that every header has.
+void add_required(Bytes& file, const Bytes& channels, uint8_t compression, const Bytes& window) {
+  add_attribute(file, "channels", "chlist", channels);
+  add_attribute(file, "compression", "compression", {compression});
+  add_attribute(file, "dataWindow", "box2i", window);
+  add_attribute(file, "displayWindow", "box2i", window);
+  add_attribute(file, "lineOrder", "lineOrder", {0});
+  add_attribute(file, "pixelAspectRatio", "float", {0, 0, 0x80, 0x3f});
+  add_attribute(file, "screenWindowCenter", "v2f", Bytes(8, 0));
+  add_attribute(file, "screenWindowWidth", "float", {0, 0, 0x80, 0x3f});
+}
+
 Bytes header(uint8_t compression) {
   Bytes channels, window;
   for (const char* name : {"B", "G", "R"}) {
@@ -42,14 +54,7 @@ Bytes header(uint8_t compression) {
   Bytes file;
   add(file, 20000630, 4);
   add(file, 2, 4);
-  add_attribute(file, "channels", "chlist", channels);
-  add_attribute(file, "compression", "compression", {compression});
-  add_attribute(file, "dataWindow", "box2i", window);
-  add_attribute(file, "displayWindow", "box2i", window);
-  add_attribute(file, "lineOrder", "lineOrder", {0});
-  add_attribute(file, "pixelAspectRatio", "float", {0, 0, 0x80, 0x3f});
-  add_attribute(file, "screenWindowCenter", "v2f", Bytes(8, 0));
-  add_attribute(file, "screenWindowWidth", "float", {0, 0, 0x80, 0x3f});
+  add_required(file, channels, compression, window);
   file.push_back(0);
   return file;
 }
@@ -155,14 +160,7 @@ Bytes tiled(uint32_t width, uint32_t height, int32_t x, int32_t y, bool levels) 
     add(window, value, 4);
   add(tiles, kTileWidth, 4), add(tiles, kTileHeight, 4), tiles.push_back(levels ? 1 : 0);
   add(file, 20000630, 4), add(file, 2 | 0x200, 4);
-  add_attribute(file, "channels", "chlist", channels);
-  add_attribute(file, "compression", "compression", {kNone});
-  add_attribute(file, "dataWindow", "box2i", window);
-  add_attribute(file, "displayWindow", "box2i", window);
-  add_attribute(file, "lineOrder", "lineOrder", {0});
-  add_attribute(file, "pixelAspectRatio", "float", {0, 0, 0x80, 0x3f});
-  add_attribute(file, "screenWindowCenter", "v2f", Bytes(8, 0));
-  add_attribute(file, "screenWindowWidth", "float", {0, 0, 0x80, 0x3f});
+  add_required(file, channels, kNone, window);
   add_attribute(file, "tiles", "tiledesc", tiles);
   file.push_back(0);
   std::vector<size_t> places;

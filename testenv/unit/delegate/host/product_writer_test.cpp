@@ -321,18 +321,22 @@ TEST_F(ProductFile, SingleAovsInIntegerFiles) {
   EXPECT_EQ(Read(p.file).pixels, std::vector<float>(kCount, 1.0f));
 }
 
-// promise: pipeline.colour.tags
-TEST_F(ProductFile, APngSaysItsDisplay) {
-  const ProductImage image = frame();
-  const auto tags = [&](const std::string& display, const std::string& view) {
+class TaggedPng : public ProductFile {
+ protected:
+  /// What a PNG of that view says of its space, and "warning" if a report says that it cannot.
+  std::string tags(const std::string& display, const std::string& view) {
     RenderProduct p = product("display.png");
     p.display = display, p.view = view;
     EXPECT_TRUE(check(p)) << text();
     const std::string said = text();
-    EXPECT_TRUE(write(p, image)) << text();
+    EXPECT_TRUE(write(p, frame())) << text();
     EXPECT_EQ(Read(p.file).spec.width, kWidth);
     return tags_of(p.file) + (said.find("take it for sRGB") == std::string::npos ? "" : "warning");
-  };
+  }
+};
+
+// promise: pipeline.colour.tags
+TEST_F(TaggedPng, APngSaysItsDisplay) {
   EXPECT_EQ(tags("sRGB", "ACES"), "");
   EXPECT_EQ(tags("", ""), "");
   EXPECT_EQ(tags("P3-D65", "ACES"), "warning");
@@ -342,7 +346,7 @@ TEST_F(ProductFile, APngSaysItsDisplay) {
 }
 
 // Spaces are recognised by their values, under any name.
-TEST_F(ProductFile, APngOfAStudiosDisplaySaysItsSpace) {
+TEST_F(TaggedPng, APngOfAStudiosDisplaySaysItsSpace) {
   const std::string file = path("studio.ocio");
   std::ofstream(file) << R"(ocio_profile_version: 2
 roles: {default: lin, scene_linear: lin, cie_xyz_d65_interchange: XYZ}
@@ -364,15 +368,6 @@ colorspaces:
   - !<ColorSpace> {name: filmic, from_scene_reference: !<ExponentTransform> {value: 2, direction: inverse}}
 )";
   colors_ = {file};
-  const ProductImage image = frame();
-  const auto tags = [&](const std::string& display, const std::string& view) {
-    RenderProduct p = product("display.png");
-    p.display = display, p.view = view;
-    EXPECT_TRUE(check(p)) << text();
-    const std::string said = text();
-    EXPECT_TRUE(write(p, image)) << text();
-    return tags_of(p.file) + (said.find("take it for sRGB") == std::string::npos ? "" : "warning");
-  };
   EXPECT_EQ(tags("Grading suite", "V"), "cICP 9 18 0 1 ");
   EXPECT_EQ(tags("P3", "V"), "cICP 12 16 0 1 ");
   EXPECT_EQ(tags("Odd", "V"), "warning");
