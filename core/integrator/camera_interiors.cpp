@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "core/diagnostics/cancel.h"
-#include "core/integrator/boundary.h"
+#include "core/integrator/interface.h"
 #include "core/scene/clear_bodies.h"
 #include "core/scene/world_placement.h"
 
@@ -77,15 +77,15 @@ Surroundings surroundings_of(const SceneSnapshot& scene, const Origins& origins)
 }
 
 // The interiors that rays in all directions find at a point. Empty: they do not agree.
-std::optional<Interiors> agreed_at(const PathContext& context, const Vec3f& p) {
+std::optional<MediumStack> agreed_at(const PathContext& context, const Vec3f& p) {
   constexpr int kProbes = 64;
-  std::optional<Interiors> agreed;
+  std::optional<MediumStack> agreed;
   for (int i = 0; i < kProbes; ++i) {
     // A Fibonacci lattice on the sphere.
     const float z = 1 - (2 * static_cast<float>(i) + 1) / kProbes, phi = static_cast<float>(i) * 2.3999632f;
     const float r = std::sqrt(1 - z * z);
     const Ray ray{p, {r * std::cos(phi), r * std::sin(phi), z}};
-    const Interiors found = interiors_at(context, ray, Seeker::camera);
+    const MediumStack found = interiors_at(context, ray, Seeker::camera);
     if (agreed && !agreed->agrees_with(found)) return std::nullopt;
     if (!agreed) agreed = found;
   }
@@ -113,9 +113,9 @@ std::unique_ptr<const CameraInteriors> CameraInteriors::find(const PathContext& 
   return found;
 }
 
-Interiors CameraInteriors::of(const PathContext& context, const Ray& ray) const {
+MediumStack CameraInteriors::of(const PathContext& context, const Ray& ray) const {
   if (same_) return *same_;
-  return context.scene.clear_bodies.contains(ray.org) ? interiors_at(context, ray, Seeker::camera) : Interiors();
+  return context.scene.clear_bodies.contains(ray.org) ? interiors_at(context, ray, Seeker::camera) : MediumStack();
 }
 
 }  // namespace alabaster

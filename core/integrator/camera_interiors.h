@@ -5,7 +5,7 @@
 #include <memory>
 #include <optional>
 
-#include "core/integrator/interiors.h"
+#include "core/integrator/media.h"
 #include "core/integrator/path_integrator.h"
 
 namespace alabaster {
@@ -21,10 +21,10 @@ class CameraInteriors {
   static std::unique_ptr<const CameraInteriors> find(const PathContext& context, const Bounds& origins);
 
   /// The interiors in which a ray of the camera begins.
-  Interiors of(const PathContext& context, const Ray& ray) const;
+  MediumStack of(const PathContext& context, const Ray& ray) const;
 
  private:
-  std::optional<Interiors> same_;  // of all rays; empty: each ray finds its own
+  std::optional<MediumStack> same_;  // of all rays; empty: each ray finds its own
 };
 
 }  // namespace alabaster

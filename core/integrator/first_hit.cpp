@@ -5,7 +5,7 @@
 
 namespace alabaster {
 
-void record_first_hit(const PathContext& context, const PathVertex& v, float distance, FilmSample* out) {
+void record_first_hit(const PathContext& context, const Vertex& v, float distance, FilmSample* out) {
   out->alpha = 1;
   if (!(context.aovs & kClosestAovs)) return;
   out->distance = distance;
@@ -18,13 +18,13 @@ void record_first_hit(const PathContext& context, const PathVertex& v, float dis
     record_hit_vectors(context, v, out);
 }
 
-void record_guides(const PathContext& context, const PathVertex& v, const PathState& path) {
-  if (context.aovs & aov_bit(Aov::normal)) path.guides->normal = v.frame.n;
+void record_features(const PathContext& context, const Vertex& v, const Path& path) {
+  if (context.aovs & aov_bit(Aov::normal)) path.features->normal = v.frame.n;
   if (context.aovs & aov_bit(Aov::albedo))
-    path.guides->albedo = DisneyBsdf(v.material, {0, 0, 1}).albedo() * clamp01(path.throughput);
+    path.features->albedo = DisneyBsdf(v.material, {0, 0, 1}).albedo() * clamp01(path.throughput);
 }
 
-bool is_mirror(const PathVertex& v, Lobe lobe) {
+bool is_mirror(const Vertex& v, Lobe lobe) {
   constexpr float kLargestRoughness = 0.1f;
   if (lobe == Lobe::straight) return true;
   return (lobe == Lobe::specular || lobe == Lobe::dielectric) && v.material.roughness <= kLargestRoughness;

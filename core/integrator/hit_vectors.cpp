@@ -4,7 +4,7 @@ namespace alabaster {
 namespace {
 
 // The point of the surface that was hit, in render space, at another time.
-Vec3f point_at(const PathVertex& v, float time) {
+Vec3f point_at(const Vertex& v, float time) {
   const auto [a, b, c] = v.instance->prototype->mesh.corners_at(v.triangle.triangle, time);
   const Vec3f p = a * (1 - v.triangle.u - v.triangle.v) + b * v.triangle.u + c * v.triangle.v;
   TriangleHit then = v.triangle;
@@ -14,13 +14,13 @@ Vec3f point_at(const PathVertex& v, float time) {
 }
 
 // x to the right and y up, as rows of buffers go. Zero where the point is behind the camera at either time.
-Vec3f motion_of(const HitVectorRequest& request, const PathVertex& v) {
+Vec3f motion_of(const HitVectorRequest& request, const Vertex& v) {
   const auto from = request.opens.project(point_at(v, request.open_time));
   const auto to = request.closes.project(point_at(v, request.close_time));
   return from && to ? Vec3f(to->x - from->x, from->y - to->y, 0) : Vec3f(0, 0, 0);
 }
 
-Vec3f primvar_at(const PathVertex& v, const UvSetName& name) {
+Vec3f primvar_at(const Vertex& v, const UvSetName& name) {
   const Mesh& mesh = v.instance->prototype->mesh;
   for (const NamedVectors& primvar : mesh.primvars)
     if (primvar.name == name) return interpolated<Vec3f>(primvar, mesh, v.triangle);
@@ -29,7 +29,7 @@ Vec3f primvar_at(const PathVertex& v, const UvSetName& name) {
 
 }  // namespace
 
-void record_hit_vectors(const PathContext& context, const PathVertex& v, FilmSample* out) {
+void record_hit_vectors(const PathContext& context, const Vertex& v, FilmSample* out) {
   const HitVectorRequest& request = *context.vectors;
   const auto set = [&](Aov aov, const auto& value) {
     if (context.aovs & aov_bit(aov)) request.out->set(aov, value());

@@ -1,11 +1,11 @@
 // The vectors of the first hit that AOVs show: its place and normal seen from the camera, its motion, its primvars.
 #pragma once
 
-#include "core/integrator/path_state.h"
+#include "core/integrator/vertex.h"
 
 namespace alabaster {
 
 /// Fills context.vectors, which must not be null, as far as AOVs show them.
-void record_hit_vectors(const PathContext& context, const PathVertex& v, FilmSample* out);
+void record_hit_vectors(const PathContext& context, const Vertex& v, FilmSample* out);
 
 }  // namespace alabaster

@@ -1,384 +1,184 @@
 #include "core/integrator/path_integrator.h"
 
-#include "core/diagnostics/check.h"
-#include "core/integrator/boundary.h"
 #include "core/integrator/camera_interiors.h"
+#include "core/integrator/direct_light.h"
+#include "core/integrator/emission.h"
 #include "core/integrator/first_hit.h"
-#include "core/integrator/path_surface.h"
-#include "core/integrator/surface_light.h"
+#include "core/integrator/interface.h"
+#include "core/integrator/path_record.h"
+#include "core/integrator/see_through.h"
+#include "core/integrator/subsurface_scatter.h"
+#include "core/integrator/vertex_bsdf.h"
 
 namespace alabaster {
-
 namespace {
 
-bool intersect(const PathContext& context, const PixelSampler& sampler, PathState* path, TriangleHit* hit) {
-  if (trace(context, sampler, path, hit)) return true;
-  if (!is_traceable(path->ray)) ++context.counters.rejected_rays;
+bool end(const PathContext& context, const char* reason) {
+  if (context.record) context.record->end(reason);
   return false;
 }
 
-// The weight of light that the path's ray meets, against sampling of that light.
-float weight_of_met(const PathState& path, float light_pdf) {
-  return path.scatter_pdf > 0 ? power_heuristic(path.scatter_pdf, light_pdf) : 1.0f;
-}
-
-// Emission of the lights without geometry that the path's segment meets.
-Rgb analytic_light_emission(const PathState& path, bool escaped) {
-  const auto weigh = [&path](float light_pdf) { return weight_of_met(path, light_pdf); };
-  const LightSet& lights = *path.lights;
-  if (path.interiors.empty()) return lights.emitted(path.ray, escaped, path.depth == 0, path.search, weigh);
-  return lights.emitted(path.ray, escaped, path.depth == 0, path.search, [&](float light_pdf, float distance) {
-    return path.interiors.transmittance(distance) * weigh(light_pdf);
-  });
-}
-
-// Emission of the lights with a shadow link that the path's ray meets beyond what casts no shadow for them. `escaped`:
-// the ray met no surface.
-Rgb linked_light_emission(const PathContext& context, const PathState& path, bool escaped) {
-  const auto weigh = [&path](float light_pdf) { return weight_of_met(path, light_pdf); };
-  const bool is_clear = escaped && !context.sees_through();
-  return path.lights->emitted_with_links(path.ray, path.search, weigh, [&](uint32_t link, float distance) -> Rgb {
-    const Ray ray{path.ray.org, path.ray.dir, distance, path.ray.time};
-    if (is_clear) return path.through_interiors(Rgb(1.0f), distance);
-    ++context.counters.shadow_rays;
-    return path.through_interiors(Rgb(linked_visibility(context.scene, ray, link, &path.interiors)), distance);
-  });
-}
-
-void add_mesh_emission(const PathVertex& v, PathState* path) {
-  if (is_black(v.material.emission)) return;
-  const TriangleHit& hit = v.triangle;
-  float weight = 1;
-  if (path->scatter_pdf > 0)
-    weight = weight_of_met(*path, path->lights->mesh_light_pdf(path->ray, hit.t, hit.instance, hit.triangle));
-  path->radiance += path->throughput * v.material.emission * weight;
-}
-
-// Ends a camera's path at a hold-out: only lights that it met on its way show.
-void hold_out(PathRecord* record, PathState* path, FilmSample* out) {
-  path->held_out = true;
-  out->alpha = 0;
-  if (record) record->end("a hold-out");
-}
-
-// Roulette ends paths whose throughput has fallen below this, and lifts survivors to it. A survivor that is lifted far
-// is a firefly where a later lobe meets a light (testenv/benchmark/results/sampling.md).
-constexpr float kRouletteBelow = 0.125f;
-
-// Unbiased: survivors carry the weight of the ended. `draw` gives the random number, where one is needed.
-template <class Draw>
-bool survives_roulette(const Draw& draw, PathState* path) {
-  if (path->depth == 0) return true;
-  float throughput = max_component(path->throughput);
-  // Radiance in a medium is larger by its index squared, and the throughput of a path that enters it smaller.
-  if (!path->interiors.empty()) throughput *= sqr(path->interiors.index());
-  if (!(throughput < kRouletteBelow)) return true;
-  const float survival = throughput * (1 / kRouletteBelow);
-  if (!(draw() < survival)) return false;
-  path->throughput *= 1 / survival;
-  return true;
-}
-
-// False: the direction leads into the surface.
-bool scatter_at_surface(const PathContext& context, const PathVertex& v, const BsdfSample& sample, PathState* path) {
-  const Vec3f wi = v.frame.to_world(sample.wi);
-  if (!v.is_above_surface(wi)) return false;
-  path->throughput *= sample.f * (std::abs(sample.wi.z) / sample.pdf);
-  path->scatter_pdf = sample.pdf;
-  path->go_on(origin_of(context, v.departure, wi), wi);
-  return true;
-}
-
-template <bool kLayers, class Draw>
-bool survives(const PathContext& context, const Draw& draw, PathState* path) {
-  if (!is_black(path->throughput) && survives_roulette(draw, path)) return true;
-  if (PathRecord* record = record_of<kLayers>(context)) record->end("throughput is black, or roulette ended it");
-  return false;
-}
-
-template <SubsurfaceMode kMode, bool kMeshLights, bool kLayers>
-void follow_path(const PathContext& context, const PixelSampler& sampler, PathState* path, FilmSample* first_hit,
-                 LayerSplit* split);
-
-// Splits the path at the first surface into paths, each with its share of the light. `send(sampler, path)` sends one
-// on, and is false if it ends; `sort(light, walk)` puts what it brought into layers, with the walk that it began with.
-template <SubsurfaceMode kMode, bool kMeshLights, bool kLayers, class Send, class Sort>
-void split_path(const PathContext& context, const PixelSampler& sampler, PathState* path, const Send& send,
-                const Sort& sort) {
-  for (uint32_t i = 0; i < kPathsPerSample; ++i) {
-    const PixelSampler branch_sampler = sampler.of_branch(i, kPathsPerSample);
-    if (PathRecord* record = record_of<kLayers>(context)) record->branch(i, kPathsPerSample);
-    PathState branch = *path;
-    branch.radiance = Rgb(0.0f);
-    if (i > 0) branch.guides = nullptr;  // one path finds them
-    const bool continues = send(branch_sampler, &branch);
-    const float share = 1 / static_cast<float>(kPathsPerSample);
-    const WalkLayers walk{branch.walk_events, branch.twin_light * share};
-    if (continues) follow_path<kMode, kMeshLights, kLayers>(context, branch_sampler, &branch, nullptr, nullptr);
-    const Rgb light = branch.radiance * share;
-    path->radiance += light;
-    if (kLayers) sort(light, walk);
+// Finds the nearest surface that stops the path's ray. Updates path->air by the holes on the way.
+bool intersect(const PathContext& context, const PixelSampler& sampler, Path* path, TriangleHit* hit) {
+  const auto& top = *context.scene.top;
+  bool found = top.intersect(path->ray, hit);
+  if (found && context.sees_through()) {
+    // Most rays stop at the first surface. Only the others ask at all that they meet.
+    const StochasticStop filter(context.scene, path->ray.dir, path->media, sampler, path->depth);
+    if (!filter.stops(*hit)) {
+      found = top.intersect(path->ray, hit, &filter);
+      filter.cross_holes(found ? hit->t : std::numeric_limits<float>::infinity(), &path->air);
+    }
   }
-}
-
-// Continues below the surface.
-template <SubsurfaceMode kMode, bool kLayers>
-bool continue_below(const PathContext& context, const PixelSampler& sampler, const VertexBelow& below,
-                    PathState* path) {
-  path->guides = nullptr;
-  const bool continues = scatter_below_surface<kMode>(context, sampler, below, path);
-  const auto draw = [&, depth = path->depth] { return sampler.draw(Dimension::bsdf, depth)[3]; };
-  ++path->depth;
-  return continues && survives<kLayers>(context, draw, path);
-}
-
-// Continues below the surface, once the path's throughput has the weight of the entry. `within`: the path came to the
-// vertex through the medium.
-template <SubsurfaceMode kMode, bool kMeshLights, bool kLayers>
-bool enter_below(const PathContext& context, const PixelSampler& sampler, const PathVertex& v, bool within,
-                 PathState* path, LayerSplit* split) {
-  const VertexBelow below(v, context.settings, within);
-  if (path->depth > 0) return continue_below<kMode, kLayers>(context, sampler, below, path);
-  split_path<kMode, kMeshLights, kLayers>(
-      context, sampler, path,
-      [&](const PixelSampler& branch_sampler, PathState* branch) {
-        if (!continue_below<kMode, kLayers>(context, branch_sampler, below, branch)) return false;
-        if (keeps_footprints(context)) branch->footprint.scatter(branch->scatter_pdf);
-        return true;
-      },
-      [&](const Rgb& light, const WalkLayers& walk) { split->add_below(light, walk); });
-  return false;
-}
-
-// The lobe that sent a path on, and the layer of what it brings.
-struct LobeChoice {
-  Lobe lobe = Lobe::straight;
-  Rgb specular_share{0.0f};  // of f; only where layers are split
-};
-
-// Samples a lobe, and sends the path on by it. False: the path ends.
-template <SubsurfaceMode kMode, bool kLayers>
-bool continue_by_lobe(const PathContext& context, const PixelSampler& sampler, const std::array<float, 4>& u,
-                      LobedVertex* at, PathState* path, LobeChoice* choice) {
-  PathRecord* const record = record_of<kLayers>(context);
-  const bool splits = kLayers && path->depth == 0;
-  Rgb specular;
-  const auto sample = at->bsdf.sample(u[0], {u[1], u[2]}, splits ? &specular : nullptr);
-  if (sample) DCHECK_GE(sample->pdf, 0.0f);
-  if (record && sample) record->sample_lobe(lobe_name(sample->lobe), sample->f, sample->pdf);
-  if (record && !sample) record->end("no direction was sampled");
-  if (!sample) return false;
-  choice->lobe = sample->lobe;
-  if (!is_mirror(at->v, sample->lobe)) path->guides = nullptr;
-  if (kMode != SubsurfaceMode::lambert && sample->lobe == Lobe::subsurface) {
-    path->throughput *= sample->f * (1 / sample->pdf);
-    if (!at->below) at->below.emplace(at->v, context.settings, false).flat = at->flat;
-    return continue_below<kMode, kLayers>(context, sampler, *at->below, path);
-  }
-  const bool leaves = scatter_at_surface(context, at->v, *sample, path);
-  if (record && !leaves) record->end("the direction leads into the surface");
-  if (!leaves) return false;
-  if (splits) choice->specular_share = share_of(specular, sample->f);
-  ++path->depth;
-  return survives<kLayers>(
-      context, [&] { return u[3]; }, path);
-}
-
-// Splits the path at the first surface into paths that its lobes send on.
-template <SubsurfaceMode kMode, bool kMeshLights, bool kLayers>
-void split_by_lobes(const PathContext& context, const PixelSampler& sampler, LobedVertex* at, PathState* path,
-                    LayerSplit* split) {
-  LobeChoice choice;
-  split_path<kMode, kMeshLights, kLayers>(
-      context, sampler, path,
-      [&](const PixelSampler& branch_sampler, PathState* branch) {
-        choice = {};
-        const auto u = branch_sampler.draw(Dimension::bsdf, 0);
-        if (!continue_by_lobe<kMode, kLayers>(context, branch_sampler, u, at, branch, &choice)) return false;
-        if (keeps_footprints(context)) branch->footprint.scatter(branch->scatter_pdf);
-        // The directions of all paths compete with each sampled light. The footprint is that of one.
-        if (choice.lobe != Lobe::subsurface) branch->scatter_pdf *= kPathsPerSample;
-        return true;
-      },
-      [&](const Rgb& light, const WalkLayers& walk) {
-        if (choice.lobe == Lobe::subsurface)
-          split->add_below(light, walk);
-        else
-          split->add_local(light, choice.specular_share);
-      });
-}
-
-// Samples direct light and the next direction at the vertex. False: the path ends.
-template <SubsurfaceMode kMode, bool kMeshLights, bool kLayers>
-bool scatter(const PathContext& context, const PixelSampler& sampler, const PathVertex& v, const VertexNumbers& numbers,
-             PathState* path, LayerSplit* split) {
-  // Evaluate the BSDF's parameters for the viewer's direction.
-  const bool splits = kLayers && path->depth == 0;
-  if (splits) split->emission = path->radiance, split->scattered = true;
-  const DisneyBsdf bsdf(v.material, v.frame.to_local(-path->ray.dir), context.settings.energy);
-  LobedVertex at{v, bsdf};
-
-  // Sample the lights.
-  add_direct_light<kMode, kLayers>(context, numbers.light, &at, path, split);
-
-  // Sample lobes and directions.
-  if (path->depth == 0) {
-    split_by_lobes<kMode, kMeshLights, kLayers>(context, sampler, &at, path, split);
-    return false;
-  }
-  LobeChoice choice;
-  return continue_by_lobe<kMode, kLayers>(context, sampler, numbers.bsdf, &at, path, &choice);
-}
-
-template <SubsurfaceMode kMode, bool kMeshLights, bool kLayers>
-bool continue_path(const PathContext& context, const PixelSampler& sampler, const PathVertex& v,
-                   const VertexNumbers& numbers, PathState* path, LayerSplit* split) {
-  if (continues_within_medium<kMode>(context, v, *path)) {
-    // The surface has no lobes on that side.
-    if (kLayers && path->depth == 0) split->emission = path->radiance, split->scattered = true;
-    return enter_below<kMode, kMeshLights, kLayers>(context, sampler, v, true, path, split);
-  }
-  if (v.material.transmits()) [[unlikely]] {
-    const std::optional<Lobe> lobe = scatter_at_boundary(context, v, numbers, path, split);
-    if (!lobe) return false;
-    if (!is_mirror(v, *lobe)) path->guides = nullptr;
-    if (kMode != SubsurfaceMode::lambert && *lobe == Lobe::subsurface)
-      return enter_below<kMode, kMeshLights, kLayers>(context, sampler, v, false, path, split);
-    ++path->depth;
-    return survives<kLayers>(
-        context, [&] { return numbers.bsdf[3]; }, path);
-  }
-  return scatter<kMode, kMeshLights, kLayers>(context, sampler, v, numbers, path, split);
+  if (!found && !is_traceable(path->ray)) ++context.counters.rejected_rays;
+  if (found && context.mode() == SubsurfaceMode::walk && !path->media.empty()) [[unlikely]]
+    find_own_wall(context, *path, hit);
+  return found;
 }
 
 // Draws the vertex's random numbers while its triangle comes from memory.
-inline VertexNumbers draw_numbers(const PixelSampler& sampler, uint32_t depth, const Mesh& mesh, uint32_t triangle) {
-  VertexNumbers numbers;
-  numbers.light = sampler.draw(Dimension::light, depth);
+void draw_numbers(const PixelSampler& sampler, uint32_t depth, const Mesh& mesh, uint32_t triangle, VertexSamples* u) {
+  u->light = sampler.draw(Dimension::light, depth);
   prefetch_corners(mesh, triangle, Attributes::normals_and_uvs);
-  numbers.bsdf = sampler.draw(Dimension::bsdf, depth);
-  return numbers;
+  u->bsdf = sampler.draw(Dimension::bsdf, depth);
+  u->roulette = u->bsdf[3];
 }
 
-// Meets the surface of a material that transmits. True: the surface is not there, and the path's ray goes on behind it.
-// *v becomes the vertex on the surface that counts where several coincide.
-template <SubsurfaceMode kMode, bool kLayers>
-bool goes_behind(const PathContext& context, const PixelSampler& sampler, float* u, PathVertex* v, PathState* path) {
-  PathRecord* const record = record_of<kLayers>(context);
-  Meeting meeting = meet_boundary(context, sampler, v, path, u);
-  while (meeting == Meeting::other) {
-    *v = vertex_on<kMode>(context, v->triangle, *path);
-    if (record) record->meet_surface(*v->instance, v->triangle, v->hit);
-    meeting = v->material.transmits() ? meet_boundary(context, sampler, v, path, u) : Meeting::boundary;
+// Follows the path's segment to the vertex at its end. Adds the emission on the way and there. False: the path ends.
+// `first_hit` takes the values of the camera's first hit.
+bool find_next_vertex(const PathContext& context, const PixelSampler& sampler, Path* path, FilmSample* first_hit,
+                      Vertex* v) {
+  PathRecord* const record = context.record;
+
+  // Follow a walk to its exit. The ray from an exit that is not there counts as a bounce.
+  if (path->walk.entry) {
+    const Exit exit = find_exit(context, sampler, path, v);
+    if (exit != Exit::passes) return exit == Exit::vertex;
+    ++path->depth;
+    if (!survives_roulette(context, path->walk.roulette, path)) return false;
   }
-  if (meeting == Meeting::nothing && record) record->sample_lobe(lobe_name(Lobe::straight), Rgb(1.0f), 1);
-  return meeting == Meeting::nothing;
-}
 
-template <SubsurfaceMode kMode, bool kMeshLights, bool kLayers>
-void follow_path(const PathContext& context, const PixelSampler& sampler, PathState* path, FilmSample* first_hit,
-                 LayerSplit* split) {
-  PathRecord* const record = record_of<kLayers>(context);
-  bool is_vertex = path->depth > 0;  // where the ray begins
-  float passed = 0;                  // length of the segments up to boundaries that the path went straight through
+  bool from_vertex = path->depth > 0;
+  float passed = 0;  // length of the segments up to hidden interfaces
   while (true) {
-    // Trace the path's ray to the nearest surface.
-    if (record) record->follow(path->ray, path->throughput, path->scatter_pdf);
+    // Intersect the scene. Lights without geometry emit along the ray.
+    if (record) record->follow(path->ray, path->throughput, path->pdf);
     ++(path->depth == 0 ? context.counters.camera_rays : context.counters.bounce_rays);
     TriangleHit hit;
     const float reach = path->ray.tmax;  // of a camera's ray, its far plane
     const bool found = intersect(context, sampler, path, &hit);
-    if (kMode == SubsurfaceMode::walk && found && !path->interiors.empty()) [[unlikely]]
-      find_own_wall(context, *path, &hit);
     const Mesh* const mesh = found ? &context.scene.instance(hit.instance).prototype->mesh : nullptr;
     if (found) path->ray.tmax = hit.t, prefetch_triangle(*mesh, hit.triangle);
-
-    // Add emission of lights without geometry; of infinite lights only if the ray escaped.
-    Rgb met = path->throughput * analytic_light_emission(*path, !found);
-    if (path->lights->has_shadow_links() && is_vertex) [[unlikely]]
-      met += path->throughput * linked_light_emission(context, *path, !found);
-    path->radiance += met;
+    const Rgb met = emission_along(context, *path, !found, from_vertex);
+    path->add(met);
     if (record) record->meet_light(met);
-    if (record && !found) record->end("the ray meets no surface");
-    if (!found) return;
-    if (!path->interiors.empty()) path->throughput *= path->interiors.transmittance(hit.t);
+    if (!found) return end(context, "the ray meets no surface");
+    path->travel(context, hit.t);
 
-    VertexNumbers numbers = draw_numbers(sampler, path->depth, *mesh, hit.triangle);
-
-    // Find the surface and the material at the vertex.
-    PathVertex vertex = find_vertex<kMode>(context, hit, path);
-    if (record) record->meet_surface(*vertex.instance, hit, vertex.hit);
-    if (vertex.material.transmits() &&
-        goes_behind<kMode, kLayers>(context, sampler, numbers.bsdf.data(), &vertex, path)) [[unlikely]] {
-      path->ray.tmax = reach - hit.t;
+    // Find the surface and its material. Pass a dielectric interface that a medium of higher priority hides.
+    draw_numbers(sampler, path->depth, *mesh, hit.triangle, &v->u);
+    Meeting meeting = Meeting::replaced;
+    while (meeting == Meeting::replaced) {
+      make_vertex(context, hit, *path, v);
+      if (record) record->meet_surface(*v->instance, hit, v->hit);
+      meeting = v->material.transmits() ? resolve_interface(context, sampler, v, path) : Meeting::visible;
+      hit = v->triangle;
+    }
+    if (meeting == Meeting::visible) {
       passed += hit.t;
-      is_vertex = false;
+      break;
+    }
+    if (record) record->sample_lobe(lobe_name(Lobe::straight), Rgb(1.0f), 1);
+    path->ray.tmax = reach - hit.t;
+    passed += hit.t;
+    from_vertex = false;
+  }
+  // A diffusion profile has no way through the medium, only ways into it.
+  if (context.mode() == SubsurfaceMode::walk && is_within_medium(context, *v, *path)) v->kind = Vertex::Kind::within;
+
+  // Record the first hit and the denoiser's features; end at a hold-out.
+  if (path->depth == 0) record_first_hit(context, *v, passed, first_hit);
+  if (path->features) record_features(context, *v, *path);
+  if (path->depth == 0 && v->instance->options.holdout) [[unlikely]] {  // only lights on the way show
+    path->held_out = true;
+    first_hit->alpha = 0;
+    return end(context, "a hold-out");
+  }
+
+  // Add the surface's emission.
+  const Rgb emission = surface_emission(*v, *path);
+  path->add(emission);
+  if (record) record->meet_light(emission);
+  if (path->depth >= context.settings.max_depth) return end(context, "maxDepth");
+  return true;
+}
+
+// Sets the path's next segment: a ray, or a walk below the surface. False: the path ends.
+bool scatter(const PathContext& context, Vertex* v, const VertexBsdf& bsdf, const VertexSamples& u,
+             const ControlVariate& control, Path* path) {
+  const std::optional<ScatterSample> sample = bsdf.sample(u.bsdf);
+  if (!sample) return end(context, "no direction was sampled");
+  path->throughput *= sample->weight;
+  if (sample->lobe == Lobe::subsurface) {
+    path->enter(context, v, control, u.roulette);  // no bounce yet: the exit is the next vertex
+    return true;
+  }
+  path->leave(context, *v, bsdf, *sample);
+  return survives_roulette(context, u.roulette, path);
+}
+
+// Calls itself for the branches of the first vertex, and no deeper.
+void follow_path(const PathContext& context, const PixelSampler& sampler, Path* path, FilmSample* first_hit) {
+  Vertex v;
+  while (find_next_vertex(context, sampler, path, first_hit, &v)) {
+    // Next-event estimation. The branches of the first vertex share its light samples.
+    VertexBsdf bsdf(context, v, *path);
+    path->branches = path->depth == 0 ? bsdf.branches() : 1;
+    ControlVariate control = bsdf.control_variate(v.u.light);
+    if (control.active) bsdf.seek_exit_lobe();
+    sample_lights(context, v, bsdf, &control, path);
+
+    // BSDF sampling.
+    if (path->branches == 1) {
+      if (!scatter(context, &v, bsdf, v.u, control, path)) return;
       continue;
     }
-
-    // Record the first hit and add the surface's emission; end at a hold-out or the depth limit.
-    if (path->depth == 0) record_first_hit(context, vertex, passed + hit.t, first_hit);
-    if (path->guides) record_guides(context, vertex, *path);
-    if (path->depth == 0 && vertex.instance->options.holdout && first_hit) [[unlikely]]  // a camera's path has one
-      return hold_out(record, path, first_hit);
-    const Rgb before = path->radiance;
-    if (kMeshLights) add_mesh_emission(vertex, path);
-    if (kMeshLights && record) record->meet_light(path->radiance - before);
-    if (record && path->depth >= context.settings.max_depth) record->end("maxDepth");
-    if (path->depth >= context.settings.max_depth) return;
-
-    // Sample direct light and the next ray, at the surface or below it.
-    if (!continue_path<kMode, kMeshLights, kLayers>(context, sampler, vertex, numbers, path, split)) return;
-    if (keeps_footprints(context)) path->footprint.scatter(path->scatter_pdf);
-    is_vertex = true;
+    const uint32_t branches = path->branches;
+    for (uint32_t i = 0; i < branches; ++i) {
+      if (context.record) context.record->branch(i, branches);
+      const PixelSampler own = sampler.of_branch(i, branches);
+      VertexSamples u{{}, own.draw(Dimension::bsdf, path->depth)};
+      u.roulette = u.bsdf[3];
+      LightLayers layers;
+      Path branch = path->branch(i, &layers);
+      if (scatter(context, &v, bsdf, u, control, &branch)) follow_path(context, own, &branch, nullptr);
+      path->join(branch, branches);
+    }
+    return;
   }
-}
-
-template <SubsurfaceMode kMode, bool kMeshLights, bool kLayers>
-FilmSample trace_path(const PathContext& context, const Ray& camera_ray, const PixelSampler& sampler) {
-  FilmSample out;
-  out.distance = std::numeric_limits<float>::infinity();
-  PathState path;
-  path.ray = camera_ray;
-  path.lights = &context.scene.lights;
-  if (context.aovs & kGuideAovs) path.guides = &out;
-  if (context.camera_interiors) [[unlikely]]
-    path.interiors = context.camera_interiors->of(context, camera_ray);
-  if (keeps_footprints(context)) path.footprint.cone = context.camera.pixel_cone(camera_ray.dir);
-  LayerSplit split;
-  follow_path<kMode, kMeshLights, kLayers>(context, sampler, &path, &out, kLayers ? &split : nullptr);
-
-  // Sort the light into layers; a backdrop that the camera sees is part of the picture.
-  out.color = path.radiance;
-  if (kLayers) *context.layers = split.finish(path.radiance);
-  const bool has_backdrop = context.scene.features.visible_background && !path.held_out;
-  if (out.alpha == 0 && (has_backdrop || !is_black(path.radiance))) out.alpha = 1;
-  return out;
-}
-
-template <SubsurfaceMode kMode, bool kLayers>
-PathIntegrator select_for_lights(const SceneFeatures& features) {
-  return features.emissive_meshes ? trace_path<kMode, true, kLayers> : trace_path<kMode, false, kLayers>;
-}
-
-template <bool kLayers>
-PathIntegrator select_variant(const SceneFeatures& features, const IntegratorSettings& settings) {
-  switch (features.subsurface ? settings.subsurface : SubsurfaceMode::lambert) {
-    case SubsurfaceMode::walk:
-    case SubsurfaceMode::reference:  // differs in its settings
-      return select_for_lights<SubsurfaceMode::walk, kLayers>(features);
-    case SubsurfaceMode::diffusion:
-      return select_for_lights<SubsurfaceMode::diffusion, kLayers>(features);
-    case SubsurfaceMode::lambert:
-      break;
-  }
-  return select_for_lights<SubsurfaceMode::lambert, kLayers>(features);
 }
 
 }  // namespace
 
-PathIntegrator select_path_integrator(const SceneFeatures& features, const IntegratorSettings& settings, bool layers) {
-  return layers ? select_variant<true>(features, settings) : select_variant<false>(features, settings);
+FilmSample trace_path(const PathContext& context, const Ray& camera_ray, const PixelSampler& sampler) {
+  FilmSample out;
+  out.distance = std::numeric_limits<float>::infinity();
+  Path path;
+  path.ray = camera_ray;
+  path.lights = &context.scene.lights;
+  if (context.layers) *context.layers = {};
+  path.layers = context.layers;
+  if (context.aovs & kGuideAovs) path.features = &out;
+  if (context.camera_interiors) [[unlikely]]
+    path.media = context.camera_interiors->of(context, camera_ray);
+  if (keeps_footprints(context)) path.footprint.cone = context.camera.pixel_cone(camera_ray.dir);
+  follow_path(context, sampler, &path, &out);
+
+  // A backdrop that the camera sees is part of the picture.
+  out.color = path.radiance;
+  const bool has_backdrop = context.scene.features.visible_background && !path.held_out;
+  if (out.alpha == 0 && (has_backdrop || !is_black(path.radiance))) out.alpha = 1;
+  return out;
 }
 
 }  // namespace alabaster

@@ -14,7 +14,7 @@ namespace alabaster {
 
 /// Raised where equal scenes, settings and seeds no longer give equal samples: sums of different samples cannot be
 /// parts of one picture.
-inline constexpr int kSamplingVersion = 12;
+inline constexpr int kSamplingVersion = 13;
 
 enum class SubsurfaceMode {
   lambert,    // scatter distances are taken as zero: the 2015 diffuse
@@ -51,22 +51,23 @@ struct PathContext {
   const Camera& camera;
   const IntegratorSettings& settings;
   RenderCounters& counters;
-  LightLayers* layers = nullptr;              // of the sample, for integrators that were selected with layers
+  LightLayers* layers = nullptr;              // of the sample; null: not asked for
   AovSet aovs = aov_bit(Aov::color);          // values of the first hit are computed only for these
-  PathRecord* record = nullptr;               // the path is written here; needs layers
+  PathRecord* record = nullptr;               // the path is written here
   float time = 0;                             // of the shutter; all rays have it. `camera` stands as it does then
   const HitVectorRequest* vectors = nullptr;  // null: no AOV shows them
   const CameraInteriors* camera_interiors = nullptr;  // null: camera rays begin outside of clear bodies
   bool begins_behind_fronts = false;                  // camera rays do: begin_behind_fronts()
+  /// How walks go: `reference` differs from `walk` in its settings.
+  SubsurfaceMode mode() const {
+    if (!scene.features.subsurface) return SubsurfaceMode::lambert;
+    return settings.subsurface == SubsurfaceMode::reference ? SubsurfaceMode::walk : settings.subsurface;
+  }
   bool sees_through() const { return scene.features.see_through || begins_behind_fronts; }
 };
 
 /// Traces one camera sample. `camera_ray`: unit direction, render space, at the context's time. Color and alpha are the
 /// same to the bit whatever else is asked for.
-using PathIntegrator = FilmSample (*)(const PathContext& context, const Ray& camera_ray, const PixelSampler& sampler);
-
-/// The variant with just the abilities that the scene requires: chosen once per render, so that the loop never asks.
-/// `layers`: it also fills PathContext::layers.
-PathIntegrator select_path_integrator(const SceneFeatures& features, const IntegratorSettings& settings, bool layers);
+FilmSample trace_path(const PathContext& context, const Ray& camera_ray, const PixelSampler& sampler);
 
 }  // namespace alabaster

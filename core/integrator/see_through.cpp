@@ -20,7 +20,7 @@ bool is_found_behind(const Instance& instance, const TriangleHit& hit, const Vec
 
 class LinkedTransmittance final : public HitFilter {
  public:
-  LinkedTransmittance(const SceneSnapshot& scene, const Vec3f& dir, uint32_t shadow_link, const Interiors* within)
+  LinkedTransmittance(const SceneSnapshot& scene, const Vec3f& dir, uint32_t shadow_link, const MediumStack* within)
       : all_(scene, dir, within), scene_(scene), shadow_link_(shadow_link) {}
   bool stops(const TriangleHit& hit) const noexcept override {
     return scene_.casts_shadow(scene_.instance(hit.instance), shadow_link_) && all_.stops(hit);
@@ -53,7 +53,7 @@ bool is_culled(const Instance& instance, const TriangleHit& hit, const Vec3f& di
          (cull != CameraCull::none && is_found_behind(instance, hit, dir) == (cull == CameraCull::back));
 }
 
-bool is_in_union(const SceneSnapshot& scene, const Interiors& interiors, const Instance& member) {
+bool is_in_union(const SceneSnapshot& scene, const MediumStack& interiors, const Instance& member) {
   if (!member.body || !member.body->is_union()) return false;
   for (uint32_t i = 0; i < interiors.size(); ++i)
     if (scene.instance(interiors[i].instance).body == member.body) return true;
@@ -64,7 +64,7 @@ namespace {
 
 // coverage_at() of a partly opaque material. Not inlined: other hits need no stack frame.
 [[gnu::noinline]] float partial_coverage(const SceneSnapshot& scene, const Vec3f& dir, const TriangleHit& hit,
-                                         const Interiors* within) {
+                                         const MediumStack* within) {
   const Instance& instance = scene.instance(hit.instance);
   const DisneyMaterial& material = instance.material(hit.triangle);
   if (within && (within->contains(hit.instance) || is_in_union(scene, *within, instance))) return 1;
@@ -76,7 +76,7 @@ namespace {
 
 }  // namespace
 
-float coverage_at(const SceneSnapshot& scene, const Vec3f& dir, const TriangleHit& hit, const Interiors* within) {
+float coverage_at(const SceneSnapshot& scene, const Vec3f& dir, const TriangleHit& hit, const MediumStack* within) {
   const Instance& instance = scene.instance(hit.instance);
   if (!instance.see_through) return 1;
   const size_t slot = instance.slot(hit.triangle);
@@ -84,7 +84,7 @@ float coverage_at(const SceneSnapshot& scene, const Vec3f& dir, const TriangleHi
   return instance.materials[slot]->is_partly_opaque() ? partial_coverage(scene, dir, hit, within) : 1;
 }
 
-uint32_t hollow_of(const SceneSnapshot& scene, uint32_t instance) {
+uint32_t air_pocket_of(const SceneSnapshot& scene, uint32_t instance) {
   const SubsurfaceBody* const body = scene.instance(instance).body;
   return body && body->is_union() ? body->members.front().instance : instance;
 }
@@ -124,15 +124,15 @@ void StochasticStop::note_hole(const TriangleHit& hit) const {
   holes_[count_++] = {hit.t, hit.instance, hit.triangle, crossing};
 }
 
-void StochasticStop::cross_holes(float t, Hollows* hollows) const {
+void StochasticStop::cross_holes(float t, AirPockets* hollows) const {
   // Holes are found in no order. Entries come first, because a ray may leave a body that it has entered.
   for (const Crossing crossing : {Crossing::enters, Crossing::leaves})
     for (uint32_t i = 0; i < count_; ++i) {
       if (holes_[i].crossing != crossing || !(holes_[i].t < t)) continue;
       if (crossing == Crossing::enters)
-        hollows->enter(hollow_of(scene_, holes_[i].instance));
+        hollows->enter(air_pocket_of(scene_, holes_[i].instance));
       else
-        hollows->leave(hollow_of(scene_, holes_[i].instance));
+        hollows->leave(air_pocket_of(scene_, holes_[i].instance));
     }
 }
 
@@ -147,7 +147,7 @@ float Transmittance::value() const {
   return log_ == 0 ? 1.0f : static_cast<float>(std::exp2(static_cast<double>(log_) / kUnit));
 }
 
-float linked_visibility(const SceneSnapshot& scene, const Ray& ray, uint32_t shadow_link, const Interiors* within) {
+float linked_visibility(const SceneSnapshot& scene, const Ray& ray, uint32_t shadow_link, const MediumStack* within) {
   const LinkedTransmittance transmittance(scene, ray.dir, shadow_link, within);
   return scene.top->occluded(ray, &transmittance) ? 0.0f : transmittance.value();
 }

@@ -2,7 +2,7 @@
 // and what is culled from the camera. Asked hit by hit while the ray is traced.
 #pragma once
 
-#include "core/integrator/interiors.h"
+#include "core/integrator/media.h"
 #include "core/sampling/pixel_sampler.h"
 #include "core/scene/scene.h"
 
@@ -12,16 +12,16 @@ namespace alabaster {
 bool is_culled(const Instance& instance, const TriangleHit& hit, const Vec3f& dir);
 
 /// True if one of the interiors is of the union that `member` belongs to: the ray is in its medium.
-bool is_in_union(const SceneSnapshot& scene, const Interiors& interiors, const Instance& member);
+bool is_in_union(const SceneSnapshot& scene, const MediumStack& interiors, const Instance& member);
 
 /// The share of a hit that is there, 0 to 1, for a ray along `dir`. `within`: the interiors that the ray is in; null:
 /// none. Their own surfaces, and those of their unions, have coverage 1: light within a medium ignores opacity, as
 /// walks do. Partly opaque walls of a union's member within another member are not there: its surface is that of the
 /// union.
-float coverage_at(const SceneSnapshot& scene, const Vec3f& dir, const TriangleHit& hit, const Interiors* within);
+float coverage_at(const SceneSnapshot& scene, const Vec3f& dir, const TriangleHit& hit, const MediumStack* within);
 
-/// The number in Hollows of the body that an instance belongs to: a union is one body.
-uint32_t hollow_of(const SceneSnapshot& scene, uint32_t instance);
+/// The number in AirPockets of the body that an instance belongs to: a union is one body.
+uint32_t air_pocket_of(const SceneSnapshot& scene, uint32_t instance);
 
 /// How a ray along `dir` crosses the surface of a solid that scatters or is clear, at a hit. `none`: other surfaces.
 enum class Crossing { none, enters, leaves };
@@ -31,12 +31,12 @@ Crossing crossing_at(const Instance& instance, const Vec3f& dir, const TriangleH
 /// alone, so that it does not depend on the order in which hits are found.
 class StochasticStop final : public HitFilter {
  public:
-  StochasticStop(const SceneSnapshot& scene, const Vec3f& dir, const Interiors& within, const PixelSampler& sampler,
+  StochasticStop(const SceneSnapshot& scene, const Vec3f& dir, const MediumStack& within, const PixelSampler& sampler,
                  uint32_t depth)
       : scene_(scene), dir_(dir), within_(within), sampler_(sampler), depth_(depth) {}
   bool stops(const TriangleHit& hit) const noexcept override;
   /// Updates the bodies that the ray is in, by the holes that it passed before `t`.
-  void cross_holes(float t, Hollows* hollows) const;
+  void cross_holes(float t, AirPockets* hollows) const;
 
  private:
   struct Hole {
@@ -48,7 +48,7 @@ class StochasticStop final : public HitFilter {
 
   const SceneSnapshot& scene_;
   const Vec3f& dir_;
-  const Interiors& within_;
+  const MediumStack& within_;
   const PixelSampler& sampler_;
   uint32_t depth_;
   mutable std::array<Hole, 16> holes_;  // passed ones, also beyond the surface that the ray stops at
@@ -59,7 +59,7 @@ class StochasticStop final : public HitFilter {
 /// are found: logarithms are summed in fixed point. A ray through the very edge between two triangles counts both.
 class Transmittance final : public HitFilter {
  public:
-  Transmittance(const SceneSnapshot& scene, const Vec3f& dir, const Interiors* within)
+  Transmittance(const SceneSnapshot& scene, const Vec3f& dir, const MediumStack* within)
       : scene_(scene), dir_(dir), within_(within) {}
   bool stops(const TriangleHit& hit) const noexcept override;
   /// If no hit stopped the ray.
@@ -68,12 +68,12 @@ class Transmittance final : public HitFilter {
  private:
   const SceneSnapshot& scene_;
   const Vec3f& dir_;
-  const Interiors* const within_;  // of coverage_at()
-  mutable int64_t log_ = 0;        // base 2, in units of 2^-32
+  const MediumStack* const within_;  // of coverage_at()
+  mutable int64_t log_ = 0;          // base 2, in units of 2^-32
 };
 
 /// The share of the light of a shadow link that arrives along the ray. Surfaces that are not in it cast no shadow.
 /// `within`: of coverage_at().
-float linked_visibility(const SceneSnapshot& scene, const Ray& ray, uint32_t shadow_link, const Interiors* within);
+float linked_visibility(const SceneSnapshot& scene, const Ray& ray, uint32_t shadow_link, const MediumStack* within);
 
 }  // namespace alabaster

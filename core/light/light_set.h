@@ -21,8 +21,9 @@ enum class ConstantDomes { sampled, bsdf_sampling_only };
 
 /// How lights are sampled at a point. The pdf of a light that a ray from there intersects is computed with the
 /// same search.
-struct LightSearch {
-  LightSearch(ConstantDomes how = ConstantDomes::sampled, const Vec3f& lobe = Vec3f(0, 0, 0)) : domes(how), n(lobe) {}
+struct LightSampleContext {
+  LightSampleContext(ConstantDomes how = ConstantDomes::sampled, const Vec3f& lobe = Vec3f(0, 0, 0))
+      : domes(how), n(lobe) {}
   ConstantDomes domes;
   Vec3f n;  // unit: a lobe weighs light by the cosine to it; zero: none does
 };
@@ -46,28 +47,21 @@ class LightSet {
 
   size_t size() const { return lights_.size(); }
 
-  /// One direction for each light to be sampled at p: visit(const LightSample&). The pdf includes the choice. A set
-  /// that samples all leaves out lights below the horizon. u: the choice, then the direction.
-  template <class Visit>
-  void sample_lights(const Vec3f& p, const Horizon& horizon, const std::array<float, 4>& u, const LightSearch& search,
-                     const Visit& visit) const {
-    if (!sample_all_) {
-      if (const auto s = sample(p, u[0], {u[1], u[2]}, search.n)) visit(*s);
-      if (search.domes == ConstantDomes::bsdf_sampling_only) return;
-      for (size_t k = 0; k < constant_domes_.size(); ++k)
-        if (auto s = sample_light(constant_domes_[k], p, dome_numbers(k, u), search.n)) {
-          s->of_constant_dome = true;
-          visit(std::as_const(*s));
-        }
-      return;
-    }
-    for (size_t i = 0; i < lights_.size(); ++i) {
-      if (is_left_out(search.domes, i) || is_below(i, p, horizon)) continue;
-      if (auto s = sample_light(i, p, shifted({u[1], u[2]}, i), search.n)) {
-        s->of_constant_dome = is_constant_dome(lights_[i]);
-        visit(std::as_const(*s));
-      }
-    }
+  /// The number of lights to sample at a point.
+  size_t draws(const LightSampleContext& at) const {
+    if (sample_all_) return lights_.size();
+    return 1 + (at.domes == ConstantDomes::sampled ? constant_domes_.size() : 0);
+  }
+  /// A direction of the k-th of them, k < draws(at). The pdf includes the choice. Empty: no light arrives. A set that
+  /// samples all leaves out lights below the horizon. u: the choice, then the direction.
+  std::optional<LightSample> draw(size_t k, const Vec3f& p, const Horizon& horizon, const std::array<float, 4>& u,
+                                  const LightSampleContext& at) const {
+    if (!sample_all_ && k == 0) return sample(p, u[0], {u[1], u[2]}, at.n);
+    if (sample_all_ && (is_left_out(at.domes, k) || is_below(k, p, horizon))) return std::nullopt;
+    const size_t i = sample_all_ ? k : constant_domes_[k - 1];
+    auto s = sample_light(i, p, sample_all_ ? shifted({u[1], u[2]}, i) : dome_numbers(k - 1, u), at.n);
+    if (s) s->of_constant_dome = is_constant_dome(lights_[i]);
+    return s;
   }
 
   /// One direction of one chosen light, never of a constant dome. The pdf includes the choice of light, for a delta
@@ -77,11 +71,12 @@ class LightSet {
 
   /// Sum of the light that lights without geometry emit along the ray: finite ones nearer than ray.tmax
   /// and, if the ray `escaped` from the scene, infinite ones (distant, dome). Lights do not block rays: all are added,
-  /// each weighed by `weigh(pdf)` or `weigh(pdf, distance)`, the pdf that sample_lights(ray.org, ., u, search, .) has
+  /// each weighed by `weigh(pdf)` or `weigh(pdf, distance)`, the pdf that draw(., ray.org, ., u, search) has
   /// for this direction of this light, with the choice in it. Lights with a shadow link are left out, but of camera
   /// rays.
   template <class Weigh>
-  Rgb emitted(const Ray& ray, bool escaped, bool camera_ray, const LightSearch& search, const Weigh& weigh) const {
+  Rgb emitted(const Ray& ray, bool escaped, bool camera_ray, const LightSampleContext& search,
+              const Weigh& weigh) const {
     Rgb sum(0.0f);
     std::optional<LightChoice> choice;  // most rays meet no light
     const auto weight = [&](float pdf, float distance) {
@@ -111,7 +106,7 @@ class LightSet {
   }
 
   /// The random numbers with which sample_cosine_hemisphere, about the lobe, gives the direction of the first constant
-  /// dome that sample_lights(p, ., u, ...) gives. Empty: there is none, or all other lights together give more at p,
+  /// dome that draw(., p, ., u, ...) gives. Empty: there is none, or all other lights together give more at p,
   /// unoccluded. That depends on p alone.
   std::optional<Vec2f> leading_dome_numbers(const Vec3f& p, const std::array<float, 4>& u) const;
 
@@ -119,7 +114,8 @@ class LightSet {
   /// The same sum for a ray that is no camera ray, of the lights with a shadow link. No surface stops them here:
   /// Rgb `arrives(shadow_link, distance)` is the share of the light that does.
   template <class Weigh, class Arrives>
-  Rgb emitted_with_links(const Ray& ray, const LightSearch& search, const Weigh& weigh, const Arrives& arrives) const {
+  Rgb emitted_with_links(const Ray& ray, const LightSampleContext& search, const Weigh& weigh,
+                         const Arrives& arrives) const {
     Rgb sum(0.0f);
     std::optional<LightChoice> choice;
     for (const uint32_t i : shadow_linked_) {
@@ -131,7 +127,7 @@ class LightSet {
     return sum;
   }
 
-  /// pdf (with the choice in it) that sample_lights(ray.org, ...) has for the point of an emissive triangle that the
+  /// pdf (with the choice in it) that draw(., ray.org, ...) has for the point of an emissive triangle that the
   /// ray of unit direction hit at distance t; 0 if it is no light.
   float mesh_light_pdf(const Ray& ray, float t, uint32_t instance, uint32_t triangle) const;
 
@@ -154,7 +150,7 @@ class LightSet {
   bool is_infinite(size_t i) const {
     return std::holds_alternative<DistantLight>(lights_[i]) || std::holds_alternative<DomeLight>(lights_[i]);
   }
-  /// The pdf that sample_lights(p, ...) has for a light i that a ray has met. `choice` is kept between calls.
+  /// The pdf that draw(., p, ...) has for a light i that a ray has met. `choice` is kept between calls.
   float pdf_of(size_t i, const LightHit& hit, const Vec3f& p, ConstantDomes domes,
                std::optional<LightChoice>* choice) const {
     if (is_left_out(domes, i)) return 0;

@@ -25,7 +25,7 @@ float spread(float u, float share) {
 
 }  // namespace
 
-DisneyTransmissiveBsdf::DisneyTransmissiveBsdf(const DisneyParameters& p, const Vec3f& wo, const BoundarySide& side,
+DisneyTransmissiveBsdf::DisneyTransmissiveBsdf(const DisneyParameters& p, const Vec3f& wo, const InterfaceSide& side,
                                                EnergyModel energy)
     : DisneyTransmissiveBsdf(p, wo, side,
                              p.thin || side.open ? Layered::both
@@ -33,7 +33,7 @@ DisneyTransmissiveBsdf::DisneyTransmissiveBsdf(const DisneyParameters& p, const 
                                                  : Layered::near,
                              energy) {}
 
-DisneyTransmissiveBsdf::DisneyTransmissiveBsdf(const DisneyParameters& p, const Vec3f& wo, const BoundarySide& side,
+DisneyTransmissiveBsdf::DisneyTransmissiveBsdf(const DisneyParameters& p, const Vec3f& wo, const InterfaceSide& side,
                                                Layered layered, EnergyModel energy)
     : wo_(wo), thin_(p.thin), layered_(layered), near_(layered == Layered::far ? without_layers(p) : p, wo, energy) {
   if (!(wo.z > 0)) return;

@@ -23,7 +23,7 @@
 namespace alabaster {
 
 /// The side of a surface that is seen, and what lies beyond it.
-struct BoundarySide {
+struct InterfaceSide {
   float eta = 1.5f;     // index of the far side over that of the near side; of a sheet: its own over that around it
   bool inside = false;  // seen from the interior of a solid: coat, sheen and film lie on the other side
   bool open = false;    // of a mesh that is not closed: they lie on both sides
@@ -31,7 +31,7 @@ struct BoundarySide {
 
 class DisneyTransmissiveBsdf {
  public:
-  DisneyTransmissiveBsdf(const DisneyParameters& parameters, const Vec3f& wo, const BoundarySide& side,
+  DisneyTransmissiveBsdf(const DisneyParameters& parameters, const Vec3f& wo, const InterfaceSide& side,
                          EnergyModel energy = EnergyModel::burley2015);
 
   /// As DisneyBsdf's. `specular` includes the clear boundary.
@@ -47,7 +47,7 @@ class DisneyTransmissiveBsdf {
  private:
   /// The layers on which sides of the surface, as seen from wo.
   enum class Layered { near, far, both };
-  DisneyTransmissiveBsdf(const DisneyParameters& parameters, const Vec3f& wo, const BoundarySide& side, Layered layered,
+  DisneyTransmissiveBsdf(const DisneyParameters& parameters, const Vec3f& wo, const InterfaceSide& side, Layered layered,
                          EnergyModel energy);
 
   using LayerFactor = float (DisneyLayers::*)(const Vec3f&, const Vec3f&) const;

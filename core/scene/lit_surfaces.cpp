@@ -33,15 +33,15 @@ float irradiance_at(const SceneSnapshot& snapshot, const Instance& instance, con
   const Vec3f p = offset_point(hit.p, hit.ng, hit.offset);
   const Vec3f shift(rng.uniform(), rng.uniform(), rng.uniform());
   float sum = 0;
-  const auto add = [&](const LightSample& light) {
-    const float cosine = dot(light.wi, hit.ng);
-    if (cosine > 0 && !snapshot.top->occluded({p, light.wi, light.shadow_length(), kTime}))
-      sum += luminance(light.radiance) * cosine / light.pdf;
-  };
-  for (int i = 0; i < kDirections; ++i) {
-    const LightSearch search{ConstantDomes::sampled, hit.ng};
-    snapshot.lights_of(instance).sample_lights(p, {hit.ng, hit.ng}, spread(i, shift), search, add);
-  }
+  const LightSet& lights = snapshot.lights_of(instance);
+  const LightSampleContext context{ConstantDomes::sampled, hit.ng};
+  for (int i = 0; i < kDirections; ++i)
+    for (size_t k = 0; k < lights.draws(context); ++k) {
+      const auto light = lights.draw(k, p, {hit.ng, hit.ng}, spread(i, shift), context);
+      const float cosine = light ? dot(light->wi, hit.ng) : 0;
+      if (cosine > 0 && !snapshot.top->occluded({p, light->wi, light->shadow_length(), kTime}))
+        sum += luminance(light->radiance) * cosine / light->pdf;
+    }
   return std::isfinite(sum) ? sum : 0;
 }
 

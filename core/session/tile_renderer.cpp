@@ -63,8 +63,7 @@ TileRenderer::TileRenderer(const RenderRequest& request, const CancelToken& canc
       exposure_(std::exp2(request.camera.exposure)),
       integrator_settings_(settings_for(request, cancel)),
       has_layers_((request.aovs & kLayerAovs) != 0),
-      has_vectors_((request.aovs & kVectorAovs) != 0),
-      trace_path_(select_path_integrator(request.scene->features, integrator_settings_, has_layers_)) {
+      has_vectors_((request.aovs & kVectorAovs) != 0) {
   if (integrator_settings_.texture_filter > 0) prepare_filtering(*request.scene, cancel);
   RenderCounters counters;  // the search is no part of a sample
   const Bounds origins = ray_origins(request, camera_);
@@ -91,8 +90,9 @@ FilmSample TileRenderer::trace_sample(const SampleAddress& at, const PixelSample
   const auto u = sampler.draw(Dimension::film_lens, 0);
   const Vec2f offset = sample_pixel_filter(request_.settings.filter, {u[0], u[1]});
   const Vec2f film_position(static_cast<float>(at.x) + 0.5f + offset.x, static_cast<float>(at.y) + 0.5f + offset.y);
-  PathContext context{*request_.scene, camera,        integrator_settings_, *counters,
-                      parts.layers,    request_.aovs, parts.record,         time};
+  PathContext context{
+      *request_.scene, camera, integrator_settings_, *counters, has_layers_ ? parts.layers : nullptr, request_.aovs,
+      parts.record,    time};
   context.camera_interiors = camera_interiors_.get();
   context.begins_behind_fronts = begins_behind_fronts_;
   std::optional<HitVectorRequest> vectors;
@@ -106,7 +106,7 @@ FilmSample TileRenderer::trace_sample(const SampleAddress& at, const PixelSample
   ray.time = time;
   FilmSample result;
   try {
-    result = trace_path_(context, ray, sampler);
+    result = trace_path(context, ray, sampler);
   } catch (const CheckFailure& failure) {
     throw SampleFailure(failure.what(), at);
   }
@@ -128,14 +128,12 @@ NonfiniteCause TileRenderer::nonfinite_cause(const PathContext& path, const Ray&
                                              const PixelSampler& sampler) const {
   PathRecord record;
   RenderCounters counters;
-  LightLayers layers;
   IntegratorSettings settings = integrator_settings_;
   settings.walk.cancel = {};  // the sample has been counted
-  PathContext context{*request_.scene, path.camera, settings, counters, &layers, request_.aovs, &record, path.time};
+  PathContext context{*request_.scene, path.camera, settings, counters, nullptr, request_.aovs, &record, path.time};
   context.camera_interiors = path.camera_interiors;
   context.begins_behind_fronts = path.begins_behind_fronts;
-  const FilmSample unexposed =
-      select_path_integrator(request_.scene->features, integrator_settings_, true)(context, ray, sampler);
+  const FilmSample unexposed = trace_path(context, ray, sampler);
   return is_finite(unexposed.color) ? NonfiniteCause::exposure : record.cause();
 }
 

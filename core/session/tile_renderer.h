@@ -42,7 +42,7 @@ class TileRenderer {
 
   /// Traces one camera sample of an even frame. The result depends on its address and the request alone. A colour that
   /// is not finite is counted and becomes black. `layers`, never null, are filled if the request has any of kLayerAovs;
-  /// then the path is written to `record`, too, unless that is null. A check that fails throws a SampleFailure.
+  /// the path is written to `record`, unless that is null. A check that fails throws a SampleFailure.
   FilmSample trace_sample(const SampleAddress& at, RenderCounters* counters, LightLayers* layers,
                           PathRecord* record = nullptr) const;
 
@@ -72,7 +72,6 @@ class TileRenderer {
   IntegratorSettings integrator_settings_;
   bool has_layers_, has_vectors_;
   bool begins_behind_fronts_ = false;
-  PathIntegrator trace_path_;
   std::unique_ptr<const CameraInteriors> camera_interiors_;  // null: camera rays begin outside of clear bodies
 };
 

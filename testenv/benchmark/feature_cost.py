@@ -23,7 +23,7 @@ FEW = 4  # samples
 FEATURES = {  # functions of the room, without their arguments
     "coat, clear coat, sheen, thin film": r"DisneyCoat|DisneyClearcoat|clearcoat_albedo|DisneySheen|sheen_albedo|ThinFilm",
     "glass, thin surfaces, dispersion": r"DisneyDielectric|DisneyThinDielectric|DielectricBoundary",
-    "absorption, nested dielectrics": r"Interiors|interiors_at|MeshInterior",
+    "absorption, nested dielectrics": r"MediumStack|interiors_at|MeshInterior",
     "culled sides, opacity, cut-outs": r"coverage|ask_filter|StochasticStop|Transmittance|is_partly_opaque",
     "textures": r"Texture|texels_across|UdimTexture|TexelStore",
     "normal and bump maps": r"mapped_normal|reflecting_normal",

@@ -242,10 +242,10 @@ double sampled_irradiance(const LightSet& set, const Plane& plane, Rng& rng, con
   const float choice = rng.uniform();
   const Vec2f u = uniform2(rng);
   double value = 0;
-  set.sample_lights(plane.p, {plane.n, plane.n}, {choice, u.x, u.y, 0}, ConstantDomes::sampled,
-                    [&](const LightSample& s) {
-                      if (s.wi.z > 0) value += static_cast<double>(s.radiance.r * s.wi.z / s.pdf * weigh(s));
-                    });
+  for (size_t k = 0; k < set.draws(ConstantDomes::sampled); ++k) {
+    const auto s = set.draw(k, plane.p, {plane.n, plane.n}, {choice, u.x, u.y, 0}, ConstantDomes::sampled);
+    if (s && s->wi.z > 0) value += static_cast<double>(s->radiance.r * s->wi.z / s->pdf * weigh(*s));
+  }
   return value;
 }
 

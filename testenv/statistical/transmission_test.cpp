@@ -131,7 +131,7 @@ TEST(ChiSquareTransmission, WholeBsdf) {
             if (layered)
               p.coat = 0.8f, p.coat_roughness = 0.5f, p.sheen = 1, p.sheen_roughness = 0.4f, p.iridescence = 1;
             const Vec3f wo = at_angle(angle);
-            const BoundarySide side{inside ? 1 / 1.5f : 1.5f, inside};
+            const InterfaceSide side{inside ? 1 / 1.5f : 1.5f, inside};
             const DisneyTransmissiveBsdf bsdf(p, wo, side);
             const auto result =
                 test_half([&](Rng& rng) { return direction(bsdf, rng); },

@@ -32,10 +32,9 @@ class PathTracer {
   }
   /// Sample `index` of the only pixel, through its centre. Fills `layers` unless null.
   FilmSample trace(uint32_t index, LightLayers* layers = nullptr) {
-    const PathIntegrator integrator = select_path_integrator(scene_->features, settings, layers != nullptr);
     Ray ray = camera_.generate_ray({0.5f, 0.5f}, {0, 0});
     ray.tmax = reach;
-    return integrator(context(layers), ray, PixelSampler(run_seed(kPixelSeed), index));
+    return trace_path(context(layers), ray, PixelSampler(run_seed(kPixelSeed), index));
   }
 
  private:

@@ -3,7 +3,7 @@
 
 #include <cmath>
 
-#include "core/integrator/path_state.h"
+#include "core/integrator/vertex.h"
 #include "testenv/support/path_tracer.h"
 
 namespace alabaster {
@@ -31,7 +31,9 @@ struct Square {
     const Ray ray{Vec3f(eye - scene->origin), normalize(Vec3f(-eye))};
     TriangleHit hit;
     EXPECT_TRUE(scene->top->intersect(ray, &hit));
-    return make_vertex(tracer.context(), ray, hit, 0).frame.s;
+    Vertex v;
+    evaluate_surface(tracer.context(), ray, hit, 0, &v);
+    return v.frame.s;
   }
 };
 

@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "core/diagnostics/cancel.h"
-#include "core/integrator/boundary.h"
+#include "core/integrator/interface.h"
 #include "testenv/support/path_tracer.h"
 
 namespace alabaster {

@@ -1,7 +1,7 @@
 // Pictures with filtered gloss.
 #include <gtest/gtest.h>
 
-#include "core/integrator/path_state.h"
+#include "core/integrator/vertex.h"
 #include "core/material/disney_transmissive_bsdf.h"
 #include "testenv/support/path_tracer.h"
 #include "testenv/support/scene_builder.h"

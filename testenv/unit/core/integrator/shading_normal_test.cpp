@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-#include "core/integrator/path_state.h"
+#include "core/integrator/vertex.h"
 #include "core/sampling/pixel_sampler.h"
 #include "core/sampling/warp.h"
 #include "testenv/support/memory_texture.h"

@@ -5,8 +5,7 @@
 
 #include <cmath>
 
-#include "core/integrator/boundary.h"
-#include "core/integrator/path_surface.h"
+#include "core/integrator/interface.h"
 #include "testenv/support/furnace.h"
 #include "testenv/support/material_testing.h"
 #include "testenv/support/memory_texture.h"
@@ -232,26 +231,6 @@ TEST(Holes, WallsWithinAUnionAreNotThere) {
     const float shaded = floor_from();
     b.description.instances.erase(b.description.instances.begin(), b.description.instances.begin() + 2);
     EXPECT_NEAR(shaded / floor_from(), 0.25f, 1e-6f);
-  }
-}
-
-// A ray of the camera may begin in the medium. Others come to the inside of such a body in air alone: no walk within it
-// leaves it there.
-TEST(Holes, PathsWithinABodyOfHolesAreInAir) {
-  SceneBuilder b;
-  DisneyParameters p = white_body(0.2f);
-  p.opacity = 0.5f;
-  add(&b, b.prototype(testing::sphere_mesh(1, 32, true)), p);
-  PathTracer tracer(b.snapshot(), {0, 0, 4});
-  const PathContext context = tracer.context();
-  for (const uint32_t depth : {0u, 1u}) {
-    PathState path;
-    path.ray.org = {0, 0, 0};
-    path.ray.dir = normalize(Vec3f(0.1f, 0.2f, 1));
-    path.depth = depth;
-    TriangleHit hit;
-    ASSERT_TRUE(context.scene.top->intersect(path.ray, &hit));
-    EXPECT_EQ(find_vertex<SubsurfaceMode::walk>(context, hit, &path).material.thin, depth > 0) << depth;
   }
 }
 

@@ -111,18 +111,26 @@ LightSet domed(float radiance, size_t others, float intensity) {
   return LightSet(std::move(lights), {}, 4);
 }
 
+std::vector<LightSample> drawn(const LightSet& set, const Vec3f& p, const Horizon& horizon,
+                               const std::array<float, 4>& u, const LightSampleContext& at) {
+  std::vector<LightSample> samples;
+  for (size_t k = 0; k < set.draws(at); ++k)
+    if (const auto s = set.draw(k, p, horizon, u, at)) samples.push_back(*s);
+  return samples;
+}
+
 TEST(LightSet, ConstantDomesTakeNoPartInTheChoiceOfALight) {
   const Vec3f p(0, 0, -3);
   for (const size_t others : {0u, 1u, 3u, 4u, 20u, 300u}) {
     const LightSet set = domed(4, others, 1e-6f);
     const auto domes = [&](ConstantDomes how) {
       int count = 0;
-      set.sample_lights(p, {Vec3f(0, 0, 1), Vec3f(0, 0, 1)}, {0.7f, 0.3f, 0.4f, 0}, how, [&](const LightSample& s) {
-        if (!std::isinf(s.distance)) return;
+      for (const LightSample& s : drawn(set, p, {Vec3f(0, 0, 1), Vec3f(0, 0, 1)}, {0.7f, 0.3f, 0.4f, 0}, how)) {
+        if (!std::isinf(s.distance)) continue;
         EXPECT_TRUE(s.of_constant_dome);
         EXPECT_EQ(s.pdf, pdf_uniform_sphere()) << others;
         ++count;
-      });
+      }
       return count;
     };
     EXPECT_EQ(domes(ConstantDomes::sampled), 1) << others;
@@ -147,9 +155,8 @@ TEST(LightSet, ALeadingDomesNumbersGiveItsSample) {
     const auto numbers = bright.leading_dome_numbers(p, u);
     ASSERT_TRUE(numbers) << others;
     std::vector<Vec3f> directions;
-    bright.sample_lights(p, {n, n}, u, {ConstantDomes::sampled, n}, [&](const LightSample& s) {
+    for (const LightSample& s : drawn(bright, p, {n, n}, u, {ConstantDomes::sampled, n}))
       if (std::isinf(s.distance)) directions.push_back(s.wi);
-    });
     ASSERT_EQ(directions.size(), 1u) << others;
     EXPECT_EQ(directions[0], frame_from_normal(n).to_world(sample_cosine_hemisphere(*numbers))) << others;
     if (others > 0) {
@@ -161,12 +168,12 @@ TEST(LightSet, ALeadingDomesNumbersGiveItsSample) {
 TEST(LightSet, ConstantDomesAreSampledByTheCosineToALobe) {
   const LightSet alone({dome(4)}, {}, 8), chosen({sphere(1), dome(4)}, {});
   const Vec3f p(0, 0, -30), n = normalize(Vec3f(-0.6f, 0.3f, -0.8f));
-  const LightSearch search{ConstantDomes::sampled, n};
+  const LightSampleContext search{ConstantDomes::sampled, n};
   for (const LightSet* set : {&alone, &chosen})
     for (const Vec2f& u : {Vec2f(0.1f, 0.2f), Vec2f(0.5f, 0.9f), Vec2f(0.95f, 0.4f)}) {
-      std::optional<LightSample> sampled;
-      set->sample_lights(p, {n, n}, {0.999f, u.x, u.y, 0}, search, [&](const LightSample& s) { sampled = s; });
-      ASSERT_TRUE(sampled);
+      const std::vector<LightSample> all = drawn(*set, p, {n, n}, {0.999f, u.x, u.y, 0}, search);
+      ASSERT_FALSE(all.empty());
+      const LightSample* const sampled = &all.back();
       EXPECT_NEAR(sampled->pdf / (dot(sampled->wi, n) * kInvPi), 1, 1e-5f);
       std::vector<float> pdfs;
       const auto keep = [&](float pdf) { return pdfs.push_back(pdf), 1.0f; };
@@ -192,14 +199,13 @@ TEST(LightSet, RaysThatMeetALightHaveThePdfThatItsSamplesHaveForALobe) {
   const LightSet sets[] = {LightSet({rect}, {}, 8), LightSet(few, {}), LightSet(many, {}),
                            LightSet({rect}, {.visible_to_camera = {}, .shadow_links = {1}}, 8)};
   for (const LightSet& set : sets) {
-    const LightSearch search{ConstantDomes::sampled, n};
+    const LightSampleContext search{ConstantDomes::sampled, n};
     std::optional<LightSample> sampled;
     for (float choice = 0.01f; choice < 1 && !sampled; choice += 0.02f)
-      set.sample_lights(p, {n, n}, {choice, 0.9f, 0.3f, 0}, search, [&](const LightSample& s) {
+      for (const LightSample& s : drawn(set, p, {n, n}, {choice, 0.9f, 0.3f, 0}, search))
         if (s.wi.z > 0) sampled = s;
-      });
     ASSERT_TRUE(sampled);
-    const auto met = [&](const LightSearch& by) {
+    const auto met = [&](const LightSampleContext& by) {
       std::vector<float> pdfs;
       const auto keep = [&](float pdf) { return pdfs.push_back(pdf), 1.0f; };
       const Ray ray{p, sampled->wi};
@@ -229,9 +235,7 @@ TEST(LightSet, OnlyLightsBelowTheHorizonAreLeftOut) {
       const Vec2f u(rng.uniform(), rng.uniform());
       const auto s = set.sample(p, 0, u);
       if (!s) continue;
-      bool visited = false;
-      set.sample_lights(p, horizon, {0, u.x, u.y, 0}, ConstantDomes::sampled,
-                        [&](const LightSample&) { visited = true; });
+      const bool visited = !drawn(set, p, horizon, {0, u.x, u.y, 0}, ConstantDomes::sampled).empty();
       const bool above = dot(s->wi, horizon[0]) > 0 && dot(s->wi, horizon[1]) > 0;
       EXPECT_TRUE(visited || !above);
       (visited ? kept : left_out) += 1;

@@ -68,7 +68,7 @@ struct Pair {
 };
 
 /// f that a coat with a normal of its own adds to reflected light.
-float coat_share(const DisneyParameters& p, const BoundarySide& side, const Vec3f& wo, const Vec3f& wi) {
+float coat_share(const DisneyParameters& p, const InterfaceSide& side, const Vec3f& wo, const Vec3f& wi) {
   const auto layers = side.inside ? std::nullopt : DisneyLayers::of(p);
   return layers && layers->coated() ? layers->coat.evaluate(wo, wi).f.g : 0;
 }
@@ -77,12 +77,12 @@ float coat_share(const DisneyParameters& p, const BoundarySide& side, const Vec3
 // the ratio is 1, so a surface has either lobe alone. A tilted coat is reciprocal with the cosine to its own normal
 // (ATiltedCoatIsReciprocalAboutItsOwnNormal), so it is left out here.
 void expect_reciprocal(const DisneyParameters& p, float eta, const Pair& w, EnergyModel energy) {
-  const BoundarySide outside{eta, false}, inside{p.thin ? eta : 1 / eta, !p.thin};
+  const InterfaceSide outside{eta, false}, inside{p.thin ? eta : 1 / eta, !p.thin};
   const DisneyParameters back = turned_over(p);
-  const auto seen = [&](const DisneyParameters& q, const BoundarySide& side, const Vec3f& wo, const Vec3f& wi) {
+  const auto seen = [&](const DisneyParameters& q, const InterfaceSide& side, const Vec3f& wo, const Vec3f& wi) {
     return DisneyTransmissiveBsdf(q, wo, side, energy).evaluate(wi).f.g;
   };
-  const auto expect_same = [&](const DisneyParameters& q, const BoundarySide& side) {
+  const auto expect_same = [&](const DisneyParameters& q, const InterfaceSide& side) {
     const float one = seen(q, side, w.wo, w.wi), other = seen(q, side, w.wi, w.wo);
     const float coat = coat_share(q, side, w.wo, w.wi), other_coat = coat_share(q, side, w.wi, w.wo);
     EXPECT_NEAR(one - coat, other - other_coat, 1e-3f * (one - coat) + 1e-5f * (one + other) + 1e-6f);
@@ -222,7 +222,7 @@ void expect_as_over_flat_base(const DisneyParameters& p, const Vec3f& wo, const 
   DisneyParameters flat = p, bare = p;
   flat.coat_normal = flat.surface_normal = bare.coat_normal = bare.surface_normal = up;
   flat.spec_trans = flat.specular = bare.coat = 0;
-  constexpr BoundarySide kOutside{1.5f, false};
+  constexpr InterfaceSide kOutside{1.5f, false};
   const DisneyTransmissiveBsdf tilted(p, wo, kOutside, EnergyModel::bounded);
   const DisneyTransmissiveBsdf coat_alone(flat, over_flat, kOutside, EnergyModel::bounded);
   const DisneyTransmissiveBsdf boundary_alone(bare, wo, kOutside, EnergyModel::bounded);

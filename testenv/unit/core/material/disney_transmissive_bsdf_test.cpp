@@ -64,7 +64,7 @@ TEST(DisneyTransmissiveBsdf, Reciprocity) {
     const float eta = p.thin ? p.ior : 1.05f + 0.9f * rng.uniform();
     const Vec3f wo = sample_cosine_hemisphere(uniform2(rng)), wi = sample_cosine_hemisphere(uniform2(rng));
     if (wo.z < 1e-2f || wi.z < 1e-2f) continue;
-    const BoundarySide outside{eta, false}, inside{p.thin ? eta : 1 / eta, !p.thin};
+    const InterfaceSide outside{eta, false}, inside{p.thin ? eta : 1 / eta, !p.thin};
     const DisneyTransmissiveBsdf from_o(p, wo, outside);
     const Rgb reflected = from_o.evaluate(wi).f, reflected_back = DisneyTransmissiveBsdf(p, wi, outside).evaluate(wo).f;
     // The surface turned over: both directions upside down.

@@ -26,14 +26,14 @@ struct Interior {
   bool operator==(const Interior&) const = default;
 };
 
-class Interiors {
+class MediumStack {
  public:
   static constexpr uint32_t kMost = 8;
 
   bool empty() const { return count_ == 0; }
   bool contains(uint32_t instance) const { return find(instance) < count_; }
   /// True if both hold the same interiors, in any order, and the same one is current.
-  bool agrees_with(const Interiors& other) const {
+  bool agrees_with(const MediumStack& other) const {
     if (count_ != other.count_) return false;
     for (uint32_t i = 0; i < count_; ++i) {
       const uint32_t at = other.find(stack_[i].instance);
@@ -115,7 +115,7 @@ inline Rgb index_factor(const Rgb& from, const Rgb& to) {
 
 /// The closed bodies in which a path is in air, because it passed their surface at a hole. A body counts once for each
 /// of its shells that the path is in.
-class Hollows {
+class AirPockets {
  public:
   static constexpr uint32_t kMost = 8;
 

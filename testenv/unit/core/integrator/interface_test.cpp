@@ -1,5 +1,5 @@
 // Paths through clear bodies against slabs by hand.
-#include "core/integrator/boundary.h"
+#include "core/integrator/interface.h"
 
 #include <gtest/gtest.h>
 
@@ -88,7 +88,7 @@ PathTracer look_down(SceneBuilder* b, float eye_height = 5) {
 }
 
 // A slab whose faces are doubled, or wind inward, is the same slab.
-TEST(Boundary, TheWindingOfAClosedMeshDoesNotMatter) {
+TEST(Interface, TheWindingOfAClosedMeshDoesNotMatter) {
   const auto seen = [](bool has_outward, bool has_inward) {
     const Mesh slab = slab_mesh(-0.2f, 0.3f, 2);
     Cage cage;
@@ -118,7 +118,7 @@ TEST(Boundary, TheWindingOfAClosedMeshDoesNotMatter) {
   EXPECT_NEAR(seen(true, true), right, 1e-5);
 }
 
-TEST(Boundary, AnAbsorbingSlabFollowsBeerAndLambert) {
+TEST(Interface, AnAbsorbingSlabFollowsBeerAndLambert) {
   SceneBuilder b;
   DisneyParameters glass = clear(1.5f);
   glass.attenuation_color = {1, 0.5f, 0.1f};
@@ -136,7 +136,7 @@ TEST(Boundary, AnAbsorbingSlabFollowsBeerAndLambert) {
 }
 
 // baseColor is the colour of the whole body: its square root at each of two surfaces.
-TEST(Boundary, ABodyHasItsBaseColorOnceAndSoHasASheet) {
+TEST(Interface, ABodyHasItsBaseColorOnceAndSoHasASheet) {
   for (const bool thin : {false, true}) {
     SceneBuilder b;
     DisneyParameters glass = clear(1.5f);
@@ -161,7 +161,7 @@ struct Pool {
 };
 
 // Glass from 0 to -1, and water that begins at -0.9 inside it and ends at -2.
-TEST(Boundary, OverlappingDielectricsMeetWherePrioritySays) {
+TEST(Interface, OverlappingDielectricsMeetWherePrioritySays) {
   for (const Pool& pool : {Pool{2, 1, 1.0}, Pool{1, 2, 0.9}, Pool{0, 0, 1.0}}) {
     SceneBuilder b;
     DisneyParameters glass = clear(1.8f), water = clear(1.33f);
@@ -185,7 +185,7 @@ TEST(Boundary, OverlappingDielectricsMeetWherePrioritySays) {
   }
 }
 
-TEST(Boundary, ACameraMayStandInside) {
+TEST(Interface, ACameraMayStandInside) {
   SceneBuilder b;
   DisneyParameters water = clear(1.33f), glass = clear(1.5f);
   water.attenuation_color = Rgb(0.5f);
@@ -207,7 +207,7 @@ TEST(Boundary, ACameraMayStandInside) {
   expect_mean(&tracer, 1, stack.passed * 1.33 * 1.33, "radiance in water is n^2 times that in air");
 }
 
-TEST(Boundary, NestedInteriorsAreFoundAtAPoint) {
+TEST(Interface, NestedInteriorsAreFoundAtAPoint) {
   SceneBuilder b;
   b.add(b.prototype(slab_mesh(-3, 3, 20)), b.material(clear(1.33f)));
   b.add(b.prototype(slab_mesh(-1, 1, 10)), b.material(clear(1.5f)));
@@ -225,7 +225,7 @@ TEST(Boundary, NestedInteriorsAreFoundAtAPoint) {
 }
 
 // A body of ior 1 is not seen: every sample is the background's.
-TEST(Boundary, IorOneIsNotSeen) {
+TEST(Interface, IorOneIsNotSeen) {
   for (const bool thin : {false, true}) {
     SceneBuilder b;
     DisneyParameters p = clear(1);
@@ -238,7 +238,7 @@ TEST(Boundary, IorOneIsNotSeen) {
 }
 
 // A lossless body in a white furnace is not seen either. Rough facets lose what they hide from each other.
-TEST(Boundary, AClearBodyInAFurnace) {
+TEST(Interface, AClearBodyInAFurnace) {
   for (const float roughness : {0.0f, 0.3f}) {
     SceneBuilder b;
     DisneyParameters p = clear(1.5f);
@@ -254,7 +254,7 @@ TEST(Boundary, AClearBodyInAFurnace) {
 
 // A medium without loss, seen through a clear boundary: all light comes out again, past any number of inner
 // reflections. Light that enters a blend by the entry lobe is multiplied by 41/42 once.
-TEST(Boundary, AScatteringMediumInAFurnace) {
+TEST(Interface, AScatteringMediumInAFurnace) {
   for (const float clear_share : {1.0f, 0.5f}) {
     SceneBuilder b;
     DisneyParameters p = clear(1.5f);
@@ -273,7 +273,7 @@ TEST(Boundary, AScatteringMediumInAFurnace) {
 }
 
 // With hardly any scattering the medium is clear: refraction in, a straight line, refraction out.
-TEST(Boundary, AMediumThatHardlyScattersIsClear) {
+TEST(Interface, AMediumThatHardlyScattersIsClear) {
   SceneBuilder b;
   DisneyParameters p = clear(1.5f);
   p.scatter_distance = Rgb(1e5f);
@@ -286,7 +286,7 @@ TEST(Boundary, AMediumThatHardlyScattersIsClear) {
 }
 
 // The guides of a denoiser are those of what smooth glass shows.
-TEST(Boundary, GuidesAreSeenThroughSmoothGlass) {
+TEST(Interface, GuidesAreSeenThroughSmoothGlass) {
   for (const bool smooth : {true, false}) {
     SceneBuilder b;
     DisneyParameters glass = clear(1.5f), floor = testing::matt({0.2f, 0.6f, 0.1f});
@@ -301,7 +301,7 @@ TEST(Boundary, GuidesAreSeenThroughSmoothGlass) {
 }
 
 // Each channel has an index of its own. Channels share no path, so each keeps its mean.
-TEST(Boundary, DispersionSpreadsTheIndexOverTheChannels) {
+TEST(Interface, DispersionSpreadsTheIndexOverTheChannels) {
   SceneBuilder b;
   DisneyParameters glass = clear(2);
   glass.dispersion = 20;
@@ -318,7 +318,7 @@ TEST(Boundary, DispersionSpreadsTheIndexOverTheChannels) {
 
 // A lamp in absorbing water lights a floor there: the same through light sampling, which a small lamp needs, and
 // through sampled lobes, whatever the lamp is made of.
-TEST(Boundary, LightInsideAMediumIsAbsorbed) {
+TEST(Interface, LightInsideAMediumIsAbsorbed) {
   double mean[2][2];
   for (const bool absorbs : {false, true})
     for (const bool mesh : {false, true}) {
@@ -350,7 +350,7 @@ TEST(Boundary, LightInsideAMediumIsAbsorbed) {
 }
 
 // Light sampling and lobe sampling find the same light through a rough boundary and on the far side of a leaf.
-TEST(Boundary, LightsBehindAreSampled) {
+TEST(Interface, LightsBehindAreSampled) {
   for (const bool leaf : {false, true}) {
     double mean[2];
     for (const bool lights_are_meshes : {true, false}) {
@@ -382,7 +382,7 @@ TEST(Boundary, LightsBehindAreSampled) {
 }
 
 // The camera stands in a body that lets the inner one's boundary be no boundary: its far plane counts behind it, too.
-TEST(Boundary, TheFarPlaneCountsBehindAHiddenBoundary) {
+TEST(Interface, TheFarPlaneCountsBehindAHiddenBoundary) {
   SceneBuilder b;
   DisneyParameters outer = clear(1), inner = clear(1.5f);
   outer.priority = 2;
@@ -399,7 +399,7 @@ TEST(Boundary, TheFarPlaneCountsBehindAHiddenBoundary) {
 
 // The distance is that from the camera, through both hidden boundaries of the inner body: it decides which sample of a
 // pixel is closest, whose depth, position, motion and ids the pixel shows.
-TEST(Boundary, TheFirstHitBehindHiddenBoundariesHasItsDistanceFromTheCamera) {
+TEST(Interface, TheFirstHitBehindHiddenBoundariesHasItsDistanceFromTheCamera) {
   for (const uint32_t inner_priority : {0u, 1u, 3u}) {
     SceneBuilder b;
     DisneyParameters outer = clear(1), inner = clear(1);

@@ -1,4 +1,4 @@
-#include "core/integrator/layer_split.h"
+#include "core/integrator/path.h"
 
 #include <gtest/gtest.h>
 
@@ -9,55 +9,6 @@ namespace {
 
 Rgb sum_of(const LightLayers& l) {
   return l.diffuse + l.specular + l.unscattered + l.single + l.multiple + l.emission;
-}
-
-TEST(LayerSplit, SharesAreOfEachChannelAndOfNothingNothing) {
-  EXPECT_EQ(share_of({1, 3, 0}, {4, 3, 0}), Rgb(0.25f, 1, 0));
-}
-
-TEST(LayerSplit, APathWithoutAVertexIsAllEmission) {
-  const LightLayers layers = LayerSplit().finish({1, 2, 3});
-  EXPECT_EQ(layers.emission, Rgb(1, 2, 3));
-  EXPECT_EQ(sum_of(layers), Rgb(1, 2, 3));
-}
-
-// promise: pipeline.aov.diffuse
-TEST(LayerSplit, LocalLightGoesByTheShareOfItsDirection) {
-  LayerSplit split;
-  split.scattered = true;
-  split.emission = Rgb(1.0f);
-  split.add_local({4, 4, 4}, {0.25f, 0.5f, 1});  // direct light
-  split.gathered = Rgb(5.0f);
-  split.specular_share = {0, 1, 0.5f};  // of the path's next direction
-  split.went_on = true;
-  const LightLayers layers = split.finish(Rgb(13.0f));
-  EXPECT_EQ(layers.emission, Rgb(1.0f));
-  EXPECT_EQ(layers.specular, Rgb(1, 2 + 8, 4 + 4));
-  EXPECT_EQ(layers.diffuse, Rgb(3 + 8, 2, 4));
-  EXPECT_EQ(sum_of(layers), Rgb(13.0f));
-}
-
-TEST(LayerSplit, LightFromBelowGoesByTheScatteringEventsOfEachWalk) {
-  LayerSplit split;
-  split.scattered = true;
-  split.add_local(Rgb(2.0f), Rgb(0.5f));
-  const std::pair<uint32_t, float> walks[] = {{0, 1.0f}, {1, 2.0f}, {2, 4.0f}, {7, 8.0f}, {1, 16.0f}};
-  for (const auto& [events, light] : walks) split.add_below(Rgb(light), {events, Rgb(0.0f)});
-  const LightLayers layers = split.finish(Rgb(33.0f));
-  EXPECT_EQ(layers.unscattered, Rgb(1.0f));
-  EXPECT_EQ(layers.single, Rgb(18.0f));
-  EXPECT_EQ(layers.multiple, Rgb(12.0f));
-  EXPECT_EQ(sum_of(layers), Rgb(33.0f));
-}
-
-// promise: pipeline.aov.subsurface_parts
-TEST(LayerSplit, TwinsCountAsMultipleScattering) {
-  LayerSplit split;
-  split.scattered = true;
-  split.add_below(Rgb(-1.0f), {0, Rgb(-4.0f)});
-  const LightLayers layers = split.finish(Rgb(-1.0f));
-  EXPECT_EQ(layers.unscattered, Rgb(3.0f));
-  EXPECT_EQ(layers.multiple, Rgb(-4.0f));
 }
 
 // Sample by sample, not only in the mean: each of them is sorted without a rest, and traced as without layers. Returns
@@ -88,7 +39,7 @@ DisneyParameters lacquer() {
   return p;
 }
 
-TEST(LayerSplit, LayersOfEverySampleAddUpToItsColor) {
+TEST(Layers, LayersOfEverySampleAddUpToItsColor) {
   testing::SceneBuilder b;
   b.add(b.prototype(testing::sphere_mesh(1, 24, true)), b.material(lacquer())).add(testing::constant_dome(1, true));
   testing::PathTracer tracer(b.snapshot(), {0, 1, 3});
@@ -97,7 +48,7 @@ TEST(LayerSplit, LayersOfEverySampleAddUpToItsColor) {
     EXPECT_GT(layer.r, 0);
 }
 
-TEST(LayerSplit, LayersOfATransmissiveSurfaceAddUpToItsColor) {
+TEST(Layers, LayersOfATransmissiveSurfaceAddUpToItsColor) {
   testing::SceneBuilder b;
   DisneyParameters glass = lacquer();
   glass.spec_trans = 0.5f;
@@ -108,7 +59,7 @@ TEST(LayerSplit, LayersOfATransmissiveSurfaceAddUpToItsColor) {
 }
 
 // A body of mist before a body of wax: light that crosses the mist is unscattered, although the wax scattered it.
-TEST(LayerSplit, OnlyTheFirstBodyCounts) {
+TEST(Layers, OnlyTheFirstBodyCounts) {
   testing::SceneBuilder b;
   DisneyParameters mist = testing::matt(Rgb(0.8f)), wax = testing::matt(Rgb(0.8f));
   mist.scatter_distance = Rgb(1e3f);

@@ -1,0 +1,16 @@
+// Light that a path's ray meets, weighed against light sampling by the power heuristic (direct_light.h has the other
+// half of the weight).
+#pragma once
+
+#include "core/integrator/vertex.h"
+
+namespace alabaster {
+
+/// Of the lights without geometry on the path's segment, and of infinite ones if the ray `escaped`. `from_vertex`: the
+/// ray begins where light was sampled: then it meets those with a shadow link, beyond what casts no shadow for them.
+Rgb emission_along(const PathContext& context, const Path& path, bool escaped, bool from_vertex);
+
+/// Of the surface at `v`.
+Rgb surface_emission(const Vertex& v, const Path& path);
+
+}  // namespace alabaster

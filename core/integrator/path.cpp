@@ -1,0 +1,92 @@
+#include "core/integrator/path.h"
+
+#include "core/integrator/direct_light.h"
+#include "core/integrator/first_hit.h"
+#include "core/integrator/path_record.h"
+#include "core/integrator/see_through.h"
+#include "core/integrator/vertex.h"
+#include "core/integrator/vertex_bsdf.h"
+
+namespace alabaster {
+
+void Path::travel(const PathContext& context, float distance) {
+  if (!media.empty()) throughput *= media.transmittance(distance);
+  if (keeps_footprints(context)) footprint.travel(distance);
+}
+
+Path Path::branch(uint32_t index, LightLayers* its_layers) const {
+  Path branch = *this;
+  branch.radiance = Rgb(0.0f);
+  if (index > 0) branch.features = nullptr;  // one branch finds them
+  if (layers) branch.layers = its_layers;
+  return branch;
+}
+
+void Path::join(const Path& branch, uint32_t count) {
+  const float share = 1 / static_cast<float>(count);
+  radiance += branch.radiance * share;
+  if (!layers) return;
+  const LightLayers& from = *branch.layers;
+  layers->emission += from.emission * share;
+  layers->diffuse += from.diffuse * share;
+  layers->specular += from.specular * share;
+  layers->unscattered += from.unscattered * share;
+  layers->single += from.single * share;
+  layers->multiple += from.multiple * share;
+}
+
+void Path::leave(const PathContext& context, const Vertex& v, const VertexBsdf& bsdf, const ScatterSample& sample) {
+  if (seeks_layer()) layer = {Layer::Kind::local, sample.specular};
+  if (!is_mirror(v, sample.lobe)) features = nullptr;
+  Vec3f origin;
+  if (sample.side == Side::far) {
+    throughput *= bsdf.factor_beyond();
+    media = bsdf.media_beyond();
+    if (!air.empty()) air.leave(air_pocket_of(context.scene, v.triangle.instance));
+    origin = v.origins[Vertex::kFarSide].p;
+  } else {
+    const bool is_smooth = v.leaves_from_smooth(sample.wi) && reaches_smooth_surface(context, v);
+    origin = v.origins[is_smooth ? Vertex::kSmooth : Vertex::kFacet].p;
+  }
+  ray = {origin, sample.wi, std::numeric_limits<float>::infinity(), ray.time};
+  pdf = sample.pdf;
+  if (keeps_footprints(context)) footprint.scatter(pdf);
+  pdf *= static_cast<float>(branches);  // the directions of all branches compete with each sampled light
+  branches = 1;
+  ++depth;
+}
+
+void Path::pass(const Vec3f& origin, const Vec3f& direction) {
+  ray = {origin, direction, std::numeric_limits<float>::infinity(), ray.time};
+  pdf = std::numeric_limits<float>::infinity();
+}
+
+void Path::enter(const PathContext& context, Vertex* v, const ControlVariate& control, float roulette) {
+  features = nullptr;
+  branches = 1;
+  v->find_medium(context.settings);
+  walk = {v, control, roulette};
+}
+
+namespace {
+
+// Roulette ends paths whose throughput has fallen below this, and lifts survivors to it. A survivor that is lifted far
+// is a firefly where a later lobe meets a light (testenv/benchmark/results/sampling.md).
+constexpr float kRouletteBelow = 0.125f;
+
+}  // namespace
+
+bool survives_roulette(const PathContext& context, float u, Path* path) {
+  // Radiance in a medium is larger by its index squared, and the throughput of a path that enters it smaller.
+  float throughput = max_component(path->throughput);
+  if (!path->media.empty()) throughput *= sqr(path->media.index());
+  const float survival = throughput < kRouletteBelow ? throughput * (1 / kRouletteBelow) : 1;
+  if (is_black(path->throughput) || (survival < 1 && !(u < survival))) {
+    if (context.record) context.record->end("throughput is black, or roulette ended it");
+    return false;
+  }
+  if (survival < 1) path->throughput *= 1 / survival;
+  return true;
+}
+
+}  // namespace alabaster

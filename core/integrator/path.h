@@ -1,0 +1,129 @@
+// The state that a path carries from vertex to vertex. leave(), pass() and enter() alone set its next segment.
+#pragma once
+
+#include <limits>
+
+#include "core/integrator/control_variate.h"
+#include "core/integrator/media.h"
+#include "core/integrator/path_integrator.h"
+#include "core/subsurface/entry_exit.h"
+
+namespace alabaster {
+
+struct ScatterSample;
+struct Vertex;
+class VertexBsdf;
+
+/// The width of the bundle of paths that one path stands for where it meets a surface: from the camera all paths of its
+/// pixel, after a lobe a solid angle 1/pdf about the sampled direction (as in path differentials, Suykens and Willems
+/// 2001). Kept where textures or gloss are filtered.
+struct Footprint {
+  PixelCone cone;
+
+  void travel(float distance) { cone.width += cone.spread * distance; }
+  /// GGX of this alpha reflects into 4 pi alpha^2, the reciprocal of its largest density: into the solid angle of the
+  /// bundle. A narrower lobe meets a light by chance.
+  float least_alpha() const { return std::min(1.0f, cone.spread * (0.5f / std::sqrt(kPi))); }
+  void scatter(float pdf) {
+    cone.spread = std::sqrt(cone.spread * cone.spread + (pdf > 0 ? std::min(1 / pdf, kTwoPi) : kTwoPi));
+  }
+};
+
+/// The layer of a path's light. The first vertex that scatters decides it: by lobes, or by a walk. A direction is
+/// sampled with the f of all lobes together, so light that comes back along it belongs to specular and diffuse by their
+/// shares of that f, per channel: the estimate of each is then the one that its own f would give, unbiased, and the
+/// layers add up to the path.
+struct Layer {
+  enum class Kind { seen, local, below };
+  Kind kind = Kind::seen;
+  Rgb specular{0.0f};   // local: the share of f
+  uint32_t events = 0;  // below: of scattering in the walk
+
+  void add(const Rgb& light, LightLayers* layers) const {
+    switch (kind) {
+      case Kind::seen:
+        layers->emission += light;
+        break;
+      case Kind::local:
+        layers->specular += light * specular;
+        layers->diffuse += light - light * specular;
+        break;
+      case Kind::below:
+        (events == 0 ? layers->unscattered : events == 1 ? layers->single : layers->multiple) += light;
+    }
+  }
+};
+
+/// A walk through a body, which the path's next segment may be in place of a ray.
+struct Walk {
+  Vertex* entry = nullptr;  // null: the segment is a ray
+  ControlVariate control;   // by value: it outlives the vertex of a branch's parent
+  float roulette = 0;       // the entry's number
+};
+
+struct Path {
+  Ray ray;  // the next segment, unless that is a walk; all of a path's have one time
+  Walk walk;
+  Rgb throughput{1.0f};
+  Rgb radiance{0.0f};
+  /// Density of the ray's direction, summed over the branches that went on together; 0 for the camera ray, which no
+  /// light sampling competes with, and infinite after a discrete choice, with which it cannot.
+  float pdf = 0;
+  const LightSet* lights = nullptr;  // that light the last vertex; of camera rays all
+  LightSampleContext light_context;  // of the last vertex: for the pdf of a light that the ray meets
+  uint32_t depth = 0;                // bounces; a walk is one
+  uint32_t branches = 1;             // that leave the present vertex
+  MediumStack media;                 // that the ray is in
+  AirPockets air;                    // bodies that the ray is in, in air
+  Footprint footprint;
+  Layer layer;
+  LightLayers* layers = nullptr;   // take the light by layer; null: not asked for
+  FilmSample* features = nullptr;  // takes the denoiser's features at the next surface; null: they are not sought
+  bool held_out = false;           // the camera's ray ended at a hold-out
+
+  void add(const Rgb& light) {
+    radiance += light;
+    if (layers) layer.add(light, layers);
+  }
+  /// Light that walks of all numbers of scattering events bring: it counts as many.
+  void add_of_walks(const Rgb& light) {
+    radiance += light;
+    if (layers) (seeks_layer() ? Layer{Layer::Kind::below, Rgb(0.0f), kManyEvents} : layer).add(light, layers);
+  }
+  /// True where the next vertex that scatters decides the layer.
+  bool seeks_layer() const { return layers && layer.kind == Layer::Kind::seen; }
+
+  Rgb through_media(const Rgb& light, float distance) const {
+    return media.empty() ? light : light * media.transmittance(distance);
+  }
+  /// The path has come this far along its ray.
+  void travel(const PathContext& context, float distance);
+
+  /// Branch `index`, whose light by layer goes to `its_layers`.
+  Path branch(uint32_t index, LightLayers* its_layers) const;
+  /// Adds what a branch brought.
+  void join(const Path& branch, uint32_t count);
+
+  /// Bounces off the vertex, or through it, by the sampled lobe.
+  void leave(const PathContext& context, const Vertex& v, const VertexBsdf& bsdf, const ScatterSample& sample);
+  /// Goes straight on from `origin`, where no vertex counts.
+  void pass(const Vec3f& origin, const Vec3f& direction);
+  /// Goes below the surface. The vertex at the walk's exit is the next one.
+  void enter(const PathContext& context, Vertex* v, const ControlVariate& control, float roulette);
+};
+
+inline bool keeps_footprints(const PathContext& context) {
+  return context.settings.texture_filter > 0 || context.settings.glossy_filter > 0;
+}
+
+/// False: the path ends here. Unbiased: survivors carry the weight of the ended.
+bool survives_roulette(const PathContext& context, float u, Path* path);
+
+/// part / all per channel; 0 where all is 0.
+inline Rgb share_of(const Rgb& part, const Rgb& all) {
+  Rgb share;
+  for (int c = 0; c < 3; ++c) share[c] = all[c] > 0 ? part[c] / all[c] : 0;
+  return share;
+}
+
+}  // namespace alabaster

@@ -1,0 +1,92 @@
+// The scattering function of a vertex, in render space: of the lobes of a surface or an interface, or of the exit lobe
+// of a walk. Values have the cosine, and are black in directions that do not leave from the origin that is asked for.
+#pragma once
+
+#include <variant>
+
+#include "core/integrator/vertex.h"
+#include "core/material/disney_bsdf.h"
+
+namespace alabaster {
+
+/// Branches that a path becomes at the surface that the camera sees, unless that lets light through. The camera's ray
+/// and the lights sampled there give little of the noise, and what comes by way of bodies and other surfaces gives
+/// much. More than two gain beyond doubt on skin alone (testenv/benchmark/results/sampling.md).
+inline constexpr uint32_t kPathsPerSample = 2;
+
+struct ScatterValue {
+  Rgb f_cos{0.0f};
+  float pdf = 0;                     // of sampling the direction
+  Rgb specular{0.0f};                // the specular lobes' share of f, per channel; only where it is asked for
+  float exit_cos = 0, exit_pdf = 0;  // f cos and pdf of an exit lobe; only where it is asked for
+};
+
+/// The side of the surface that a direction leaves to. Light that passes must do so by the lobe, by the smooth normal,
+/// which a normal map tilts, and by the facet.
+enum class Side { near, far, neither };
+
+struct ScatterSample {
+  Lobe lobe = Lobe::diffuse;  // subsurface: the path goes below, and there is no direction
+  Vec3f wi{0, 0, 0};
+  Side side = Side::near;
+  Rgb weight{1.0f};  // f cos / pdf
+  float pdf = 0;     // infinite: a discrete choice
+  Rgb specular{0.0f};
+};
+
+class VertexBsdf {
+ public:
+  /// `path`: that came to the vertex. Keeps references to all but it.
+  VertexBsdf(const PathContext& context, const Vertex& v, const Path& path);
+
+  /// False within a medium: there is no light to sample.
+  bool has_lobes() const { return v_.kind != Vertex::Kind::within; }
+  uint32_t branches() const {
+    return v_.kind == Vertex::Kind::surface || v_.kind == Vertex::Kind::within ? kPathsPerSample : 1;
+  }
+  LightSampleContext light_context() const;
+  /// True if light leaves from the origin.
+  bool leaves_from(Vertex::Origin origin) const;
+
+  /// For a direction that leaves from `origin`.
+  ScatterValue evaluate(const Vec3f& wi, Vertex::Origin origin) const;
+  /// Empty: no direction was sampled.
+  std::optional<ScatterSample> sample(const std::array<float, 4>& u) const;
+
+  /// For walks that enter here; inactive where they have no twins. `u`: samples the lights.
+  ControlVariate control_variate(const std::array<float, 4>& u) const;
+  /// ScatterValue has the exit lobe from now on.
+  void seek_exit_lobe() { seeks_exit_lobe_ = true; }
+  /// The entry weight of walks.
+  Rgb subsurface_entry() const { return std::get<DisneyBsdf>(bsdf_).subsurface_entry(); }
+
+  /// Of an interface: the media on the far side, and a factor of what passes, beside the lobes.
+  const MediumStack& media_beyond() const { return std::get<Interface>(bsdf_).beyond; }
+  const Rgb& factor_beyond() const { return std::get<Interface>(bsdf_).factor; }
+
+ private:
+  struct Interface {
+    Interface(const PathContext& context, const Vertex& v, const Path& path);
+    DisneyTransmissiveBsdf bsdf;
+    MediumStack beyond;
+    Rgb factor;
+  };
+  struct ExitLobe {};
+
+  Side side_of(const DisneyTransmissiveBsdf& bsdf, const Vec3f& wi_local, const Vec3f& wi) const;
+  ScatterValue evaluate(const DisneyBsdf& bsdf, const Vec3f& wi) const;
+  ScatterValue evaluate(const Interface& at, const Vec3f& wi, Side side) const;
+  ScatterValue evaluate_exit(const Vec3f& wi) const;
+  std::optional<ScatterSample> sample(const DisneyBsdf& bsdf, const std::array<float, 4>& u) const;
+  std::optional<ScatterSample> sample(const Interface& at, const std::array<float, 4>& u) const;
+  std::optional<ScatterSample> sample_exit(const std::array<float, 4>& u) const;
+  void record_lobe(Lobe lobe, const Rgb& f, float pdf) const;
+
+  const PathContext& context_;
+  const Vertex& v_;
+  Vec3f incoming_;  // along the path's ray
+  bool seeks_specular_, seeks_exit_lobe_ = false;
+  std::variant<std::monostate, DisneyBsdf, Interface, ExitLobe> bsdf_;
+};
+
+}  // namespace alabaster
