@@ -7,6 +7,7 @@ SCENES lists them. A scene's function fills a Draft: meshes as glTF, and the res
 import json
 import math
 import pathlib
+import random
 import struct
 import sys
 
@@ -20,6 +21,8 @@ from shapes import box, cube_sphere, placed  # noqa: E402
 
 WAX = {"baseColor": [0.9, 0.6, 0.35], "roughness": 0.4, "scatterDistance": [0.3, 0.15, 0.08]}
 GLASS = {"baseColor": [1.0, 1.0, 1.0], "roughness": 0.0, "specTrans": 1.0}
+CLOUDY = {**WAX, "specTrans": 0.5}  # a clear boundary and lobes that scatter, at the same surface
+MARBLE = {"baseColor": [0.85, 0.7, 0.5], "roughness": 0.3, "scatterDistance": [0.004, 0.003, 0.002]}
 KEY = {"name": "key", "type": "rectLight", "width": 1.5, "height": 1.5, "intensity": 8, "position": [-2, 3, 2], "target": [0, 0.3, 0]}
 SKY = {"name": "sky", "type": "domeLight", "intensity": 0.3}
 
@@ -51,6 +54,15 @@ class Draft:
 
 def ball(radius, n=2):
     return cube_sphere(n, lambda d: tuple(radius * c for c in d))
+
+
+def block(width, height, depth):
+    """A box on y = 0 of six faces: two blocks may have a face in common."""
+    mesh = Mesh()
+    mesh.points = [(x * width / 2, y * height, z * depth / 2) for x in (-1, 1) for y in (0, 1) for z in (-1, 1)]
+    mesh.quads = [[0, 1, 3, 2], [4, 6, 7, 5], [0, 4, 5, 1], [2, 3, 7, 6], [0, 2, 6, 4], [1, 5, 7, 3]]
+    mesh.uvs = [[(0, 0), (1, 0), (1, 1), (0, 1)] for _ in mesh.quads]
+    return mesh
 
 
 def nested(draft):
@@ -226,8 +238,102 @@ def parallel(draft):
     draft.json["camera"] |= {"projection": "orthographic", "horizontalAperture": 3000, "verticalAperture": 2250}
 
 
+def cloudy(draft):
+    """Alone, over half its width hidden by a glass of higher priority, and within water."""
+    draft.add("alone", ball(0.32), {**CLOUDY, "specTrans": 0.2}, (-0.95, 0.35, 0.2))
+    draft.add("over", ball(0.35), {**CLOUDY, "priority": 1}, (-0.15, 0.4, 0))
+    draft.add("glass", ball(0.3), {**GLASS, "priority": 2}, (0.05, 0.5, 0.2))
+    draft.add("water", ball(0.45), {**GLASS, "ior": 1.33}, (0.95, 0.5, 0))
+    draft.add("core", ball(0.3), CLOUDY, (0.95, 0.5, 0))
+
+
+def inside_cloudy(draft):
+    draft.add("body", ball(1.2), {**CLOUDY, "scatterDistance": [4.0, 3.0, 2.0]}, (0, 1.3, 3.4))
+    draft.add("thing", ball(0.4), MARBLE, (0, 0.45, 0))
+
+
+def touching(draft):
+    """Blocks that stand on the floor and on each other, with whole faces in common."""
+    draft.add("wax", block(0.7, 0.3, 0.6), WAX, (-0.7, 0, 0))
+    draft.add("lid", block(0.7, 0.3, 0.6), GLASS, (-0.7, 0.3, 0))
+    draft.add("cloudy", block(0.4, 0.5, 0.6), CLOUDY, (0.2, 0, 0.1))
+    draft.add("water", block(0.4, 0.5, 0.6), {**GLASS, "ior": 1.33, "attenuationColor": [0.5, 0.8, 0.9], "attenuationDistance": 0.3}, (0.6, 0, 0.1))
+    draft.add("plaster", block(0.3, 0.5, 0.6), {"baseColor": [0.8, 0.3, 0.2]}, (0.95, 0, 0.1))
+    draft.json["meshes"] = [{"match": name, "scheme": "none"} for name in ("wax", "lid", "cloudy", "water", "plaster")]
+
+
+def past_hidden(draft):
+    """Lights, one of them with a shadow link, and a mesh that glows, seen by way of boundaries that are not there: one of lower priority, and
+    one between equal indices of refraction."""
+    draft.add("glass", block(1.1, 0.7, 0.5), {**GLASS, "priority": 2}, (-0.55, 0.05, 0.4))
+    draft.add("water", ball(0.4), {**GLASS, "ior": 1.33, "priority": 1, "emission": [0.0, 0.1, 0.2]}, (-0.5, 0.45, 0.1))
+    draft.add("ember", ball(0.1), {"baseColor": [0, 0, 0], "emission": [4, 2, 1]}, (-0.25, 0.25, 0.1))
+    draft.add("outer", ball(0.45), {**GLASS, "roughness": 0.1}, (0.7, 0.5, 0))
+    draft.add("inner", ball(0.3), GLASS, (0.7, 0.5, 0))
+    draft.add("stone", ball(0.2), {"baseColor": [0.4, 0.4, 0.7]}, (0.1, 0.2, -0.5))
+    draft.json["meshes"] = [{"match": "glass", "scheme": "none"}]
+    draft.json["lights"] = [SKY, {**KEY, "lightLink": ["floor", "stone", "water", "outer"]},
+                            {"name": "lamp", "type": "sphereLight", "radius": 0.4, "intensity": 6, "position": [0.1, 0.9, -1.6],
+                             "shadowLink": ["stone"]}]
+
+
+def many_lights(draft):
+    draft.add("wax", ball(0.4), WAX, (0.6, 0.45, 0))
+    draft.add("plaster", ball(0.4), {"baseColor": [0.7, 0.7, 0.7]}, (-0.6, 0.45, 0))
+    draws = random.Random(7)
+    draft.json["lights"] = [
+        {"name": f"light{i}", "type": "sphereLight", "radius": 0.02, "intensity": 10 ** draws.uniform(0.5, 2.5),
+         "color": [draws.random() for _ in range(3)], "position": [draws.uniform(-2, 2), draws.uniform(0.9, 1.8), draws.uniform(-2, 1.4)]}
+        for i in range(200)]
+
+
+def grazing(draft):
+    """Smooth normals on few faces, across whose front the light ends."""
+    tilts = draft.doc.add_texture("tilts", png(8, 8, lambda x, y: (0.5 + 0.1 * math.sin(x), 0.5 + 0.1 * math.cos(y), 1.0)))
+    kinds = {"plaster": {"baseColor": [0.8, 0.8, 0.8]}, "wax": WAX, "marble": MARBLE, "cloudy": CLOUDY}
+    for i, (name, disney) in enumerate(kinds.items()):
+        draft.add(name, ball(0.4, 1), disney, (0.72 * i - 1.08, 0.4, 0), **({"normal": tilts} if name == "marble" else {}))
+    draft.json["lights"] = [{**SKY, "intensity": 0.05}, {**KEY, "width": 0.3, "height": 0.3, "intensity": 300, "position": [-0.5, 4, -0.8]}]
+
+
+def thick(draft):
+    """Bodies of some hundred mean free paths, one of them lit from behind alone."""
+    draft.add("marble", ball(0.45, 4), MARBLE, (-0.6, 0.5, 0))
+    draft.add("jade", ball(0.4, 4), {"baseColor": [0.3, 0.6, 0.4], "scatterDistance": [0.01, 0.02, 0.01]}, (0.6, 0.45, 0))
+    draft.json["lights"] = [{**SKY, "intensity": 0.1}, {**KEY, "lightLink": ["marble", "floor"]},
+                            {**KEY, "name": "back", "position": [1.0, 1.5, -3], "intensity": 20}]
+
+
+def rough_glass(draft):
+    """Rough glass that absorbs, that disperses, of thin walls; a solid that only diffuse light passes."""
+    draft.add("green", ball(0.3), {**GLASS, "roughness": 0.4, "attenuationColor": [0.2, 0.7, 0.3], "attenuationDistance": 0.2}, (-1.0, 0.35, 0))
+    draft.add("flint", ball(0.3), {**GLASS, "roughness": 0.25, "ior": 1.6, "dispersion": 1.0}, (-0.3, 0.35, 0.2))
+    draft.add("sheet", box(0.5, 0.7, 0.02, 0.005), {**GLASS, "roughness": 0.3, "thin": True}, (0.4, 0.02, 0.3))
+    draft.add("frosted", ball(0.3), {"baseColor": [0.9, 0.6, 0.6], "diffTrans": 1.0, "diffTransColor": [0.5, 0.7, 0.9]}, (1.0, 0.35, 0))
+    draft.add("lamp", ball(0.08), {"baseColor": [0, 0, 0], "emission": [30, 28, 25]}, (0.4, 0.5, -0.8))
+
+
+def coats(draft):
+    """Layers over a normal map, above lobes and above a body, so that light leaves the body through them."""
+    tilts = draft.doc.add_texture("tilts", png(8, 8, lambda x, y: (0.5 + 0.2 * math.sin(x), 0.5 + 0.2 * math.cos(y), 1.0)))
+    coat = {"coat": 1.0, "coatRoughness": 0.1}
+    kinds = {"paint": {"baseColor": [0.2, 0.4, 0.7], "roughness": 0.6, **coat}, "candy": {**WAX, **coat},
+             "plush": {**WAX, "sheen": 1.0, "sheenRoughness": 0.5}, "film": {**CLOUDY, "coat": 1.0}}
+    for i, (name, lobes) in enumerate(kinds.items()):
+        draft.add(name, ball(0.3), lobes, (0.7 * i - 1.05, 0.35, 0), normal=tilts)
+
+
+def mirror(draft):
+    """A wall that shows wax, plaster and glass, for the features that a denoiser takes from what mirrors show."""
+    draft.add("wall", block(2.6, 1.4, 0.1), {"baseColor": [0.95, 0.95, 0.95], "metallic": 1.0, "roughness": 0.0}, (0, 0, -0.9))
+    for name, disney, x in (("wax", WAX, -0.8), ("plaster", {"baseColor": [0.2, 0.5, 0.3]}, 0.1), ("glass", GLASS, 0.8)):
+        draft.add(name, ball(0.3), disney, (x, 0.35, 0.3))
+    draft.json["meshes"] = [{"match": "wall", "scheme": "none"}]
+
+
 SCENES = {f.__name__: f for f in (nested, dispersion, links, holdout, motion, instances, union, inside_body, inside_glass, opacity,
-                                  nine_lights, bare, layers, lens, parallel)}
+                                  nine_lights, bare, layers, lens, parallel, cloudy, inside_cloudy, touching, past_hidden, many_lights,
+                                  grazing, thick, rough_glass, coats, mirror)}
 
 
 def write_scenes(folder):

@@ -1,12 +1,13 @@
 #!/usr/bin/env python3
 """Renders with the program of BASE (base_program.py) and with the present one, and compares all that they write, exactly.
 
-  pictures_of_base.py PROGRAM [--base PROGRAM] [--only GLOB] [--oidn LIBRARY] [--list]
+  pictures_of_base.py PROGRAM [--base PROGRAM [--random GLOB ...]] [--only GLOB] [--oidn LIBRARY] [--list]
 
 Compared are the pixels of every layer of EXR, PNG, TIFF and JPEG files, attributes, statistics and the numbers that are printed,
 but no dates, times and memory. Exits with 1 if anything differs, and with 77 if the program of BASE is not built. The files of
 the program of BASE are kept beside it, and made once. Runs for which BASE announces other random numbers are compared by t-tests of means over the frame
-and its quarters, each of SEEDS pictures; runs that it announces to be different are not compared.
+and its quarters, each of SEEDS pictures; runs that it announces to be different are not compared. What BASE announces does not count for the program of --base: there
+--random names the runs whose means are compared.
 """
 import argparse
 import fnmatch
@@ -130,8 +131,11 @@ def compare(run, base, program, scene_file, scratch):
 class OtherProgram:
     """A program in the place of that of BASE, whose files are kept for this process alone."""
 
-    def __init__(self, base, program, folder):
-        self.word, self.program, self.folder = base.word, pathlib.Path(program).resolve(), folder
+    def __init__(self, program, random, folder):
+        self.announced, self.program, self.folder = random, pathlib.Path(program).resolve(), folder
+
+    def word(self, run):
+        return "random" if any(fnmatch.fnmatch(run, glob) for glob in self.announced) else None
 
 
 def compare_all(base, arguments, scratch):
@@ -163,14 +167,17 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("program")
     parser.add_argument("--base", help="another program in the place of that of BASE")
+    parser.add_argument("--random", action="append", default=[], metavar="GLOB", help="with --base: runs of other random numbers")
     parser.add_argument("--only", default="*", metavar="GLOB", help="of SCENE/MODE")
     parser.add_argument("--oidn", help="a library in the place of Open Image Denoise")
     parser.add_argument("--list", action="store_true", help="prints the runs only")
     arguments = parser.parse_args()
+    if arguments.random and not arguments.base:
+        parser.error("--random is for --base; for the program of BASE, add lines to BASE")
     base = read_base((HERE / "BASE").read_text())
     with tempfile.TemporaryDirectory() as name:
         if arguments.base:
-            base = OtherProgram(base, arguments.base, pathlib.Path(name))
+            base = OtherProgram(arguments.base, arguments.random, pathlib.Path(name))
         elif not base.program.exists():
             print(f"NOT RUN: the program of BASE ({base.commit[:12]}) is not built. Build it once: {HERE / 'base_program.py'} --build")
             return SKIPPED

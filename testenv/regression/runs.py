@@ -66,12 +66,18 @@ def runs(files, aovs, oidn):
     for scene in ("links", "bare", "lights"):
         yield render(scene, "formats", "-o", "a.png", "-o", "a.tif", "-o", "a.jpg", "--stats", "stats.json")
     for mode, setting in MODES.items():
-        yield render("union", mode, "--set", setting, *with_layers(["error", "diffuse", "subsurface", "subsurfaceSingle"]))
+        for scene in ("union", "thick"):
+            yield render(scene, mode, "--set", setting, *with_layers(["error", "diffuse", "subsurface", "subsurfaceSingle"]))
+    for scene in ("cloudy", "touching", "past_hidden", "grazing"):
+        for mode in ("reference", "diffusion", "one bounce"):
+            yield render(scene, mode, "--set", MODES[mode], *with_layers(["diffuse", "subsurface", "specular"]))
+        yield render(scene, "depth 2", "--set", LAYERED["depth 2"])
     for mode, setting in LAYERED.items():
         yield render("layers", mode, "--set", setting)
     yield from of_frames(files, render, every)
     yield from of_samples(files, render, oidn)
-    yield Run("nested", "pixel", (("render", str(files["nested"]), *SMALL, "--spp", "4", "--pixel", "9,12,1"),))
+    for scene, pixel in (("nested", "9,12,1"), ("touching", "5,14,2"), ("thick", "9,11,1"), ("cloudy", "14,12,3")):
+        yield Run(scene, "pixel", (("render", str(files[scene]), *SMALL, "--spp", "4", "--pixel", pixel),))
 
 
 def of_frames(files, render, every):
@@ -88,11 +94,13 @@ def of_frames(files, render, every):
 def of_samples(files, render, oidn):
     error = ("--aov", "error", "--aov", "sampleCount", "--stats", "stats.json")
     yield render("links", "adaptive", "--set", "adaptive=true", *error, samples=("--spp", "40"))
+    yield render("touching", "adaptive", "--set", "adaptive=true", *error, samples=("--spp", "40"))
+    yield render("thick", "adaptive to an error", "--set", "adaptive=true", "--target-error", "0.3", *error, samples=("--spp", "128"))
     yield render("union", "target error", "--target-error", "0.25", *error, samples=("--spp", "128"))
     yield render("links", "adaptive to an error", "--set", "adaptive=true", "--target-error", "0.1", *error, samples=("--spp", "128"))
     yield render("layers", "draft", "--quality", "draft")
-    if oidn:
-        yield render("links", "denoised", "--denoise", "-o", "a.png", environment={"ALABASTER_OIDN": str(oidn)})
+    for scene in ("links", "mirror") if oidn else ():
+        yield render(scene, "denoised", "--denoise", "-o", "a.png", environment={"ALABASTER_OIDN": str(oidn)})
 
     def resumed(scene, mode, first, then, *flags):
         begin = render(scene, mode, *flags, *first, "--checkpoint", "a.checkpoint", *error, output="begun.exr").steps[0]
