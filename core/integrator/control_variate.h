@@ -12,9 +12,8 @@
 namespace alabaster {
 
 struct ControlVariate {
-  bool active = false;  // false: walks have no twins
-  Rgb albedo{0.0f};     // of the half-space
-  Rgb light{0.0f};      // that the exit lobe sends on at the vertex, of throughput one
+  Rgb albedo{0.0f};  // of the half-space
+  Rgb light{0.0f};   // that the exit lobe sends on at the vertex, of throughput one
   /// The numbers that sampled it: exits are lit with the same, so that their light differs little.
   std::array<float, 4> light_numbers{};
   /// Those of a constant dome's direction, where it gives most light: paths go on that way, and meet it if it was met.

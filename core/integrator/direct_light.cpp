@@ -42,7 +42,7 @@ void sample_lights(const PathContext& context, const Vertex& v, const VertexBsdf
   path->lights = &lights;
   path->light_context = bsdf.light_context();
   const std::array<float, 4>& u = v.u.light;
-  if (control->active) control->dome_sample = lights.leading_dome_numbers(v.origins[Vertex::kFacet].p, u);
+  if (control) control->dome_sample = lights.leading_dome_numbers(v.origins[Vertex::kFacet].p, u);
 
   Rgb direct(0.0f);
   for (const auto origin : {Vertex::kFacet, Vertex::kSmooth, Vertex::kFarSide}) {
@@ -86,7 +86,7 @@ void sample_lights(const PathContext& context, const Vertex& v, const VertexBsdf
   path->radiance += path->throughput * direct;
 
   // Add the expectation of the control variate.
-  if (!control->active) return;
+  if (!control) return;
   const Rgb expectation = path->throughput * bsdf.subsurface_entry() * control->albedo * control->light;
   path->add_of_walks(expectation);
   if (record) record->add_flat_light(expectation);

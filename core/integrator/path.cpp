@@ -18,7 +18,7 @@ Path Path::branch(uint32_t index, LightLayers* its_layers) const {
   Path branch = *this;
   branch.radiance = Rgb(0.0f);
   if (index > 0) branch.features = nullptr;  // one branch finds them
-  if (layers) branch.layers = its_layers;
+  branch.layers = its_layers;
   return branch;
 }
 
@@ -37,7 +37,7 @@ void Path::join(const Path& branch, uint32_t count) {
 
 void Path::leave(const PathContext& context, const Vertex& v, const VertexBsdf& bsdf, const ScatterSample& sample) {
   if (seeks_layer()) layer = {Layer::Kind::local, sample.specular};
-  if (!is_mirror(v, sample.lobe)) features = nullptr;
+  if (features && !is_mirror(v, sample.lobe)) features = nullptr;
   Vec3f origin;
   if (sample.side == Side::far) {
     throughput *= bsdf.factor_beyond();
@@ -61,7 +61,7 @@ void Path::pass(const Vec3f& origin, const Vec3f& direction) {
   pdf = std::numeric_limits<float>::infinity();
 }
 
-void Path::enter(const PathContext& context, Vertex* v, const ControlVariate& control, float roulette) {
+void Path::enter(const PathContext& context, Vertex* v, const std::optional<ControlVariate>& control, float roulette) {
   features = nullptr;
   branches = 1;
   v->find_medium(context.settings);

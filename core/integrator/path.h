@@ -56,9 +56,9 @@ struct Layer {
 
 /// A walk through a body, which the path's next segment may be in place of a ray.
 struct Walk {
-  Vertex* entry = nullptr;  // null: the segment is a ray
-  ControlVariate control;   // by value: it outlives the vertex of a branch's parent
-  float roulette = 0;       // the entry's number
+  Vertex* entry = nullptr;                // null: the segment is a ray
+  std::optional<ControlVariate> control;  // empty: it has no twin
+  float roulette = 0;                     // the entry's number
 };
 
 struct Path {
@@ -99,7 +99,7 @@ struct Path {
   /// The path has come this far along its ray.
   void travel(const PathContext& context, float distance);
 
-  /// Branch `index`, whose light by layer goes to `its_layers`.
+  /// Branch `index`, whose light by layer goes to `its_layers`, unless null.
   Path branch(uint32_t index, LightLayers* its_layers) const;
   /// Adds what a branch brought.
   void join(const Path& branch, uint32_t count);
@@ -109,7 +109,7 @@ struct Path {
   /// Goes straight on from `origin`, where no vertex counts.
   void pass(const Vec3f& origin, const Vec3f& direction);
   /// Goes below the surface. The vertex at the walk's exit is the next one.
-  void enter(const PathContext& context, Vertex* v, const ControlVariate& control, float roulette);
+  void enter(const PathContext& context, Vertex* v, const std::optional<ControlVariate>& control, float roulette);
 };
 
 inline bool keeps_footprints(const PathContext& context) {

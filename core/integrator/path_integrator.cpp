@@ -106,37 +106,41 @@ bool find_next_vertex(const PathContext& context, const PixelSampler& sampler, P
   }
 
   // Add the surface's emission.
-  const Rgb emission = surface_emission(*v, *path);
-  path->add(emission);
-  if (record) record->meet_light(emission);
+  if (!is_black(v->material.emission)) {
+    const Rgb emission = surface_emission(*v, *path);
+    path->add(emission);
+    if (record) record->meet_light(emission);
+  }
   if (path->depth >= context.settings.max_depth) return end(context, "maxDepth");
   return true;
 }
 
 // Sets the path's next segment: a ray, or a walk below the surface. False: the path ends.
 bool scatter(const PathContext& context, Vertex* v, const VertexBsdf& bsdf, const VertexSamples& u,
-             const ControlVariate& control, Path* path) {
-  const std::optional<ScatterSample> sample = bsdf.sample(u.bsdf);
-  if (!sample) return end(context, "no direction was sampled");
-  path->throughput *= sample->weight;
-  if (sample->lobe == Lobe::subsurface) {
+             const std::optional<ControlVariate>& control, Path* path) {
+  ScatterSample sample;
+  if (!bsdf.sample(u.bsdf, &sample)) return end(context, "no direction was sampled");
+  path->throughput *= sample.weight;
+  if (sample.lobe == Lobe::subsurface) {
     path->enter(context, v, control, u.roulette);  // no bounce yet: the exit is the next vertex
     return true;
   }
-  path->leave(context, *v, bsdf, *sample);
+  path->leave(context, *v, bsdf, sample);
   return survives_roulette(context, u.roulette, path);
 }
 
-// Calls itself for the branches of the first vertex, and no deeper.
-void follow_path(const PathContext& context, const PixelSampler& sampler, Path* path, FilmSample* first_hit) {
-  Vertex v;
+// Calls itself for the branches of the first vertex, and no deeper. `vertices`: room for the path's vertex and for that
+// of a branch.
+void follow_path(const PathContext& context, const PixelSampler& sampler, Path* path, FilmSample* first_hit,
+                 Vertex* vertices) {
+  Vertex& v = vertices[0];
   while (find_next_vertex(context, sampler, path, first_hit, &v)) {
     // Next-event estimation. The branches of the first vertex share its light samples.
     VertexBsdf bsdf(context, v, *path);
     path->branches = path->depth == 0 ? bsdf.branches() : 1;
-    ControlVariate control = bsdf.control_variate(v.u.light);
-    if (control.active) bsdf.seek_exit_lobe();
-    sample_lights(context, v, bsdf, &control, path);
+    std::optional<ControlVariate> control = bsdf.control_variate(v.u.light);
+    if (control) bsdf.seek_exit_lobe();
+    sample_lights(context, v, bsdf, control ? &*control : nullptr, path);
 
     // BSDF sampling.
     if (path->branches == 1) {
@@ -149,9 +153,9 @@ void follow_path(const PathContext& context, const PixelSampler& sampler, Path* 
       const PixelSampler own = sampler.of_branch(i, branches);
       VertexSamples u{{}, own.draw(Dimension::bsdf, path->depth)};
       u.roulette = u.bsdf[3];
-      LightLayers layers;
-      Path branch = path->branch(i, &layers);
-      if (scatter(context, &v, bsdf, u, control, &branch)) follow_path(context, own, &branch, nullptr);
+      std::optional<LightLayers> layers;
+      Path branch = path->branch(i, path->layers ? &layers.emplace() : nullptr);
+      if (scatter(context, &v, bsdf, u, control, &branch)) follow_path(context, own, &branch, nullptr, vertices + 1);
       path->join(branch, branches);
     }
     return;
@@ -172,7 +176,8 @@ FilmSample trace_path(const PathContext& context, const Ray& camera_ray, const P
   if (context.camera_interiors) [[unlikely]]
     path.media = context.camera_interiors->of(context, camera_ray);
   if (keeps_footprints(context)) path.footprint.cone = context.camera.pixel_cone(camera_ray.dir);
-  follow_path(context, sampler, &path, &out);
+  std::array<Vertex, 2> vertices;
+  follow_path(context, sampler, &path, &out, vertices.data());
 
   // A backdrop that the camera sees is part of the picture.
   out.color = path.radiance;

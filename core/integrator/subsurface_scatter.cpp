@@ -105,7 +105,7 @@ std::optional<ExitLayers> layers_at(const Vertex& at, const SubsurfaceExit& exit
 Exit find_exit(const PathContext& context, const PixelSampler& sampler, Path* path, Vertex* v) {
   PathRecord* const record = context.record;
   Vertex& entry = *path->walk.entry;  // it may be *v, which is written last
-  const ControlVariate& control = path->walk.control;
+  const std::optional<ControlVariate>& control = path->walk.control;
   const bool is_within = entry.kind == Vertex::Kind::within;
   const SubsurfaceBody& body = *entry.instance->body;
   path->walk.entry = nullptr;
@@ -114,16 +114,16 @@ Exit find_exit(const PathContext& context, const PixelSampler& sampler, Path* pa
   SubsurfaceEntry start{entry.triangle, entry.instance->member, entry.hit,
                         entry.frame.n,  path->throughput,       entry.medium};
   if (is_within) start.within = path->ray;
-  const bool has_twin = control.active && !is_black(control.light);
+  const bool has_twin = control && !is_black(control->light);
   if (has_twin) DCHECK(entry.medium->medium.albedo == entry.material.base_color);
-  Rgb twin = path->throughput * control.albedo;
+  Rgb twin = has_twin ? path->throughput * control->albedo : Rgb(0.0f);
   SubsurfaceNumbers numbers(sampler, Dimension::subsurface, path->depth);
   const RandomWalk walk{context.settings.walk, record ? record->walk() : nullptr, has_twin ? &twin : nullptr};
   auto exit = context.mode() == SubsurfaceMode::diffusion
                   ? NormalizedDiffusion{}.carry(body, start, numbers, context.counters)
                   : walk.carry(body, start, numbers, context.counters);
   if (has_twin) {
-    const Rgb taken = twin * control.light * -1.0f;
+    const Rgb taken = twin * control->light * -1.0f;
     path->add_of_walks(taken);
     if (record) record->twin_leaves(taken);
   }
@@ -136,7 +136,8 @@ Exit find_exit(const PathContext& context, const PixelSampler& sampler, Path* pa
 
   // Find the media beyond the exit.
   const Rgb index = path->media.indices();
-  if (!path->media.empty() || !body.touched.empty()) [[unlikely]]
+  const bool may_cross = !path->media.empty() || !body.touched.empty();
+  if (may_cross) [[unlikely]]
     cross_to_media(context, sampler, entry, path, &*exit);
   if (body.is_union() && !path->air.empty()) [[unlikely]]  // the walk left the union's medium
     path->air.leave(body.members.front().instance);
@@ -167,7 +168,7 @@ Exit find_exit(const PathContext& context, const PixelSampler& sampler, Path* pa
       return met == Meeting::visible ? Exit::vertex : Exit::passes;
     }
   }
-  path->throughput *= index_factor(index, path->media.indices());
+  if (may_cross) path->throughput *= index_factor(index, path->media.indices());
 
   // Leave by the exit lobe: the lobes at the entry compensate for its albedo. Without an entry it is normalised
   // instead.
@@ -180,10 +181,10 @@ Exit find_exit(const PathContext& context, const PixelSampler& sampler, Path* pa
   v->triangle = exit->hit;
   // Draw the random numbers while the triangle comes from memory.
   const Mesh& mesh = instance.prototype->mesh;
-  v->u.light = control.active ? control.light_numbers : sampler.draw(Dimension::exit_light, path->depth);
+  v->u.light = control ? control->light_numbers : sampler.draw(Dimension::exit_light, path->depth);
   prefetch_corners(mesh, exit->hit.triangle, Attributes::normals);
-  if (control.active && control.dome_sample)
-    v->u.bsdf = {control.dome_sample->x, control.dome_sample->y};
+  if (control && control->dome_sample)
+    v->u.bsdf = {control->dome_sample->x, control->dome_sample->y};
   else
     v->u.bsdf = sampler.draw(Dimension::exit_bsdf, path->depth);
   v->u.roulette = path->walk.roulette;

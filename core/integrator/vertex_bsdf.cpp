@@ -86,104 +86,80 @@ ScatterValue VertexBsdf::evaluate_exit(const Vec3f& wi) const {
   return value;
 }
 
-ScatterValue VertexBsdf::evaluate(const Vec3f& wi, Vertex::Origin origin) const {
-  if (origin != Vertex::kFarSide && v_.is_above_facet(wi) != (origin == Vertex::kFacet)) return {};
-  switch (v_.kind) {
-    case Vertex::Kind::surface:
-      return evaluate(std::get<DisneyBsdf>(bsdf_), wi);
-    case Vertex::Kind::interface:
-      return evaluate(std::get<Interface>(bsdf_), wi, origin == Vertex::kFarSide ? Side::far : Side::near);
-    case Vertex::Kind::exit:
-      return evaluate_exit(wi);
-    case Vertex::Kind::within:
-      break;
-  }
-  return {};
-}
-
 void VertexBsdf::record_lobe(Lobe lobe, const Rgb& f, float pdf) const {
   if (context_.record) context_.record->sample_lobe(lobe_name(lobe), f, pdf);
 }
 
-std::optional<ScatterSample> VertexBsdf::sample(const DisneyBsdf& bsdf, const std::array<float, 4>& u) const {
+bool VertexBsdf::sample(const DisneyBsdf& bsdf, const std::array<float, 4>& u, ScatterSample* out) const {
   Rgb specular;
   const auto sample = bsdf.sample(u[0], {u[1], u[2]}, seeks_specular_ ? &specular : nullptr);
-  if (!sample) return std::nullopt;
+  if (!sample) return false;
   DCHECK_GE(sample->pdf, 0.0f);
   record_lobe(sample->lobe, sample->f, sample->pdf);
-  ScatterSample scattered{sample->lobe};
+  out->lobe = sample->lobe;
   if (sample->lobe == Lobe::subsurface) {
-    scattered.weight = sample->f * (1 / sample->pdf);
-    return scattered;
+    out->weight = sample->f * (1 / sample->pdf);
+    return true;
   }
-  scattered.wi = v_.frame.to_world(sample->wi);
-  if (!v_.is_above_surface(scattered.wi)) return std::nullopt;
-  scattered.weight = sample->f * (std::abs(sample->wi.z) / sample->pdf);
-  scattered.pdf = sample->pdf;
-  if (seeks_specular_) scattered.specular = share_of(specular, sample->f);
-  return scattered;
+  out->wi = v_.frame.to_world(sample->wi);
+  out->side = Side::near;
+  out->weight = sample->f * (std::abs(sample->wi.z) / sample->pdf);
+  out->pdf = sample->pdf;
+  if (seeks_specular_) out->specular = share_of(specular, sample->f);
+  return v_.is_above_surface(out->wi);
 }
 
-std::optional<ScatterSample> VertexBsdf::sample(const Interface& at, const std::array<float, 4>& u) const {
+bool VertexBsdf::sample(const Interface& at, const std::array<float, 4>& u, ScatterSample* out) const {
   Rgb specular;
   const auto sample = at.bsdf.sample(u[0], {u[1], u[2]}, seeks_specular_ ? &specular : nullptr);
-  if (!sample) return std::nullopt;
+  if (!sample) return false;
   record_lobe(sample->lobe, sample->f, sample->pdf);
-  ScatterSample scattered{sample->lobe};
-  scattered.pdf = std::numeric_limits<float>::infinity();
-  if (sample->lobe == Lobe::subsurface) {
-    scattered.weight = sample->f * (1 / sample->pdf);
-    return scattered;
-  }
+  out->lobe = sample->lobe;
+  const bool is_discrete = sample->lobe == Lobe::subsurface || sample->lobe == Lobe::straight;
+  out->weight = sample->f * ((is_discrete ? 1 : std::abs(sample->wi.z)) / sample->pdf);
+  out->pdf = is_discrete ? std::numeric_limits<float>::infinity() : sample->pdf;
+  if (sample->lobe == Lobe::subsurface) return true;
   const Vec3f wi = v_.frame.to_world(sample->wi);
-  scattered.side = side_of(at.bsdf, sample->wi, wi);
-  if (scattered.side == Side::neither) return std::nullopt;
-  if (sample->lobe == Lobe::straight) {
-    scattered.wi = incoming_;
-    scattered.weight = sample->f * (1 / sample->pdf);
-    scattered.specular = Rgb(1.0f);
-    return scattered;
-  }
-  scattered.wi = wi;
-  scattered.weight = sample->f * (std::abs(sample->wi.z) / sample->pdf);
-  scattered.pdf = sample->pdf;
-  if (seeks_specular_) scattered.specular = share_of(specular, sample->f);
-  return scattered;
+  out->side = side_of(at.bsdf, sample->wi, wi);
+  out->wi = sample->lobe == Lobe::straight ? incoming_ : wi;
+  if (seeks_specular_) out->specular = sample->lobe == Lobe::straight ? Rgb(1.0f) : share_of(specular, sample->f);
+  return out->side != Side::neither;
 }
 
-std::optional<ScatterSample> VertexBsdf::sample_exit(const std::array<float, 4>& u) const {
-  ScatterSample scattered{Lobe::diffuse};
-  scattered.wi = v_.frame.to_world(sample_cosine_hemisphere({u[0], u[1]}));
-  const ScatterValue value = evaluate_exit(scattered.wi);
-  if (!(value.pdf > 0)) return std::nullopt;
-  scattered.weight = value.f_cos * (1 / value.pdf);
-  scattered.pdf = value.pdf;
-  return scattered;
+bool VertexBsdf::sample_exit(const std::array<float, 4>& u, ScatterSample* out) const {
+  out->lobe = Lobe::diffuse;
+  out->wi = v_.frame.to_world(sample_cosine_hemisphere({u[0], u[1]}));
+  out->side = Side::near;
+  const ScatterValue value = evaluate_exit(out->wi);
+  out->weight = value.f_cos * (1 / value.pdf);
+  out->pdf = value.pdf;
+  return value.pdf > 0;
 }
 
-std::optional<ScatterSample> VertexBsdf::sample(const std::array<float, 4>& u) const {
+bool VertexBsdf::sample(const std::array<float, 4>& u, ScatterSample* out) const {
   switch (v_.kind) {
     case Vertex::Kind::surface:
-      return sample(std::get<DisneyBsdf>(bsdf_), u);
+      return sample(std::get<DisneyBsdf>(bsdf_), u, out);
     case Vertex::Kind::interface:
-      return sample(std::get<Interface>(bsdf_), u);
+      return sample(std::get<Interface>(bsdf_), u, out);
     case Vertex::Kind::exit:
-      return sample_exit(u);
+      return sample_exit(u, out);
     case Vertex::Kind::within:
       break;
   }
-  return ScatterSample{Lobe::subsurface};
+  out->lobe = Lobe::subsurface;
+  out->weight = Rgb(1.0f);
+  return true;
 }
 
-ControlVariate VertexBsdf::control_variate(const std::array<float, 4>& u) const {
+std::optional<ControlVariate> VertexBsdf::control_variate(const std::array<float, 4>& u) const {
   constexpr float kOverflows = 1e30f;  // beyond, a drawn distance may be infinite
   const DisneyParameters& p = v_.material;
   if (v_.kind != Vertex::Kind::surface || !p.scatters() || context_.mode() != SubsurfaceMode::walk ||
       !context_.settings.walk.twins || p.scatter_anisotropy != 0 || !(max_component(p.scatter_distance) < kOverflows) ||
       is_black(subsurface_entry()))
-    return {};
+    return std::nullopt;
   ControlVariate control;
-  control.active = true;
   control.albedo = obtained_albedo(p.base_color, context_.settings.inversion);
   control.light_numbers = u;
   return control;

@@ -26,12 +26,12 @@ struct ScatterValue {
 enum class Side { near, far, neither };
 
 struct ScatterSample {
-  Lobe lobe = Lobe::diffuse;  // subsurface: the path goes below, and there is no direction
-  Vec3f wi{0, 0, 0};
-  Side side = Side::near;
-  Rgb weight{1.0f};  // f cos / pdf
-  float pdf = 0;     // infinite: a discrete choice
-  Rgb specular{0.0f};
+  Lobe lobe;   // subsurface: the path goes below, and there is no direction
+  Rgb weight;  // f cos / pdf
+  Vec3f wi;
+  Side side;
+  float pdf;     // infinite: a discrete choice
+  Rgb specular;  // the specular lobes' share of f, where it is asked for
 };
 
 class VertexBsdf {
@@ -49,12 +49,19 @@ class VertexBsdf {
   bool leaves_from(Vertex::Origin origin) const;
 
   /// For a direction that leaves from `origin`.
-  ScatterValue evaluate(const Vec3f& wi, Vertex::Origin origin) const;
-  /// Empty: no direction was sampled.
-  std::optional<ScatterSample> sample(const std::array<float, 4>& u) const;
+  ScatterValue evaluate(const Vec3f& wi, Vertex::Origin origin) const {
+    if (origin != Vertex::kFarSide && v_.is_above_facet(wi) != (origin == Vertex::kFacet)) return {};
+    if (const auto* const surface = std::get_if<DisneyBsdf>(&bsdf_)) [[likely]]
+      return evaluate(*surface, wi);
+    if (const auto* const at = std::get_if<Interface>(&bsdf_))
+      return evaluate(*at, wi, origin == Vertex::kFarSide ? Side::far : Side::near);
+    return evaluate_exit(wi);
+  }
+  /// False: no direction was sampled.
+  bool sample(const std::array<float, 4>& u, ScatterSample* out) const;
 
-  /// For walks that enter here; inactive where they have no twins. `u`: samples the lights.
-  ControlVariate control_variate(const std::array<float, 4>& u) const;
+  /// For walks that enter here. Empty: they have no twins. `u`: samples the lights.
+  std::optional<ControlVariate> control_variate(const std::array<float, 4>& u) const;
   /// ScatterValue has the exit lobe from now on.
   void seek_exit_lobe() { seeks_exit_lobe_ = true; }
   /// The entry weight of walks.
@@ -77,9 +84,9 @@ class VertexBsdf {
   ScatterValue evaluate(const DisneyBsdf& bsdf, const Vec3f& wi) const;
   ScatterValue evaluate(const Interface& at, const Vec3f& wi, Side side) const;
   ScatterValue evaluate_exit(const Vec3f& wi) const;
-  std::optional<ScatterSample> sample(const DisneyBsdf& bsdf, const std::array<float, 4>& u) const;
-  std::optional<ScatterSample> sample(const Interface& at, const std::array<float, 4>& u) const;
-  std::optional<ScatterSample> sample_exit(const std::array<float, 4>& u) const;
+  bool sample(const DisneyBsdf& bsdf, const std::array<float, 4>& u, ScatterSample* out) const;
+  bool sample(const Interface& at, const std::array<float, 4>& u, ScatterSample* out) const;
+  bool sample_exit(const std::array<float, 4>& u, ScatterSample* out) const;
   void record_lobe(Lobe lobe, const Rgb& f, float pdf) const;
 
   const PathContext& context_;

@@ -42,6 +42,7 @@ std::optional<LightSample> LightSet::sample_light(size_t i, const Vec3f& p, cons
   auto s = std::visit([&](const auto& light) { return light.sample(p, u, n); }, lights_[i]);
   if (!shadow_links_.empty() && s) [[unlikely]]
     s->shadow_link = shadow_links_[i];
+  if (!constant_domes_.empty() && s) s->of_constant_dome = is_constant_dome(lights_[i]);
   return s;
 }
 

@@ -56,12 +56,12 @@ class LightSet {
   /// samples all leaves out lights below the horizon. u: the choice, then the direction.
   std::optional<LightSample> draw(size_t k, const Vec3f& p, const Horizon& horizon, const std::array<float, 4>& u,
                                   const LightSampleContext& at) const {
-    if (!sample_all_ && k == 0) return sample(p, u[0], {u[1], u[2]}, at.n);
-    if (sample_all_ && (is_left_out(at.domes, k) || is_below(k, p, horizon))) return std::nullopt;
-    const size_t i = sample_all_ ? k : constant_domes_[k - 1];
-    auto s = sample_light(i, p, sample_all_ ? shifted({u[1], u[2]}, i) : dome_numbers(k - 1, u), at.n);
-    if (s) s->of_constant_dome = is_constant_dome(lights_[i]);
-    return s;
+    if (sample_all_) {
+      if (is_left_out(at.domes, k) || is_below(k, p, horizon)) return std::nullopt;
+      return sample_light(k, p, shifted({u[1], u[2]}, k), at.n);
+    }
+    return k == 0 ? sample(p, u[0], {u[1], u[2]}, at.n)
+                  : sample_light(constant_domes_[k - 1], p, dome_numbers(k - 1, u), at.n);
   }
 
   /// One direction of one chosen light, never of a constant dome. The pdf includes the choice of light, for a delta

@@ -155,14 +155,13 @@ bool any_use(const std::vector<MaterialTexture>& textures, Member member) {
 
 }  // namespace
 
-DisneyParameters DisneyMaterial::evaluate(const HitPrimvars& at) const {
-  DisneyParameters p = constants;
-  if (textures.empty()) return p;
-  for (const MaterialTexture& texture : textures) multiply(texture, at, &p);
+void DisneyMaterial::evaluate(const HitPrimvars& at, DisneyParameters* p) const {
+  *p = constants;
+  if (textures.empty()) return;
+  for (const MaterialTexture& texture : textures) multiply(texture, at, p);
   // After all of them: the product counts, not its steps.
   for (const MaterialTexture& texture : textures)
-    for (const MaterialTexture::Use& use : texture.uses) clamp_member(*use.parameter, &p);
-  return p;
+    for (const MaterialTexture::Use& use : texture.uses) clamp_member(*use.parameter, p);
 }
 
 void convert_color(const MaterialParameter& row, const RgbMatrix& matrix, DisneyParameters* p) {

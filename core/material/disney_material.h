@@ -52,7 +52,11 @@ struct DisneyMaterial {
 
   /// Reads each texture once. Products are clamped to the parameter's range; where one is not finite it becomes the
   /// parameter's default.
-  DisneyParameters evaluate(const HitPrimvars& at) const;
+  void evaluate(const HitPrimvars& at, DisneyParameters* p) const;
+  DisneyParameters evaluate(const HitPrimvars& at) const {
+    DisneyParameters p;
+    return evaluate(at, &p), p;
+  }
   /// True if a texture multiplies the parameter.
   bool varies(Rgb DisneyParameters::*parameter) const;
   bool varies(float DisneyParameters::*parameter) const;

@@ -123,7 +123,7 @@ TEST(SampleReport, AFailedCheckNamesItsSample) {
   EXPECT_EQ(progress.state, SessionState::failed);
   ASSERT_TRUE(progress.failed_sample);
   const SampleAddress at = *progress.failed_sample;
-  EXPECT_NE(progress.error.find("check failed: v.instance->body"), std::string::npos) << progress.error;
+  EXPECT_NE(progress.error.find("check failed: instance->body"), std::string::npos) << progress.error;
   EXPECT_NE(progress.error.find("of pixel " + std::to_string(at.x) + "," + std::to_string(at.y)), std::string::npos);
   const std::string text = report_sample(request, at.x, at.y, at.sample);
   EXPECT_NE(text.find("vertex 0"), std::string::npos) << text;
