@@ -49,7 +49,7 @@ const TriangleHit* first_of(const PathContext& context, const Ray& ray, const Ve
   const TriangleHit* first = nullptr;
   const Interior own = interior_of(v);
   bool scatters = own.scatters;
-  uint32_t priority = own.priority;
+  uint64_t priority = own.priority;
   Vertex on_other;
   for (const TriangleHit& other : others) {
     evaluate_surface(context, ray, other, 0, &on_other);

@@ -64,8 +64,7 @@ bool is_seen_from_inside(const Vertex& v, const MediumStack& media) {
 
 Interior interior_of(const Vertex& v) {
   const DisneyParameters& p = v.material;
-  const uint32_t own_number = v.triangle.instance & 0xff;  // alike bodies have different ones
-  Interior interior{v.triangle.instance, clear_priority(*v.instance, p.priority) + own_number, p.ior};
+  Interior interior{v.triangle.instance, interior_priority(*v.instance, p.priority, v.triangle.instance), p.ior};
   interior.index_matched = is_index_matched(v);
   interior.scatters = p.scatters() && p.metallic < 1;
   // KHR_materials_dispersion: blue's index less red's is (ior - 1) dispersion / 20.
@@ -115,6 +114,8 @@ Meeting resolve_interface(const PathContext& context, const PixelSampler& sample
   const Interior* within = &own;
   const Interior* other = inside ? media.current_without(instance) : media.current();
   bool is_visible = inside ? media.current()->instance == instance : !other || other->priority <= own.priority;
+  // Within another shell of its mesh it is no wall of the body.
+  if (media.count(instance) > (inside ? 1u : 0u)) is_visible = false;
   if (v->beyond) [[unlikely]] {
     within = inside ? media.current() : v->beyond->current();
     other = inside ? v->beyond->current() : media.current();

@@ -2,9 +2,11 @@
 // dielectrics (Schmidt and Budge 2002, "Simple Nested Dielectrics in Ray Traced Images").
 #pragma once
 
-#include <array>
 #include <cmath>
+#include <cstddef>
 #include <cstdint>
+#include <cstring>
+#include <type_traits>
 
 #include "core/color/rgb.h"
 #include "core/math/elementary.h"
@@ -12,9 +14,41 @@
 
 namespace alabaster {
 
+/// A stack with room for kMost. A copy costs what is on it.
+template <class T, uint32_t kMost>
+class SmallStack {
+ public:
+  static_assert(std::is_trivially_copyable_v<T>);
+  SmallStack() {}
+  SmallStack(const SmallStack& o) : size_(o.size_) { std::memcpy(items_, o.items_, sizeof(T) * size_); }
+  SmallStack& operator=(const SmallStack& o) {
+    size_ = o.size_;
+    std::memmove(items_, o.items_, sizeof(T) * size_);
+    return *this;
+  }
+
+  uint32_t size() const { return size_; }
+  const T& operator[](uint32_t i) const { return reinterpret_cast<const T*>(items_)[i]; }
+  /// False: it is full.
+  bool push(const T& item) {
+    if (size_ == kMost) return false;
+    std::memcpy(items_ + sizeof(T) * size_++, &item, sizeof(T));
+    return true;
+  }
+  /// The others keep their order.
+  void erase(uint32_t i) {
+    --size_;
+    std::memmove(items_ + sizeof(T) * i, items_ + sizeof(T) * (i + 1), sizeof(T) * (size_ - i));
+  }
+
+ private:
+  alignas(T) std::byte items_[sizeof(T) * kMost];
+  uint32_t size_ = 0;
+};
+
 struct Interior {
   uint32_t instance = 0;
-  uint32_t priority = 0;  // no two bodies have the same, but for rare ones
+  uint64_t priority = 0;  // of two that overlap, the body of the higher one is there: interior_priority()
   float ior = 1;
   float spread = 0;            // of ior, between one channel and the next
   Rgb sigma_a{0.0f};           // absorption per world distance
@@ -28,22 +62,28 @@ struct Interior {
 
 class MediumStack {
  public:
-  static constexpr uint32_t kMost = 8;
+  static constexpr uint32_t kMost = 32;
 
-  bool empty() const { return count_ == 0; }
-  bool contains(uint32_t instance) const { return find(instance) < count_; }
+  bool empty() const { return size() == 0; }
+  bool contains(uint32_t instance) const { return find(instance) < size(); }
+  /// How often it has been entered: shells of one mesh may overlap.
+  uint32_t count(uint32_t instance) const {
+    uint32_t count = 0;
+    for (uint32_t i = 0; i < size(); ++i) count += stack_[i].instance == instance;
+    return count;
+  }
   /// True if both hold the same interiors, in any order, and the same one is current.
   bool agrees_with(const MediumStack& other) const {
-    if (count_ != other.count_) return false;
-    for (uint32_t i = 0; i < count_; ++i) {
+    if (size() != other.size()) return false;
+    for (uint32_t i = 0; i < size(); ++i) {
       const uint32_t at = other.find(stack_[i].instance);
-      if (at == count_ || other.stack_[at] != stack_[i]) return false;
+      if (at == size() || other.stack_[at] != stack_[i]) return false;
     }
     return empty() || *current() == *other.current();
   }
 
   /// The interior of the highest priority; null in air. `instance`: as if it had been left.
-  const Interior* current() const { return best(count_); }
+  const Interior* current() const { return best(size()); }
   const Interior* current_without(uint32_t instance) const { return best(find(instance)); }
 
   /// Index of refraction of the current one; for all channels that of green.
@@ -66,45 +106,37 @@ class MediumStack {
             quick_exp(-at->sigma_a.b * distance)};
   }
 
-  uint32_t size() const { return count_; }
+  uint32_t size() const { return stack_.size(); }
   const Interior& operator[](uint32_t i) const { return stack_[i]; }
 
   /// An interior beyond the most that are kept is not noticed, neither is leaving it. One that is index-matched takes
   /// the index of the current one.
-  void enter(const Interior& interior) {
-    if (count_ == kMost) return;
-    stack_[count_] = interior;
-    if (interior.index_matched) {
-      const Interior* const around = current();
-      stack_[count_].ior = around ? around->ior : 1;
-      stack_[count_].spread = around ? around->spread : 0;
-    }
-    ++count_;
+  void enter(Interior interior) {
+    const Interior* const around = interior.index_matched ? current() : nullptr;
+    if (interior.index_matched) interior.ior = around ? around->ior : 1, interior.spread = around ? around->spread : 0;
+    stack_.push(interior);
   }
   /// Where the ray was not in it, nothing happens.
   void leave(uint32_t instance) {
     const uint32_t at = find(instance);
-    if (at == count_) return;
-    for (uint32_t i = at + 1; i < count_; ++i) stack_[i - 1] = stack_[i];
-    --count_;
+    if (at < size()) stack_.erase(at);
   }
 
  private:
-  /// The last that was entered of this instance; count_: none.
+  /// The last that was entered of this instance; size(): none.
   uint32_t find(uint32_t instance) const {
-    for (uint32_t i = count_; i > 0; --i)
+    for (uint32_t i = size(); i > 0; --i)
       if (stack_[i - 1].instance == instance) return i - 1;
-    return count_;
+    return size();
   }
   const Interior* best(uint32_t left_out) const {
     const Interior* best = nullptr;
-    for (uint32_t i = 0; i < count_; ++i)
+    for (uint32_t i = 0; i < size(); ++i)
       if (i != left_out && (!best || stack_[i].priority >= best->priority)) best = &stack_[i];
     return best;
   }
 
-  std::array<Interior, kMost> stack_;
-  uint32_t count_ = 0;
+  SmallStack<Interior, kMost> stack_;
 };
 
 /// Factor of a path's throughput where it goes from index `from` to index `to` by lobes without an index of their own:
@@ -117,31 +149,28 @@ inline Rgb index_factor(const Rgb& from, const Rgb& to) {
 /// of its shells that the path is in.
 class AirPockets {
  public:
-  static constexpr uint32_t kMost = 8;
+  static constexpr uint32_t kMost = 32;
 
-  bool empty() const { return count_ == 0; }
-  bool contains(uint32_t instance) const { return find(instance) < count_; }
+  bool empty() const { return size() == 0; }
+  bool contains(uint32_t instance) const { return find(instance) < size(); }
   /// Bodies beyond kMost are ignored: the path then counts as within their medium.
-  void enter(uint32_t instance) {
-    if (count_ < kMost) instances_[count_++] = instance;
-  }
+  void enter(uint32_t instance) { stack_.push(instance); }
   /// Does nothing if the path is not in it.
   void leave(uint32_t instance) {
     const uint32_t at = find(instance);
-    if (at < count_) instances_[at] = instances_[--count_];
+    if (at < size()) stack_.erase(at);
   }
-  uint32_t operator[](uint32_t i) const { return instances_[i]; }
-  uint32_t size() const { return count_; }
+  uint32_t operator[](uint32_t i) const { return stack_[i]; }
+  uint32_t size() const { return stack_.size(); }
 
  private:
   uint32_t find(uint32_t instance) const {
     uint32_t i = 0;
-    while (i < count_ && instances_[i] != instance) ++i;
+    while (i < size() && stack_[i] != instance) ++i;
     return i;
   }
 
-  std::array<uint32_t, kMost> instances_{};
-  uint32_t count_ = 0;
+  SmallStack<uint32_t, kMost> stack_;
 };
 
 }  // namespace alabaster

@@ -64,6 +64,17 @@ MediumStack media_beyond(const PathContext& context, const SubsurfaceExit& exit,
   return beyond;
 }
 
+/// A parameter of the material at an exit.
+float value_at(const PathContext& context, const SubsurfaceExit& exit, float DisneyParameters::*parameter) {
+  const Instance& instance = context.scene.instance(exit.hit.instance);
+  const DisneyMaterial& material = instance.material(exit.hit.triangle);
+  if (!material.varies(parameter)) return material.constants.*parameter;
+  std::optional<Placement> moved;
+  const Placement& placement = instance.at(exit.hit, &moved);
+  const SurfaceHit hit = surface_on_side(instance, placement, exit.hit, exit.direction);
+  return material.evaluate({instance.prototype->mesh, exit.hit, hit.uv}).*parameter;
+}
+
 /// Sets path->media to those beyond *exit. Where the index falls from the entry to the exit, the share (low / high)^2
 /// of the walks passes, and the others come out at the entry: *exit becomes it (random_walk.md, "Clear bodies that
 /// touch"). For lobes at both ends.
@@ -72,9 +83,8 @@ void cross_to_media(const PathContext& context, const PixelSampler& sampler, con
   const MediumStack beyond = media_beyond(context, *exit, *entry.instance->body, *path);
   const float share = sqr(beyond.index() / path->media.index());
   const auto u = sampler.draw(Dimension::exit_bsdf, path->depth);  // the last one chooses a clear exit
-  const float clear_share =
-      context.scene.instance(exit->hit.instance).material(exit->hit.triangle).constants.spec_trans;
-  if (share < 1 && entry.kind != Vertex::Kind::within && u[3] >= clear_share && u[2] >= share) {
+  if (share < 1 && entry.kind != Vertex::Kind::within && u[2] >= share &&
+      u[3] >= value_at(context, *exit, &DisneyParameters::spec_trans)) {
     exit->hit = entry.triangle;
     exit->direction = entry.hit.ng;
   } else {
@@ -170,6 +180,12 @@ Exit find_exit(const PathContext& context, const PixelSampler& sampler, Path* pa
   }
   if (may_cross) path->throughput *= index_factor(index, path->media.indices());
 
+  // A surface below which light does not walk is opaque from below, too.
+  if (!material.constants.scatters() || !(value_at(context, *exit, &DisneyParameters::metallic) < 1)) {
+    if (record) record->end("the light met an opaque surface from below");
+    return Exit::none;
+  }
+
   // Leave by the exit lobe: the lobes at the entry compensate for its albedo. Without an entry it is normalised
   // instead.
   if (is_within) path->throughput *= 1 / kMeanDiffuseTransmittance;
@@ -208,7 +224,7 @@ void find_own_wall(const PathContext& context, const Path& path, TriangleHit* hi
   const Instance& around = context.scene.instance(medium->instance);
   const DisneyMaterial& material = met.material(hit->triangle);
   if (!material.transmits() || material.constants.thin || is_wall_of(*medium, around, *hit, met)) return;
-  if (clear_priority(met, material.constants.priority) > medium->priority) return;
+  if (interior_priority(met, material.constants.priority, hit->instance) > medium->priority) return;
   const OwnWalls walls(context.scene, *medium);
   ++context.counters.bounce_rays;
   TriangleHit wall;
@@ -218,8 +234,11 @@ void find_own_wall(const PathContext& context, const Path& path, TriangleHit* hi
 void drop_unresolved_distances(Vertex* v) {
   const float depth = depth_below_surface(v->hit, v->placement().object_to_world);
   Rgb& distance = v->material.scatter_distance;
+  // Behind a clear surface there is no Lambert's law: such a channel is as dense as walks resolve.
+  const bool clear = v->material.spec_trans > 0;
+  const float least = least_resolved(depth);
   for (int c = 0; c < 3; ++c)
-    if (!is_resolved(distance[c], depth)) distance[c] = 0;
+    if (!is_resolved(distance[c], depth)) distance[c] = clear ? least : 0;
 }
 
 bool is_within_medium(const PathContext& context, const Vertex& v, const Path& path) {

@@ -17,7 +17,8 @@ enum class Exit {
 /// entry. Adds what the control variate takes away. For every mode but lambert.
 Exit find_exit(const PathContext& context, const PixelSampler& sampler, Path* path, Vertex* v);
 
-/// Scatter distances too small for walks to resolve at the vertex become zero: Lambert, in that channel.
+/// Scatter distances too small for walks to resolve at the vertex become zero: Lambert, in that channel. Behind a clear
+/// surface they become the least that walks resolve.
 void drop_unresolved_distances(Vertex* vertex);
 
 /// True if the path's ray met the vertex from within its medium: on the inner side of a closed shell, whichever way the

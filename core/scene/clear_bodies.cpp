@@ -45,7 +45,7 @@ float volume_of_box(const Instance& instance) {
   return volume_of_box(instance.prototype->mesh) * std::abs(dot(m.x, cross(m.y, m.z)));
 }
 
-// Bit 31, below it the eight of the priority, then bit 22; the last eight are left to tell alike bodies apart.
+// Bit 31, below it the eight of the priority, then bit 22.
 uint32_t rank(bool scatters, bool within_one, float volume) {
   return uint32_t(scatters || within_one) << 31 | uint32_t(within_one) << 22 | smallness(volume) << 8;
 }

@@ -18,6 +18,10 @@ void rank_clear_bodies(SceneSnapshot* snapshot);
 inline uint32_t clear_priority(const Instance& instance, uint32_t priority) {
   return instance.clear_rank + (priority << 23);
 }
+/// The same with the scene's index of the instance, which tells alike bodies apart.
+inline uint64_t interior_priority(const Instance& instance, uint32_t priority, uint32_t index) {
+  return uint64_t(clear_priority(instance, priority)) << 32 | index;
+}
 
 /// Bounds of an instance that stands alone, over the whole shutter.
 Bounds bounds_in_render_space(const Instance& instance);

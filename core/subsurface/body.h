@@ -103,9 +103,11 @@ float depth_below_surface(const SurfaceHit& hit, const Affine& object_to_world);
 /// True if walks resolve `scatter_distance` where they begin `depth` below the surface. A scattering event nearer than
 /// that happens at that depth: a share depth / mfp of the events is off by as much, which is 2e-4 of the light at this
 /// limit.
+inline float least_resolved(float depth) {
+  return 64 * depth;
+}
 inline bool is_resolved(float scatter_distance, float depth) {
-  constexpr float kDepths = 64;
-  return scatter_distance > kDepths * depth;
+  return scatter_distance > least_resolved(depth);
 }
 
 /// The mean free paths that matter for planning shortcuts in a member, over all its materials. World units.
