@@ -64,7 +64,8 @@ bool is_seen_from_inside(const Vertex& v, const MediumStack& media) {
 
 Interior interior_of(const Vertex& v) {
   const DisneyParameters& p = v.material;
-  Interior interior{v.triangle.instance, interior_priority(*v.instance, p.priority, v.triangle.instance), p.ior};
+  Interior interior{v.triangle.instance, interior_priority(*v.instance, v.placement(), p.priority, v.triangle.instance),
+                    p.ior};
   interior.index_matched = is_index_matched(v);
   interior.scatters = p.scatters() && p.metallic < 1;
   // KHR_materials_dispersion: blue's index less red's is (ior - 1) dispersion / 20.

@@ -224,7 +224,9 @@ void find_own_wall(const PathContext& context, const Path& path, TriangleHit* hi
   const Instance& around = context.scene.instance(medium->instance);
   const DisneyMaterial& material = met.material(hit->triangle);
   if (!material.transmits() || material.constants.thin || is_wall_of(*medium, around, *hit, met)) return;
-  if (interior_priority(met, material.constants.priority, hit->instance) > medium->priority) return;
+  std::optional<Placement> moved;
+  const Placement& placement = met.at(*hit, &moved);
+  if (interior_priority(met, placement, material.constants.priority, hit->instance) > medium->priority) return;
   const OwnWalls walls(context.scene, *medium);
   ++context.counters.bounce_rays;
   TriangleHit wall;

@@ -3,7 +3,10 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
+#include <memory_resource>
 #include <numeric>
+
+#include "core/scene/world_placement.h"
 
 namespace alabaster {
 
@@ -29,27 +32,6 @@ std::vector<Bounds> boxes_of_opaque_surfaces(const SceneSnapshot& snapshot) {
   return boxes;
 }
 
-// In [0, 2^14): larger for smaller ones.
-uint32_t smallness(float volume) {
-  return 0x3fff - (std::bit_cast<uint32_t>(volume) >> 17);
-}
-
-// The volume of the mesh's box in its own space: a scene that is turned as a whole keeps its order.
-float volume_of_box(const Mesh& mesh) {
-  const Vec3f e = mesh.bounds.extent();
-  return e.x * e.y * e.z;
-}
-
-float volume_of_box(const Instance& instance) {
-  const Affine& m = instance.object_to_world;
-  return volume_of_box(instance.prototype->mesh) * std::abs(dot(m.x, cross(m.y, m.z)));
-}
-
-// Bit 31, below it the eight of the priority, then bit 22.
-uint32_t rank(bool scatters, bool within_one, float volume) {
-  return uint32_t(scatters || within_one) << 31 | uint32_t(within_one) << 22 | smallness(volume) << 8;
-}
-
 bool light_walks_in(const Instance& instance) {
   return has_clear_interior(instance) && std::any_of(instance.materials.begin(), instance.materials.end(),
                                                      [](const DisneyMaterial* m) { return m->scatters(); });
@@ -59,10 +41,50 @@ bool contains(const Bounds& outer, const Bounds& inner) {
   return outer.contains(inner.lower) && outer.contains(inner.upper);
 }
 
-bool lies_within_one(const Bounds& box, const BoxTree& boxes) {
-  bool found = false;
-  boxes.search([&](const Bounds& b) { return !found && contains(b, box); }, [&](uint32_t) { found = true; });
-  return found;
+// True if the mesh of `outer`, which is closed, has the point inside (render space).
+bool is_inside(const Instance& outer, const Vec3f& p, std::pmr::vector<TriangleHit>* hits) {
+  const Ray ray{outer.world_to_object.point(p), normalize(Vec3f(0.36f, 0.48f, 0.8f))};
+  outer.prototype->object->intersect_all(ray, hits);
+  return hits->size() % 2 == 1;
+}
+
+// The bodies that light walks in, and which others lie within one of them.
+class WalkedIn {
+ public:
+  explicit WalkedIn(const SceneSnapshot& snapshot) {
+    std::vector<Bounds> boxes;
+    for (const Instance& instance : snapshot.instances) {
+      const Bounds box = light_walks_in(instance) ? bounds_in_render_space(instance) : Bounds();
+      if (box.empty()) continue;
+      boxes.push_back(box);
+      instances_.push_back(&instance);
+    }
+    boxes_ = BoxTree(std::move(boxes));
+  }
+
+  /// True if one of them has all these points inside.
+  bool contain(const std::vector<Vec3f>& points) const {
+    Bounds box;
+    for (const Vec3f& p : points) box.extend(p);
+    bool found = false;
+    std::pmr::vector<TriangleHit> hits;
+    boxes_.search([&](const Bounds& b) { return !found && contains(b, box); },
+                  [&](uint32_t i) {
+                    found = std::all_of(points.begin(), points.end(),
+                                        [&](const Vec3f& p) { return is_inside(*instances_[i], p, &hits); });
+                  });
+    return found;
+  }
+
+ private:
+  std::vector<const Instance*> instances_;
+  BoxTree boxes_{{}};
+};
+
+// About `most` of `all`, evenly.
+template <class T, class F>
+void for_some(const std::vector<T>& all, size_t most, const F& f) {
+  for (size_t i = 0; i < all.size(); i += std::max<size_t>(1, all.size() / most)) f(all[i]);
 }
 
 // Empty: they share no point.
@@ -84,24 +106,41 @@ Bounds wider(const Bounds& box) {
 }  // namespace
 
 void rank_clear_bodies(SceneSnapshot* snapshot) {
-  std::vector<Bounds> boxes;
-  for (const Instance& instance : snapshot->instances) {
-    const Bounds box = light_walks_in(instance) ? bounds_in_render_space(instance) : Bounds();
-    if (!box.empty()) boxes.push_back(box);
-  }
-  const BoxTree walked_in(std::move(boxes));
+  constexpr size_t kPoints = 32;
+  const WalkedIn walked_in(*snapshot);
+  // Bit 31, below it the eight of the priority, then bit 22.
+  const auto rank = [](bool scatters, bool within_one) {
+    return uint32_t(scatters || within_one) << 31 | uint32_t(within_one) << 22;
+  };
   for (Instance& instance : snapshot->instances) {
     if (!has_clear_interior(instance)) continue;
     const bool scatters = light_walks_in(instance);
-    const bool within_one = !scatters && lies_within_one(bounds_in_render_space(instance), walked_in);
-    instance.clear_rank = rank(scatters, within_one, volume_of_box(instance));
+    std::vector<Vec3f> points;
+    if (!scatters)
+      for_some(instance.prototype->mesh.points, kPoints,
+               [&](const Vec3f& p) { points.push_back(instance.object_to_world.point(p)); });
+    instance.clear_rank = rank(scatters, !points.empty() && walked_in.contain(points));
   }
   for (InstanceArray& array : snapshot->arrays) {
     if (!has_clear_interior(array.look)) continue;
-    const float stretch = array.placed->plan.least_stretch();
-    array.look.clear_rank = rank(light_walks_in(array.look), false,
-                                 volume_of_box(array.look.prototype->mesh) * stretch * stretch * stretch);
+    const bool scatters = light_walks_in(array.look);
+    std::vector<Vec3f> points;
+    const InstancePlaces& places = *array.placed->plan.places;
+    for (size_t i = 0; !scatters && i < places.size(); i += std::max<size_t>(1, places.size() / kPoints))
+      if (const auto place = places.at(i))
+        for (const Vec3f& corner : array.look.prototype->mesh.bounds.corners())
+          points.push_back(to_affine(moved_to(*place, snapshot->origin)).point(corner));
+    array.look.clear_rank = rank(scatters, !points.empty() && walked_in.contain(points));
   }
+}
+
+uint64_t interior_priority(const Instance& instance, const Placement& placement, uint32_t priority, uint32_t index) {
+  // Of the mesh's box in its own space: a scene that is turned as a whole keeps its order.
+  const Affine& m = placement.object_to_world;
+  const Vec3f e = instance.prototype->mesh.bounds.extent();
+  const float volume = e.x * e.y * e.z * std::abs(dot(m.x, cross(m.y, m.z)));
+  const uint32_t smallness = 0x3fff - (std::bit_cast<uint32_t>(volume) >> 17);  // 14 bits
+  return uint64_t(instance.clear_rank | priority << 23 | smallness << 8) << 32 | index;
 }
 
 Bounds bounds_in_render_space(const Instance& instance) {

@@ -10,18 +10,14 @@ namespace alabaster {
 
 bool has_clear_interior(const Instance& instance);
 
-/// Sets Instance::clear_rank of all clear bodies, by which overlaps are decided: the largest clear_priority() is there.
-/// Bodies that light walks in come before other clear ones, because walks do not see those. Among either, `priority`
-/// decides, then whether a clear body lies within the box of one that light walks in, then which is smaller. The order
-/// in which light enters bodies must not count: light that goes the other way would find another scene.
+/// Sets Instance::clear_rank of all clear bodies, by which overlaps are decided: the body of the highest
+/// interior_priority() is there. Bodies that light walks in come before other clear ones, because walks do not see
+/// those. Among either, `priority` decides, then whether a clear body lies within one that light walks in (by points of
+/// its mesh), then which is smaller, then the scene's index. The order in which light enters bodies must not count:
+/// light that goes the other way would find another scene.
 void rank_clear_bodies(SceneSnapshot* snapshot);
-inline uint32_t clear_priority(const Instance& instance, uint32_t priority) {
-  return instance.clear_rank + (priority << 23);
-}
-/// The same with the scene's index of the instance, which tells alike bodies apart.
-inline uint64_t interior_priority(const Instance& instance, uint32_t priority, uint32_t index) {
-  return uint64_t(clear_priority(instance, priority)) << 32 | index;
-}
+/// `placement` at the hit; `priority` of its material.
+uint64_t interior_priority(const Instance& instance, const Placement& placement, uint32_t priority, uint32_t index);
 
 /// Bounds of an instance that stands alone, over the whole shutter.
 Bounds bounds_in_render_space(const Instance& instance);
