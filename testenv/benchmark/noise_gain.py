@@ -7,7 +7,7 @@ Every scene is rendered by both, turn by turn, with several seeds. The variance 
 of the picture (core/convergence/frame_error.h) and averaged over the pixels, is the relative mean squared error of an unbiased
 picture. One column has it for pixels, one for the 98 % of the pixels that are least noisy in both (few rare bright paths would
 else decide), one for the means of blocks of 8 x 8 pixels, the noise that neither eye nor denoiser averages away. A gain is the ratio of error x CPU seconds of the render phase, BEFORE over AFTER: 2 means the same noise in half
-the time. `bias z` is the largest z value of the three channels' means over the whole picture, and `block z` the root mean square
+the time. In brackets is its interval of 95 %, by the jackknife over the seeds. `bias z` is the largest z value of the three channels' means over the whole picture, and `block z` the root mean square
 of Welch's t over blocks of 16 x 16 pixels: 1 to about 1.3 where both programs have the same expectation and few seeds are taken.
 """
 import argparse
@@ -54,8 +54,12 @@ def mean_and_variance(values):
 class Side:
     """All renders of one program."""
 
-    def __init__(self):
-        self.pictures, self.seconds = [], 0.0
+    def __init__(self, pictures=(), seconds=()):
+        self.pictures, self.seconds = list(pictures), list(seconds)
+
+    def without(self, i):
+        """All renders but one."""
+        return Side(self.pictures[:i] + self.pictures[i + 1:], self.seconds[:i] + self.seconds[i + 1:])
 
     def pixel_errors(self):
         """Relative squared error of each pixel, the mean of its channels."""
@@ -91,6 +95,32 @@ def largest_bias(before, after):
     return whole, math.sqrt(sum(squares) / len(squares))
 
 
+def gains(before, after, calm):
+    """Of pixels, of the pixels `calm`, of 8 x 8 means."""
+    cpu = sum(after.seconds) / sum(before.seconds)
+    pixels = [side.pixel_errors() for side in (before, after)]
+    ratios = [sum(pixels[0]) / sum(pixels[1]), sum(pixels[0][i] for i in calm) / sum(pixels[1][i] for i in calm),
+              before.block_error() / after.block_error()]
+    return [ratio / cpu for ratio in ratios]
+
+
+# Two-sided 95 % of Student's distribution with 1, 2, ... degrees of freedom.
+T95 = (12.706, 4.303, 3.182, 2.776, 2.571, 2.447, 2.365, 2.306, 2.262, 2.228, 2.201, 2.179, 2.160, 2.145, 2.131)
+
+
+def with_intervals(before, after, calm):
+    """The gains as text, with intervals of 95 % by the jackknife over pairs of renders of a seed."""
+    count = len(before.pictures)
+    parts = [[math.log(g) for g in gains(before.without(i), after.without(i), calm)] for i in range(count)]
+    texts = []
+    for gain, values in zip(gains(before, after, calm), zip(*parts)):
+        mean = sum(values) / count
+        error = math.sqrt((count - 1) / count * sum((v - mean) ** 2 for v in values))
+        reach = math.exp(T95[min(count - 1, len(T95)) - 1] * error)
+        texts.append(f"{gain:.2f} ({gain / reach:.2f} to {gain * reach:.2f})")
+    return texts
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("before")
@@ -103,8 +133,8 @@ def main():
     parser.add_argument("--before-flag", action="append", default=[], help="passed to BEFORE's render; may be repeated")
     parser.add_argument("--after-flag", action="append", default=[], help="passed to AFTER's render; may be repeated")
     arguments = parser.parse_args()
-    if arguments.seeds < 2:
-        parser.error("--seeds must be 2 or more: noise is the difference between seeds")
+    if arguments.seeds < 3:
+        parser.error("--seeds must be 3 or more: noise is the difference between seeds, and its interval that without one of them")
     sides = ((arguments.before, arguments.before_flag), (arguments.after, arguments.after_flag))
     print(f"{arguments.size}, {arguments.spp} samples, {arguments.seeds} seeds\n")
     print("| scene | relative MSE: before | after | CPU: after / before | gain, pixels | gain, 98 % | gain, 8 x 8 means | bias z | block z |")
@@ -116,16 +146,15 @@ def main():
                 for side, (program, flags) in zip((before, after), sides):
                     picture, seconds = render(program, scene, seed, arguments, flags, pathlib.Path(name))
                     side.pictures.append(picture)
-                    side.seconds += seconds
+                    side.seconds.append(seconds)
             pixels = [side.pixel_errors() for side in (before, after)]
             errors = [sum(errors) / len(errors) for errors in pixels]
-            calm = sorted(zip(*pixels), key=sum)[:len(pixels[0]) * 98 // 100]
-            calm = [sum(errors) for errors in zip(*calm)]
-            blocks = [side.block_error() for side in (before, after)]
-            cpu = after.seconds / before.seconds
+            calm = sorted(range(len(pixels[0])), key=lambda i: pixels[0][i] + pixels[1][i])[:len(pixels[0]) * 98 // 100]
+            cpu = sum(after.seconds) / sum(before.seconds)
+            texts = with_intervals(before, after, calm)
             whole, block = largest_bias(before, after)
-            print(f"| {pathlib.Path(scene).stem} | {errors[0]:.5f} | {errors[1]:.5f} | {cpu:.2f} | {errors[0] / errors[1] / cpu:.2f} | {calm[0] / calm[1] / cpu:.2f} | "
-                  f"{blocks[0] / blocks[1] / cpu:.2f} | {whole:.1f} | {block:.2f} |", flush=True)
+            print(f"| {pathlib.Path(scene).stem} | {errors[0]:.5f} | {errors[1]:.5f} | {cpu:.2f} | {' | '.join(texts)} | {whole:.1f} | {block:.2f} |",
+                  flush=True)
 
 
 if __name__ == "__main__":

@@ -305,11 +305,12 @@ def thick(draft):
 
 
 def rough_glass(draft):
-    """Rough glass that absorbs, that disperses, of thin walls; a solid that only diffuse light passes."""
+    """Rough glass that absorbs, that disperses, of thin walls; a solid that only diffuse light passes, with a drop of water on it."""
     draft.add("green", ball(0.3), {**GLASS, "roughness": 0.4, "attenuationColor": [0.2, 0.7, 0.3], "attenuationDistance": 0.2}, (-1.0, 0.35, 0))
     draft.add("flint", ball(0.3), {**GLASS, "roughness": 0.25, "ior": 1.6, "dispersion": 1.0}, (-0.3, 0.35, 0.2))
     draft.add("sheet", box(0.5, 0.7, 0.02, 0.005), {**GLASS, "roughness": 0.3, "thin": True}, (0.4, 0.02, 0.3))
     draft.add("frosted", ball(0.3), {"baseColor": [0.9, 0.6, 0.6], "diffTrans": 1.0, "diffTransColor": [0.5, 0.7, 0.9]}, (1.0, 0.35, 0))
+    draft.add("drop", ball(0.2), {**GLASS, "ior": 1.33}, (0.85, 0.5, 0.2))
     draft.add("lamp", ball(0.08), {"baseColor": [0, 0, 0], "emission": [30, 28, 25]}, (0.4, 0.5, -0.8))
 
 

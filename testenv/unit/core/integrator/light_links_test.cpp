@@ -5,6 +5,7 @@
 
 #include <cmath>
 
+#include "testenv/support/furnace.h"
 #include "testenv/support/path_tracer.h"
 #include "testenv/support/z_test.h"
 
@@ -206,6 +207,24 @@ TEST(ShadowLinks, DoNotCountForTheCamera) {
   Scene before(0, matt(Rgb(0.0f)));
   before.shine(below, kB, kA);
   EXPECT_NEAR(sum_of(before.samples()) / 64, 3, 1e-4);
+}
+
+// A boundary that a body of higher priority hides is no surface: the light that a path meets behind it has been counted
+// from the last surface, whatever casts its shadows.
+TEST(ShadowLinks, AHiddenBoundaryIsNoSurfaceToCountLightFrom) {
+  DisneyParameters glass = testing::clear_body(1.5f), core = testing::clear_body(1.2f);
+  glass.priority = 2;
+  core.priority = 1;
+  const auto samples = [&](bool has_core) {
+    Scene scene(3, glossy(0.3f));
+    scene.put(testing::sphere_mesh(0.6f, 24, true), scene.material(glass), at(-0.5, 0.7, -0.2), 0);
+    if (has_core) scene.put(testing::sphere_mesh(0.4f, 24, true), scene.material(core), at(-0.5, 0.7, -0.2), 0);
+    scene.shine(panel(-0.8), 0, kA);
+    return scene.samples(8);
+  };
+  const std::vector<Rgb> bare = samples(false);
+  EXPECT_GT(sum_of(bare), 0);
+  expect_same(samples(true), bare, "with a core that is not there");
 }
 
 DisneyParameters wax() {

@@ -156,6 +156,61 @@ TEST(PathIntegrator, GuidesShowWhatAMirrorShows) {
   EXPECT_EQ(s.normal, Vec3f(0, 1, 0)) << "a rough metal is a surface";
 }
 
+/// The share of the samples of a shiny floor whose features are those of the ceiling that it mirrors.
+RunningStatistics mirrored_features(bool in_mirror) {
+  SceneBuilder b;
+  DisneyParameters shiny, mirror;
+  shiny.base_color = Rgb(0.1f);
+  shiny.roughness = 0;
+  mirror.metallic = 1;
+  mirror.roughness = 0;
+  mirror.base_color = Rgb(1.0f);
+  const auto quad = b.prototype(testing::plane_mesh(4));
+  b.add(quad, b.material(shiny)).add(testing::constant_dome(1, false));
+  b.add(quad, b.material(matt(Rgb(0.5f))), Matrix4d().setTranslation(Vec3d(-6, 3, 0)));
+  if (in_mirror) b.add(quad, b.material(mirror), Matrix4d().setTranslation(Vec3d(6, 3, 0)));
+  // The mirror lies beside the ceiling. Both see the floor's middle along one direction.
+  PathTracer tracer(b.snapshot(), in_mirror ? Vec3d(8, 2, 0) : Vec3d(4, 2, 0),
+                    in_mirror ? Vec3d(6, 3, 0) : Vec3d(0, 0, 0));
+  tracer.aovs = kGuideAovs;
+  RunningStatistics statistics;
+  for (uint32_t i = 0; i < static_cast<uint32_t>(testing::run_samples(4096)); ++i)
+    statistics.add(tracer.trace(i).normal.y < 0 ? 1 : 0);
+  return statistics;
+}
+
+// A surface that the camera sees sends two paths on, and shows a denoiser what one of them finds: in a mirror, where it
+// sends one, it shows the same.
+TEST(PathIntegrator, GuidesOfAShinySurfaceAreThoseOfOnePath) {
+  const RunningStatistics direct = mirrored_features(false), reflected = mirrored_features(true);
+  EXPECT_GT(direct.mean(), 0.05);
+  EXPECT_LT(direct.mean(), 0.6);
+  EXPECT_TRUE(plausible(z_test(direct, reflected)));
+}
+
+// What a walk costs of maxDepth: light that a body sends on to a floor and the floor to the body is there with two
+// bounces, as with Lambert's diffuse.
+TEST(PathIntegrator, AWalkIsOneBounce) {
+  const auto mean = [](SubsurfaceMode mode, uint32_t max_depth) {
+    SceneBuilder b;
+    DisneyParameters wax = matt(Rgb(0.8f));
+    wax.scatter_distance = Rgb(0.01f);
+    b.add(b.prototype(testing::sphere_mesh(1, 32, true)), b.material(wax));
+    b.add(b.prototype(testing::plane_mesh(20)), b.material(matt(Rgb(0.8f))),
+          Matrix4d().setTranslation(Vec3d(0, -1.05, 0)));
+    b.add(testing::constant_dome(1, false));
+    PathTracer tracer(b.snapshot(), {0, -0.5, 4}, {0, -0.7, 0});
+    tracer.settings.subsurface = mode;
+    tracer.settings.max_depth = max_depth;
+    return means_of_green(&tracer, 128, 16).mean();
+  };
+  const auto second = [&](SubsurfaceMode mode) { return mean(mode, 2) - mean(mode, 1); };
+  const double lambert = second(SubsurfaceMode::lambert);
+  EXPECT_GT(lambert, 0.05);
+  EXPECT_NEAR(second(SubsurfaceMode::walk) / lambert, 1, 0.15);
+  EXPECT_NEAR(second(SubsurfaceMode::diffusion) / lambert, 1, 0.15);
+}
+
 // Every AOV alone shows the bytes that it shows beside all others, and the color is the same whatever is bound.
 TEST(PathIntegrator, BytesDoNotDependOnWhatElseIsBound) {
   SceneBuilder b;
