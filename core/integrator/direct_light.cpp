@@ -8,21 +8,22 @@ namespace alabaster {
 namespace {
 
 // The share of the light that arrives at `p`, which is in these media.
-float visibility(const PathContext& context, const Vec3f& p, const LightSample& light, const MediumStack& media) {
+Rgb visibility(const PathContext& context, const Vec3f& p, const LightSample& light, const MediumStack& media) {
   ++context.counters.shadow_rays;
   const Ray ray{p, light.wi, light.shadow_length(), context.time};
   if (light.shadow_link != 0) [[unlikely]]
-    return linked_visibility(context.scene, ray, light.shadow_link, &media);
-  if (!context.sees_through()) return context.scene.top->occluded(ray) ? 0.0f : 1.0f;
-  const Transmittance transmittance(context.scene, ray.dir, &media);
-  return context.scene.top->occluded(ray, &transmittance) ? 0.0f : transmittance.value();
+    return linked_visibility(context, ray, light.shadow_link, media);
+  if (!context.sees_through() && !context.scene.features.clear_sheets)
+    return Rgb(context.scene.top->occluded(ray) ? 0.0f : 1.0f);
+  const Transmittance transmittance(context, ray.dir, media);
+  return context.scene.top->occluded(ray, &transmittance) ? Rgb(0.0f) : transmittance.value();
 }
 
-// What the exit lobe at the vertex sends on, with the weight that the light has at exits. Zero where the product is not
-// finite, which depends on this sample alone.
-Rgb exit_light(const ScatterValue& value, const LightSample& light, float arrives) {
+// What the exit lobe at the vertex sends on of light that arrives, with the weight that it has at exits. Zero where the
+// product is not finite, which depends on this sample alone.
+Rgb exit_light(const ScatterValue& value, const LightSample& light) {
   const float mis = light.delta || light.of_constant_dome ? 1.0f : power_heuristic(light.pdf, value.exit_pdf);
-  const Rgb sent = light.radiance * (value.exit_cos * arrives * mis / light.pdf);
+  const Rgb sent = light.radiance * (value.exit_cos * mis / light.pdf);
   return is_finite(sent) ? sent : Rgb(0.0f);
 }
 
@@ -39,8 +40,7 @@ void sample_lights(const PathContext& context, const Vertex& v, const VertexBsdf
   if (!bsdf.has_lobes()) return;
   PathRecord* const record = context.record;
   const LightSet& lights = context.scene.lights_of(*v.instance);
-  path->lights = &lights;
-  path->light_context = bsdf.light_context();
+  const LightSampleContext at = bsdf.light_context();
   const std::array<float, 4>& u = v.u.light;
   if (control) control->dome_sample = lights.leading_dome_numbers(v.origins[Vertex::kFacet].p, u);
 
@@ -51,9 +51,9 @@ void sample_lights(const PathContext& context, const Vertex& v, const VertexBsdf
     if (!bsdf.leaves_from(origin) || !(u[3] < from.chance)) continue;
     std::optional<bool> reached;
     const MediumStack& media = origin == Vertex::kFarSide ? bsdf.media_beyond() : path->media;
-    for (uint32_t k = 0; k < lights.draws(path->light_context); ++k) {
+    for (uint32_t k = 0; k < lights.draws(at); ++k) {
       // Sample a light, and evaluate the BSDF.
-      const std::optional<LightSample> light = lights.draw(k, from.p, from.horizon, u, path->light_context);
+      const std::optional<LightSample> light = lights.draw(k, from.p, from.horizon, u, at);
       if (!light) continue;
       const ScatterValue value = bsdf.evaluate(light->wi, origin);
       const float pdf = value.pdf * static_cast<float>(path->branches);
@@ -63,12 +63,12 @@ void sample_lights(const PathContext& context, const Vertex& v, const VertexBsdf
       // Trace the shadow ray.
       if (origin == Vertex::kSmooth && !reached) reached = reaches_smooth_surface(context, v);
       if (reached && !*reached) continue;
-      const float arrives = visibility(context, from.p, *light, media);
-      if (!(arrives > 0)) continue;
+      const Rgb visible = visibility(context, from.p, *light, media);
+      if (is_black(visible)) continue;
 
       // Add what arrives.
       const float mis = light->delta ? 1.0f : power_heuristic(light->pdf, pdf);
-      Rgb arriving = value.f_cos * light->radiance * (arrives * mis / light->pdf);
+      Rgb arriving = value.f_cos * light->radiance * (mis / light->pdf) * visible;
       if (origin == Vertex::kSmooth) arriving *= 1 / from.chance;
       if (!media.empty()) arriving *= media.transmittance(light->distance);
       direct += arriving;
@@ -78,7 +78,7 @@ void sample_lights(const PathContext& context, const Vertex& v, const VertexBsdf
       }
       if (record && !is_black(value.f_cos)) record->light_arrives(path->throughput * arriving, {light->pdf, mis});
       if (!(value.exit_cos > 0)) continue;
-      Rgb exit = exit_light(value, *light, arrives);
+      Rgb exit = exit_light(value, *light) * visible;
       if (origin == Vertex::kSmooth) exit *= 1 / from.chance;
       control->light += path->through_media(exit, light->distance);
     }

@@ -10,6 +10,12 @@ float mis_weight(const Path& path, float light_pdf) {
   return path.pdf > 0 ? power_heuristic(path.pdf, light_pdf) : 1.0f;
 }
 
+// The path's segment as a ray from where light was sampled, before the sheets that the path went straight through.
+Ray ray_from_vertex(const Path& path) {
+  if (!(path.straight > 0)) return path.ray;
+  return {path.light_origin, path.ray.dir, path.straight + path.ray.tmax, path.ray.time};
+}
+
 Rgb linked_light_emission(const PathContext& context, const Path& path, bool escaped) {
   const auto weigh = [&path](float light_pdf) { return mis_weight(path, light_pdf); };
   const bool is_clear = escaped && !context.sees_through();
@@ -18,32 +24,37 @@ Rgb linked_light_emission(const PathContext& context, const Path& path, bool esc
         const Ray ray{path.ray.org, path.ray.dir, distance, path.ray.time};
         if (is_clear) return path.through_media(Rgb(1.0f), distance);
         ++context.counters.shadow_rays;
-        return path.through_media(Rgb(linked_visibility(context.scene, ray, link, &path.media)), distance);
+        return path.through_media(linked_visibility(context, ray, link, path.media), distance);
       });
 }
 
 }  // namespace
 
-Rgb emission_along(const PathContext& context, const Path& path, bool escaped, bool from_vertex) {
+Rgb emission_along(const PathContext& context, const Path& path, bool escaped) {
   const auto weigh = [&path](float light_pdf) { return mis_weight(path, light_pdf); };
   const auto weigh_in_media = [&](float light_pdf, float distance) {
-    return path.media.transmittance(distance) * weigh(light_pdf);
+    return path.media.transmittance(distance - path.straight) * weigh(light_pdf);
   };
   const bool is_camera_ray = path.depth == 0;
   const LightSampleContext& at = path.light_context;
-  Rgb light = path.throughput * (path.media.empty()
-                                     ? path.lights->emitted(path.ray, escaped, is_camera_ray, at, weigh)
-                                     : path.lights->emitted(path.ray, escaped, is_camera_ray, at, weigh_in_media));
-  if (path.lights->has_shadow_links() && from_vertex) [[unlikely]]
+  const Ray ray = ray_from_vertex(path);
+  Rgb light =
+      path.throughput * (path.media.empty()
+                             ? path.lights->emitted(ray, escaped, is_camera_ray, at, weigh, path.straight)
+                             : path.lights->emitted(ray, escaped, is_camera_ray, at, weigh_in_media, path.straight));
+  if (path.lights->has_shadow_links() && path.from_vertex) [[unlikely]]
     light += path.throughput * linked_light_emission(context, path, escaped);
   return light;
 }
 
 Rgb surface_emission(const Vertex& v, const Path& path) {
   if (is_black(v.material.emission)) return Rgb(0.0f);
-  const TriangleHit& hit = v.triangle;
   float weight = 1;
-  if (path.pdf > 0) weight = mis_weight(path, path.lights->mesh_light_pdf(path.ray, hit.t, hit.instance, hit.triangle));
+  if (path.pdf > 0) {
+    const Ray ray = ray_from_vertex(path);
+    weight = mis_weight(
+        path, path.lights->mesh_light_pdf(ray, path.straight + v.triangle.t, v.triangle.instance, v.triangle.triangle));
+  }
   return path.throughput * v.material.emission * weight;
 }
 

@@ -6,9 +6,9 @@
 
 namespace alabaster {
 
-/// Of the lights without geometry on the path's segment, and of infinite ones if the ray `escaped`. `from_vertex`: the
-/// ray begins where light was sampled: then it meets those with a shadow link, beyond what casts no shadow for them.
-Rgb emission_along(const PathContext& context, const Path& path, bool escaped, bool from_vertex);
+/// Of the lights without geometry on the path's segment, and of infinite ones if the ray `escaped`. A ray that
+/// begins where light was sampled meets those with a shadow link, beyond what casts no shadow for them.
+Rgb emission_along(const PathContext& context, const Path& path, bool escaped);
 
 /// Of the surface at `v`.
 Rgb surface_emission(const Vertex& v, const Path& path);

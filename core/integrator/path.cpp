@@ -48,10 +48,20 @@ void Path::leave(const PathContext& context, const Vertex& v, const VertexBsdf& 
     const bool is_smooth = v.leaves_from_smooth(sample.wi) && reaches_smooth_surface(context, v);
     origin = v.origins[is_smooth ? Vertex::kSmooth : Vertex::kFacet].p;
   }
+  const bool passes_sheet =
+      sample.lobe == Lobe::straight && depth > 0 && v.instance->material(v.triangle.triangle).constants.thin;
+  if (passes_sheet) {
+    if (straight == 0) light_origin = ray.org;
+    straight += ray.tmax;
+  } else {
+    straight = 0;
+    lights = &context.scene.lights_of(*v.instance);
+    light_context = bsdf.light_context();
+    if (keeps_footprints(context)) footprint.scatter(sample.pdf);
+    pdf = sample.pdf * static_cast<float>(branches);  // the directions of all branches compete with each sampled light
+  }
+  from_vertex = !passes_sheet;
   ray = {origin, sample.wi, std::numeric_limits<float>::infinity(), ray.time};
-  pdf = sample.pdf;
-  if (keeps_footprints(context)) footprint.scatter(pdf);
-  pdf *= static_cast<float>(branches);  // the directions of all branches compete with each sampled light
   branches = 1;
   ++depth;
 }
@@ -59,11 +69,14 @@ void Path::leave(const PathContext& context, const Vertex& v, const VertexBsdf& 
 void Path::pass(const Vec3f& origin, const Vec3f& direction) {
   ray = {origin, direction, std::numeric_limits<float>::infinity(), ray.time};
   pdf = std::numeric_limits<float>::infinity();
+  straight = 0;
+  from_vertex = false;
 }
 
 void Path::enter(const PathContext& context, Vertex* v, const std::optional<ControlVariate>& control, float roulette) {
   features = nullptr;
   branches = 1;
+  lights = &context.scene.lights_of(*v->instance);
   v->find_medium(context.settings);
   walk = {v, control, roulette};
 }

@@ -69,12 +69,18 @@ struct Path {
   /// Density of the ray's direction, summed over the branches that went on together; 0 for the camera ray, which no
   /// light sampling competes with, and infinite after a discrete choice, with which it cannot.
   float pdf = 0;
-  const LightSet* lights = nullptr;  // that light the last vertex; of camera rays all
-  LightSampleContext light_context;  // of the last vertex: for the pdf of a light that the ray meets
-  uint32_t depth = 0;                // bounces; a walk is one
-  uint32_t branches = 1;             // that leave the present vertex
-  MediumStack media;                 // that the ray is in
-  AirPockets air;                    // bodies that the ray is in, in air
+  /// For the pdf of a light that the ray meets: the lights of the last vertex (of camera rays all), and how they were
+  /// sampled there. Clear sheets that the path went straight through are no such vertices, as they do not stop shadow
+  /// rays.
+  const LightSet* lights = nullptr;
+  LightSampleContext light_context;
+  Vec3f light_origin{0, 0, 0};
+  float straight = 0;        // distance from there to the ray's origin; 0: it is the ray's origin
+  bool from_vertex = false;  // lights were sampled at the ray's origin: those with a shadow link count
+  uint32_t depth = 0;        // bounces; a walk is one
+  uint32_t branches = 1;     // that leave the present vertex
+  MediumStack media;         // that the ray is in
+  AirPockets air;            // bodies that the ray is in, in air
   Footprint footprint;
   Layer layer;
   LightLayers* layers = nullptr;   // take the light by layer; null: not asked for

@@ -55,10 +55,10 @@ bool find_next_vertex(const PathContext& context, const PixelSampler& sampler, P
     const Exit exit = find_exit(context, sampler, path, v);
     if (exit != Exit::passes) return exit == Exit::vertex;
     ++path->depth;
+    path->from_vertex = true;
     if (!survives_roulette(context, path->walk.roulette, path)) return false;
   }
 
-  bool from_vertex = path->depth > 0;
   float passed = 0;  // length of the segments up to hidden interfaces
   while (true) {
     // Intersect the scene. Lights without geometry emit along the ray.
@@ -69,7 +69,7 @@ bool find_next_vertex(const PathContext& context, const PixelSampler& sampler, P
     const bool found = intersect(context, sampler, path, &hit);
     const Mesh* const mesh = found ? &context.scene.instance(hit.instance).prototype->mesh : nullptr;
     if (found) path->ray.tmax = hit.t, prefetch_triangle(*mesh, hit.triangle);
-    const Rgb met = emission_along(context, *path, !found, from_vertex);
+    const Rgb met = emission_along(context, *path, !found);
     path->add(met);
     if (record) record->meet_light(met);
     if (!found) return end(context, "the ray meets no surface");
@@ -91,7 +91,6 @@ bool find_next_vertex(const PathContext& context, const PixelSampler& sampler, P
     if (record) record->sample_lobe(lobe_name(Lobe::straight), Rgb(1.0f), 1);
     path->ray.tmax = reach - hit.t;
     passed += hit.t;
-    from_vertex = false;
   }
   // A diffusion profile has no way through the medium, only ways into it.
   if (context.mode() == SubsurfaceMode::walk && is_within_medium(context, *v, *path)) v->kind = Vertex::Kind::within;

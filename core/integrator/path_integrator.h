@@ -63,6 +63,7 @@ struct PathContext {
     if (!scene.features.subsurface) return SubsurfaceMode::lambert;
     return settings.subsurface == SubsurfaceMode::reference ? SubsurfaceMode::walk : settings.subsurface;
   }
+  /// True if rays of paths may pass surfaces.
   bool sees_through() const { return scene.features.see_through || begins_behind_fronts; }
 };
 

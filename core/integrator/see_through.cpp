@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include "core/integrator/vertex.h"
 #include "core/subsurface/body.h"
 
 namespace alabaster {
@@ -20,18 +21,28 @@ bool is_found_behind(const Instance& instance, const TriangleHit& hit, const Vec
 
 class LinkedTransmittance final : public HitFilter {
  public:
-  LinkedTransmittance(const SceneSnapshot& scene, const Vec3f& dir, uint32_t shadow_link, const MediumStack* within)
-      : all_(scene, dir, within), scene_(scene), shadow_link_(shadow_link) {}
+  LinkedTransmittance(const PathContext& context, const Vec3f& dir, uint32_t shadow_link, const MediumStack& media)
+      : all_(context, dir, media), scene_(context.scene), shadow_link_(shadow_link) {}
   bool stops(const TriangleHit& hit) const noexcept override {
     return scene_.casts_shadow(scene_.instance(hit.instance), shadow_link_) && all_.stops(hit);
   }
-  float value() const { return all_.value(); }
+  Rgb value() const { return all_.value(); }
 
  private:
   const Transmittance all_;
   const SceneSnapshot& scene_;
   const uint32_t shadow_link_;
 };
+
+// What goes straight on through a surface that was hit. Black but for clear sheets.
+Rgb straight_through(const PathContext& context, const Vec3f& dir, const TriangleHit& hit, const MediumStack& media) {
+  const DisneyParameters& constants = context.scene.instance(hit.instance).material(hit.triangle).constants;
+  if (!constants.thin || !(constants.spec_trans > 0)) return Rgb(0.0f);
+  Vertex v;
+  evaluate_surface(context, {{0, 0, 0}, dir, hit.t, hit.time}, hit, 0, &v);
+  const InterfaceSide side{v.material.ior / media.index(), false};
+  return DisneyTransmissiveBsdf(v.material, v.frame.to_local(-dir), side, context.settings.energy).straight();
+}
 
 }  // namespace
 
@@ -137,19 +148,31 @@ void StochasticStop::cross_holes(float t, AirPockets* hollows) const {
 }
 
 bool Transmittance::stops(const TriangleHit& hit) const noexcept {
-  const float coverage = coverage_at(scene_, dir_, hit, within_);
-  if (coverage >= 1) return true;
-  if (coverage > 0) log_ += static_cast<int64_t>(std::llrint(std::log2(1.0 - double(coverage)) * kUnit));
-  return log_ < kBlack;
+  const float coverage = coverage_at(context_.scene, dir_, hit, &media_);
+  const Rgb straight =
+      coverage > 0 && context_.scene.features.clear_sheets ? straight_through(context_, dir_, hit, media_) : Rgb(0.0f);
+  bool any = false;
+  for (int c = 0; c < 3; ++c) {
+    const double passed = 1.0 - double(coverage) * (1.0 - double(straight[c]));
+    int64_t& log = log_[static_cast<size_t>(c)];
+    log = passed > 0 && log > kBlack ? log + static_cast<int64_t>(std::llrint(std::log2(passed) * kUnit)) : kBlack;
+    any = any || log > kBlack;
+  }
+  return !any;
 }
 
-float Transmittance::value() const {
-  return log_ == 0 ? 1.0f : static_cast<float>(std::exp2(static_cast<double>(log_) / kUnit));
+Rgb Transmittance::value() const {
+  Rgb value(1.0f);
+  for (int c = 0; c < 3; ++c) {
+    const int64_t log = log_[static_cast<size_t>(c)];
+    if (log != 0) value[c] = log > kBlack ? static_cast<float>(std::exp2(static_cast<double>(log) / kUnit)) : 0;
+  }
+  return value;
 }
 
-float linked_visibility(const SceneSnapshot& scene, const Ray& ray, uint32_t shadow_link, const MediumStack* within) {
-  const LinkedTransmittance transmittance(scene, ray.dir, shadow_link, within);
-  return scene.top->occluded(ray, &transmittance) ? 0.0f : transmittance.value();
+Rgb linked_visibility(const PathContext& context, const Ray& ray, uint32_t shadow_link, const MediumStack& media) {
+  const LinkedTransmittance transmittance(context, ray.dir, shadow_link, media);
+  return context.scene.top->occluded(ray, &transmittance) ? Rgb(0.0f) : transmittance.value();
 }
 
 }  // namespace alabaster

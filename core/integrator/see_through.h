@@ -3,6 +3,7 @@
 #pragma once
 
 #include "core/integrator/media.h"
+#include "core/integrator/path_integrator.h"
 #include "core/sampling/pixel_sampler.h"
 #include "core/scene/scene.h"
 
@@ -55,25 +56,26 @@ class StochasticStop final : public HitFilter {
   mutable uint32_t count_ = 0;                             // further ones are not noticed
 };
 
-/// The share of light that arrives through the surfaces that a shadow ray passes. The same bits in whatever order they
-/// are found: logarithms are summed in fixed point. A ray through the very edge between two triangles counts both.
+/// The share of light that arrives through the surfaces that a shadow ray passes: partly opaque ones, and clear sheets,
+/// through which light goes straight on. The same bits in whatever order they are found: logarithms are summed in fixed
+/// point. A ray through the very edge between two triangles counts both.
 class Transmittance final : public HitFilter {
  public:
-  Transmittance(const SceneSnapshot& scene, const Vec3f& dir, const MediumStack* within)
-      : scene_(scene), dir_(dir), within_(within) {}
+  /// `media`: that the ray begins in.
+  Transmittance(const PathContext& context, const Vec3f& dir, const MediumStack& media)
+      : context_(context), dir_(dir), media_(media) {}
   bool stops(const TriangleHit& hit) const noexcept override;
   /// If no hit stopped the ray.
-  float value() const;
+  Rgb value() const;
 
  private:
-  const SceneSnapshot& scene_;
+  const PathContext& context_;
   const Vec3f& dir_;
-  const MediumStack* const within_;  // of coverage_at()
-  mutable int64_t log_ = 0;          // base 2, in units of 2^-32
+  const MediumStack& media_;
+  mutable std::array<int64_t, 3> log_{};  // base 2, in units of 2^-32
 };
 
 /// The share of the light of a shadow link that arrives along the ray. Surfaces that are not in it cast no shadow.
-/// `within`: of coverage_at().
-float linked_visibility(const SceneSnapshot& scene, const Ray& ray, uint32_t shadow_link, const MediumStack* within);
+Rgb linked_visibility(const PathContext& context, const Ray& ray, uint32_t shadow_link, const MediumStack& media);
 
 }  // namespace alabaster

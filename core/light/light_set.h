@@ -69,14 +69,14 @@ class LightSet {
   std::optional<LightSample> sample(const Vec3f& p, float u_light, const Vec2f& u,
                                     const Vec3f& n = Vec3f(0, 0, 0)) const;
 
-  /// Sum of the light that lights without geometry emit along the ray: finite ones nearer than ray.tmax
+  /// Sum of the light that lights without geometry emit along the ray: finite ones from tmin to ray.tmax
   /// and, if the ray `escaped` from the scene, infinite ones (distant, dome). Lights do not block rays: all are added,
   /// each weighed by `weigh(pdf)` or `weigh(pdf, distance)`, the pdf that draw(., ray.org, ., u, search) has
   /// for this direction of this light, with the choice in it. Lights with a shadow link are left out, but of camera
   /// rays.
   template <class Weigh>
-  Rgb emitted(const Ray& ray, bool escaped, bool camera_ray, const LightSampleContext& search,
-              const Weigh& weigh) const {
+  Rgb emitted(const Ray& ray, bool escaped, bool camera_ray, const LightSampleContext& search, const Weigh& weigh,
+              float tmin = 0) const {
     Rgb sum(0.0f);
     std::optional<LightChoice> choice;  // most rays meet no light
     const auto weight = [&](float pdf, float distance) {
@@ -88,7 +88,7 @@ class LightSet {
     const auto add = [&](size_t i) {
       if (camera_ray && !visible_to_camera_[i]) return;
       const auto hit = intersect(i, ray, search.n);
-      if (!hit || (hit->t > ray.tmax && !is_infinite(i))) return;  // clipping cuts no sky off
+      if (!hit || hit->t < tmin || (hit->t > ray.tmax && !is_infinite(i))) return;  // clipping cuts no sky off
       sum += hit->radiance * weight(pdf_of(i, *hit, ray.org, search.domes, &choice), hit->t);
     };
     if (tree_.empty())

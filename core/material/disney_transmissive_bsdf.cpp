@@ -138,6 +138,12 @@ BsdfValue DisneyTransmissiveBsdf::evaluate(const Vec3f& wi, Rgb* specular) const
   return sum;
 }
 
+Rgb DisneyTransmissiveBsdf::straight() const {
+  if (!(p_clear_ > 0) || !at_boundary([](const auto& lobe) { return lobe.is_straight(); })) return Rgb(0.0f);
+  const Rgb passed = at_boundary([&](const auto& lobe) { return lobe.boundary.shares(wo_.z).passed; });
+  return passed * (passes_ * left_by_layers(-wo_, &DisneyLayers::over_clear));
+}
+
 std::optional<BsdfSample> DisneyTransmissiveBsdf::sample(float u_lobe, const Vec2f& u, Rgb* specular) const {
   BsdfSample sample;
   std::optional<Vec3f> wi;
@@ -154,11 +160,7 @@ std::optional<BsdfSample> DisneyTransmissiveBsdf::sample(float u_lobe, const Vec
     const float u_choice = spread(u_lobe - p_near_, p_clear_);
     sample.lobe = Lobe::dielectric;
     const float straight = at_boundary([&](const auto& lobe) { return lobe.chance_of_straight(wo_); });
-    if (u_choice < straight) {
-      const Rgb passed = at_boundary([&](const auto& lobe) { return lobe.boundary.shares(wo_.z).passed; });
-      const float share = passes_ * left_by_layers(-wo_, &DisneyLayers::over_clear);
-      return BsdfSample{Lobe::straight, -wo_, passed * share, p_clear_ * straight};
-    }
+    if (u_choice < straight) return BsdfSample{Lobe::straight, -wo_, this->straight(), p_clear_ * straight};
     wi = at_boundary([&](const auto& lobe) { return lobe.sample(wo_, u_choice, u); });
   } else if (p_beyond_ > 0) {
     sample.lobe = Lobe::diffuse_transmission;

@@ -41,14 +41,17 @@ class DisneyTransmissiveBsdf {
   /// True if f for `wi` is reflected light, which stays on wo's side.
   bool reflects_to(const Vec3f& wi) const { return near_.reaches(wi); }
 
+  /// What passes straight on: f of Lobe::straight. Black: that is no lobe here.
+  Rgb straight() const;
+
   /// False if all light that passes goes straight on: evaluate() is zero on the other side.
   bool scatters_beyond() const;
 
  private:
   /// The layers on which sides of the surface, as seen from wo.
   enum class Layered { near, far, both };
-  DisneyTransmissiveBsdf(const DisneyParameters& parameters, const Vec3f& wo, const InterfaceSide& side, Layered layered,
-                         EnergyModel energy);
+  DisneyTransmissiveBsdf(const DisneyParameters& parameters, const Vec3f& wo, const InterfaceSide& side,
+                         Layered layered, EnergyModel energy);
 
   using LayerFactor = float (DisneyLayers::*)(const Vec3f&, const Vec3f&) const;
   /// The share that the layers leave of light that a lobe below them sends from wi to wo; `over`: DisneyLayers' factor

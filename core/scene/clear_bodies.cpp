@@ -15,6 +15,11 @@ bool has_clear_interior(const Instance& instance) {
                      [](const DisneyMaterial* m) { return m->transmits() && !m->constants.thin; });
 }
 
+bool has_clear_sheets(const Instance& instance) {
+  return std::any_of(instance.materials.begin(), instance.materials.end(),
+                     [](const DisneyMaterial* m) { return m->constants.thin && m->constants.spec_trans > 0; });
+}
+
 namespace {
 
 bool is_opaque_somewhere(const Instance& instance) {

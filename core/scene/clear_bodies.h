@@ -9,6 +9,7 @@
 namespace alabaster {
 
 bool has_clear_interior(const Instance& instance);
+bool has_clear_sheets(const Instance& instance);
 
 /// Sets Instance::clear_rank of all clear bodies, by which overlaps are decided: the body of the highest
 /// interior_priority() is there. Bodies that light walks in come before other clear ones, because walks do not see

@@ -88,6 +88,7 @@ struct SceneDescription {
 struct SceneFeatures {
   bool subsurface = false;
   bool emissive_meshes = false;
+  bool clear_sheets = false;  // some material is a clear thin surface: light may go straight on through it
   bool textures = false;
   bool see_through = false;         // some instance is, and not only where rays begin behind it
   bool motion = false;              // some instance moves or deforms: rays have a time

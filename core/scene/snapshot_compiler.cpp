@@ -361,6 +361,7 @@ struct SnapshotCompiler::Compilation {
       if (!before || !is_made_as(*d, *before)) missing_tiles.find(*d, instance);
       before = d;
       snapshot->features.see_through |= instance.see_through && !shows_fronts_alone(instance);
+      snapshot->features.clear_sheets |= has_clear_sheets(instance);
       snapshot->features.motion |= !instance.is_still();
       if (has_clear_interior(instance)) snapshot->clear_bodies.extend(bounds_in_render_space(instance));
       snapshot->instances.push_back(std::move(instance));
@@ -387,6 +388,7 @@ struct SnapshotCompiler::Compilation {
       array.look.array = &array;
       missing_tiles->find(d, array.look);
       snapshot->features.see_through |= array.look.see_through && !shows_fronts_alone(array.look);
+      snapshot->features.clear_sheets |= has_clear_sheets(array.look);
       if (has_clear_interior(array.look)) snapshot->clear_bodies.extend(array.placed->bounds());
     }
     return true;
