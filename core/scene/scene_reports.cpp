@@ -77,6 +77,40 @@ void report_thin_shells(const ReportedScene& scene) {
     }
 }
 
+// The shortest scatter distance of the member's materials that its points are too coarse for, where they would not be
+// about the mesh's own origin. 0: there is none.
+float lost_distance(const SubsurfaceBody::Member& m) {
+  TriangleHit middle;
+  middle.triangle = m.shells->thinnest, middle.u = middle.v = 1.0f / 3;
+  const SurfaceHit at = surface_hit(*m.mesh, middle, m.to_body, m.to_object);
+  const float depth = depth_below_surface(at, m.to_body);
+  const float farthest = std::max(max_abs_component(m.mesh->bounds.lower), max_abs_component(m.mesh->bounds.upper));
+  const float at_origin = depth * max_abs_component(m.mesh->bounds.extent()) / farthest;
+  float lost = 0;
+  for (const auto& medium : m.media)
+    for (int c = 0; medium && c < 3; ++c) {
+      const float distance = (*medium)[AlbedoInversion::exact].medium.scatter_distance[c];
+      if (is_resolved(distance, depth) || !is_resolved(distance, at_origin)) continue;
+      lost = lost > 0 ? std::min(lost, distance) : distance;
+    }
+  return lost;
+}
+
+void report_lost_distances(const ReportedScene& scene) {
+  std::set<const Mesh*> seen;  // instances share them
+  for (const auto& body : scene.snapshot.bodies)
+    for (const auto& member : body->members) {
+      if (!seen.insert(member.mesh).second) continue;
+      const float lost = lost_distance(member);
+      if (lost > 0)
+        report(scene.sink, Severity::warning, "subsurface.farFromOrigin", name_of(scene, member.instance),
+               plain_format("scatterDistance %.9g is below the rounding of this mesh's points, so far from its origin "
+                            "they lie: light of that channel does not go below the surface; move the points nearer to "
+                            "the origin of the mesh, and the mesh there by its transform",
+                            double(lost)));
+    }
+}
+
 // The closed shells of bodies along a ray: the first that it leaves without having entered holds its origin.
 class Surrounding {
  public:
@@ -188,6 +222,7 @@ std::string describe_open_fellows(size_t others) {
 void report_bodies(const ReportedScene& scene) {
   report_open_bodies(scene);
   report_thin_shells(scene);
+  report_lost_distances(scene);
   report_lights_within(scene);
 }
 

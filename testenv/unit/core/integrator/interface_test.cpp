@@ -416,5 +416,51 @@ TEST(Interface, TheFirstHitBehindHiddenBoundariesHasItsDistanceFromTheCamera) {
   }
 }
 
+// A pane of index 1 halves all light that comes through it, whatever the light is like and however it is found; one of
+// opacity .5 lets a half by beside it.
+TEST(Interface, LightGoesStraightOnThroughSheets) {
+  const auto above = [](LightType type, float size) {
+    LightParameters light;
+    light.type = type;
+    light.radius = light.width = light.height = size;
+    light.angle = 60 * size;
+    light.intensity = 5;
+    light.light_to_world =
+        Matrix4d().setAxisAngle(Vec3d(1, 0, 0), -M_PI / 2) * Matrix4d().setTranslation(Vec3d(0.3, 2.5, 0.2));
+    return light;
+  };
+  const LightParameters lamps[] = {above(LightType::distant, 0),   above(LightType::distant, 0.5f),
+                                   above(LightType::sphere, 0.1f), above(LightType::sphere, 0.8f),
+                                   above(LightType::rect, 1.5f),   testing::constant_dome(1, true)};
+  const auto floor = [&](size_t which, float opacity, bool pane) {
+    SceneBuilder b;
+    DisneyParameters sheet = testing::matt(Rgb(0.5f));
+    sheet.thin = true, sheet.spec_trans = 1, sheet.opacity = opacity;
+    b.add(b.prototype(testing::plane_mesh(20)), b.material(testing::matt(Rgb(0.5f))));
+    if (pane) b.add(b.prototype(testing::plane_mesh(20)), b.material(sheet), Matrix4d().setTranslation(Vec3d(0.37, 1, 0.11)));
+    if (which < std::size(lamps)) {
+      b.add(lamps[which]);
+    } else {
+      DisneyParameters ember = testing::matt(Rgb(0.0f));
+      ember.emission = Rgb(4.0f);
+      b.add(b.prototype(testing::sphere_mesh(0.5f, 12, true)), b.material(ember),
+            Matrix4d().setTranslation(Vec3d(0.3, 2.5, 0.2)));
+    }
+    PathTracer tracer(b.snapshot(), {0, 0.5, 0.3});
+    testing::RunningStatistics light;
+    for (uint32_t i = 0; i < testing::run_samples(20000u); ++i) light.add(double(tracer.trace(i).color.g));
+    return light;
+  };
+  for (size_t which = 0; which <= std::size(lamps); ++which) {
+    const auto bare = floor(which, 1, false);
+    for (const float opacity : {1.0f, 0.5f}) {
+      const auto through = floor(which, opacity, true);
+      const double expected = bare.mean() * (opacity < 1 ? 0.75 : 0.5);
+      EXPECT_NEAR(through.mean(), expected, 5 * (through.standard_error() + bare.standard_error()) + 2e-3 * expected)
+          << "lamp " << which << ", opacity " << opacity;
+    }
+  }
+}
+
 }  // namespace
 }  // namespace alabaster

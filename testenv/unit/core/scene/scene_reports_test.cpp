@@ -100,5 +100,16 @@ TEST(SceneReports, ASlabThinnerThanRoundingIsReported) {
   }
 }
 
+TEST(SceneReports, PointsFarFromTheMeshsOriginThatLoseAChannelAreReported) {
+  for (const auto& [at, count] : {std::pair(0.5f, 0u), std::pair(1e3f, 0u), std::pair(3e4f, 1u)}) {
+    SceneBuilder b;
+    b.add(b.prototype(slab(2, at)), b.material(wax()));
+    b.description.instances.back().name = "/scan";
+    const auto found = warnings(b, "subsurface.farFromOrigin");
+    ASSERT_EQ(found.size(), count) << at;
+    for (const Diagnostic& d : found) EXPECT_EQ(d.where, "/scan");
+  }
+}
+
 }  // namespace
 }  // namespace alabaster
