@@ -7,6 +7,7 @@
 #include "core/integrator/shading_normal.h"
 #include "core/integrator/subsurface_scatter.h"
 #include "core/subsurface/body.h"
+#include "core/subsurface/walk_plan.h"
 
 namespace alabaster {
 
@@ -51,11 +52,9 @@ void Vertex::find_medium(const IntegratorSettings& settings) {
     medium = &(*member.media[slot])[settings.inversion];
     return;
   }
-  const WalkShortcuts shortcuts{settings.walk.guiding && member.room_to_guide,
-                                settings.walk.sphere_steps && member.distances};
   medium = &made_medium_.emplace(
       make_medium(material.base_color, material.scatter_distance, settings.inversion, material.scatter_anisotropy),
-      shortcuts);
+      possible_shortcuts(settings.walk, *instance->body, instance->member));
 }
 
 void evaluate_surface(const PathContext& context, const Ray& ray, const TriangleHit& triangle, float footprint,

@@ -4,6 +4,7 @@
 #include "core/math/frame.h"
 #include "core/subsurface/body_tracers.h"
 #include "core/subsurface/random_walk_loop.h"
+#include "core/subsurface/walk_plan.h"
 
 namespace alabaster {
 namespace {
@@ -68,28 +69,6 @@ bool enters_from_behind(const SubsurfaceBody& body, const SubsurfaceEntry& entry
   return !entry.within && body.leaves(entry.member, entry.triangle, -entry.hit.ng);
 }
 
-// The direction to light that a walk is guided to, if that lies below the surface; else zero.
-Vec3f direction_to_light(const LitSurface& lit, const SubsurfaceEntry& entry) {
-  const DiffusionModes& modes = entry.medium->modes;
-  double kappa = 0, mfp = 0;
-  int guided = 0;
-  for (size_t c = 0; c < 3; ++c) {
-    if (!modes.guided[c]) continue;
-    kappa += modes.kappa[c], mfp += 1 / entry.medium->sigma_t[c];
-    ++guided;
-  }
-  if (guided == 0) return {0, 0, 0};
-  const Vec3f inside = entry.hit.p - entry.hit.ng * static_cast<float>(mfp / guided);
-  const Vec3f direction = lit.direction_from(inside, static_cast<float>(kappa / guided));
-  return dot(direction, entry.hit.ng) < 0 ? direction : Vec3f(0, 0, 0);
-}
-
-// True if guiding walks back to the surface pays, in a medium where guiding does at all. Behind an open mesh the medium
-// has no end, and it pays for every such medium.
-bool pays_to_guide_back(const SubsurfaceBody::Member& member, const WalkMedium& medium) {
-  return member.room_to_guide && (member.shells->any_open || medium.pays_to_guide_back);
-}
-
 }  // namespace
 
 Vec3f sample_entry_direction(const Vec3f& ns_inward, const Vec3f& ng_inward, const Vec2f& u) {
@@ -105,14 +84,12 @@ std::optional<SubsurfaceExit> RandomWalk::carry(const SubsurfaceBody& body, cons
   std::optional<SubsurfaceBody::Maps> moved;
   const SubsurfaceBody::Maps& maps = body.members[entry.member].at(entry.triangle, &moved);
   WalkBeginning beginning = begin_walk(body, entry, maps, {numbers.first()[0], numbers.first()[1]});
+  const WalkPlan plan = plan_walk(settings, body, entry);
+  beginning.start.to_light = plan.to_light;
   WalkSettings used = settings;
-  const bool looks_for_light = settings.guiding && body.lit && entry.medium->worthwhile.guiding && !entry.within;
-  if (const LitSurface* const lit = looks_for_light ? body.lit->get() : nullptr; lit && !lit->faces_light(entry.hit.ng))
-    beginning.start.to_light = direction_to_light(*lit, entry);
-  used.guiding &=
-      pays_to_guide_back(body.members[entry.member], *entry.medium) || beginning.start.to_light != Vec3f(0, 0, 0);
+  used.guiding = plan.guided, used.sphere_steps = plan.sphere_steps;
   std::optional<HalfSpaceTwin> follower;
-  if (twin && beginning.start.to_light == Vec3f(0, 0, 0)) {
+  if (twin && plan.to_light == Vec3f(0, 0, 0)) {
     follower.emplace(entry.ns, *entry.medium);
     beginning.start.twin = &*follower;
     if (beginning.lobe != beginning.start.direction) part_at_entry(beginning, *entry.medium, numbers);
