@@ -348,6 +348,7 @@ TEST_F(Farm, ItsHelpListsNoOptionThatItRefuses) {
 }
 
 // An option that is not listed counts where it is given.
+// promise: pipeline.order.job
 TEST_F(Farm, ATargetOfTheSceneMayBeTakenBack) {
   write("scene.json", R"({"models": [{"file": "patch.gltf"}], "settings": {"samples": 2, "resolution": [8, 6],
     "targetError": 0.1}})");
