@@ -193,6 +193,12 @@ void AddParameterPages(std::map<std::string, std::string>* files) {
     rows.insert(rows.end(), parameters.begin(), parameters.end());
     (*files)[folder + python_name(kind.name) + ".md"] = page_text(kind.name, rows);
   }
+  for (const auto& [page, schema] :
+       {std::pair{"AlabasterTexture", "texture_node"}, std::pair{"AlabasterDisplacement", "displacement_node"}}) {
+    std::vector<Row> rows;
+    add_parameters(schema, "NODE.", &rows);
+    (*files)[folder + schema + ".md"] = page_text(page, rows);
+  }
   std::vector<Row> product;
   add_fields(kProductFields, &product);
   (*files)[folder + "product.md"] = page_text("products:N", product);

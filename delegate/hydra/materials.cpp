@@ -4,6 +4,7 @@
 #include <cmath>
 #include <optional>
 
+#include "core/subsurface/medium.h"
 #include "delegate/hydra/material_images.h"
 
 namespace alabaster::hydra {
@@ -216,10 +217,8 @@ MaterialNetwork without_empty_color_spaces(MaterialNetwork network, const Path& 
 
 Vec3f ScatterDistance(const Vec3f& mean_free_path, const Vec3f& albedo) {
   Vec3f distance;
-  for (int i = 0; i < 3; ++i) {
-    const float a = std::clamp(albedo[i], 0.0f, 1.0f);
-    distance[i] = std::max(mean_free_path[i], 0.0f) / (1.9f - a + 3.5f * (a - 0.8f) * (a - 0.8f));
-  }
+  for (int i = 0; i < 3; ++i)
+    distance[i] = std::max(mean_free_path[i], 0.0f) / static_cast<float>(distance_scale(double(albedo[i])));
   return distance;
 }
 
