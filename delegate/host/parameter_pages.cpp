@@ -114,7 +114,7 @@ void add_parameters(const std::string& schema, const std::string& prefix, std::v
 
 std::string cell(const std::string& text) {
   std::string out;
-  for (const char c : text) out += c == '|' ? "\\|" : std::string(1, c);
+  for (const char c : text) out += c == '|' ? "\\|" : c == '<' ? "&lt;" : std::string(1, c);
   return " " + out + " |";
 }
 std::string code(const std::string& text) {
