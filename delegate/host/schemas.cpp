@@ -179,7 +179,7 @@ std::string WithTables(const std::string& text) {
   std::istringstream stream(text);
   for (std::string line; std::getline(stream, line);) lines.push_back(line);
   std::string out;
-  const std::vector<std::string> aovs = ProductAovs();
+  const std::vector<std::string>& aovs = ProductAovs();
   for (size_t i = 0; i < lines.size();) {
     if (i > 0 && lines[i - 1].ends_with("\"enum\": [") && lines[i].ends_with("\"" + aovs[0] + "\",")) {
       const std::string indent = lines[i].substr(0, lines[i].find('"'));
