@@ -10,11 +10,6 @@ namespace {
 /// Larger extinctions are the same medium to any float ray, and products of them would overflow.
 constexpr double kMaxSigmaT = 1e30;
 
-double clamp_albedo(double albedo) {
-  if (!(albedo > 0)) return 0;  // NaN too
-  return std::min(albedo, 1.0);
-}
-
 double invert_chiang2016(double a) {
   return std::exp(a * (-5.09406 + a * (2.61188 - a * 4.31805)));  // eq. 1
 }
@@ -95,11 +90,6 @@ float obtained_albedo(float albedo, AlbedoInversion inversion) {
 Rgb obtained_albedo(const Rgb& albedo, AlbedoInversion inversion) {
   return {obtained_albedo(albedo.r, inversion), obtained_albedo(albedo.g, inversion),
           obtained_albedo(albedo.b, inversion)};
-}
-
-double distance_scale(double albedo) {
-  const double a = clamp_albedo(albedo);
-  return 1.9 - a + 3.5 * (a - 0.8) * (a - 0.8);
 }
 
 Medium make_medium(const Rgb& albedo, const Rgb& scatter_distance, AlbedoInversion inversion, float g) {

@@ -117,15 +117,13 @@ struct MaterialNode {
 ///   A colour's constant NAME is in the rendering space, or, where NAME:colorSpace is the Token lin_rec709, in linear
 ///   Rec. 709. Setting NAME by a field or a description takes NAME:colorSpace away. The color of a light has
 ///   color:colorSpace.
-/// - AlabasterDisplacement: input `displacement`, connected to a texture; scale float, midlevel float, space Token
-///   normal|tangent|object. Points move by (value - midlevel) * scale in the mesh's object space: along the normal by
-///   one channel; or by the vector rgb, of which tangent space takes r along growing u, g along growing v, b along the
-///   normal.
-/// - AlabasterTexture: file AssetPath, layer Token (of an EXR), sourceColorSpace Token, wrapS / wrapT Token
-///   repeat|mirror|clamp|black, filter Token linear|nearest; st Token, the primvar that it is looked up by; stOffset
-///   Vec2f, stRotation float (radians), stScale Vec2f place it as KHR_texture_transform does; scale, bias Vec4f: value
-///   = texel * scale + bias. Outputs rgb, r, g, b, a. sourceColorSpace "auto" is sRGB or linear by the image's type for
-///   colours, raw for numbers (scatterDistance among them).
+/// - AlabasterDisplacement: input `displacement`, connected to a texture, and those of schemas/displacement_node.json.
+///   Points move by (value - midlevel) * scale in the mesh's object space: along the normal by one channel, or by the
+///   vector rgb.
+/// - AlabasterTexture: file AssetPath and the inputs of schemas/texture_node.json. Words and names are Tokens,
+///   transforms Vec2f and Vec4f: value = texel * scale + bias. Outputs rgb, r, g, b, a, and direction for
+///   anisotropicRotation. sourceColorSpace "auto" is sRGB or linear by the image's type for colours, raw for numbers
+///   (scatterDistance among them).
 /// - AlabasterPrimvar: the mesh's displayColor (outputs rgb, r, g, b) and displayOpacity (output a); 1 if it has none.
 /// - UsdPreviewSurface with UsdUVTexture, UsdTransform2d and UsdPrimvarReader_*, as specified; delegate/manual/usd.md
 ///   has what differs.

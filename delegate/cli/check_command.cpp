@@ -8,7 +8,6 @@
 #include "delegate/cli/commands.h"
 #include "delegate/cli/exit_codes.h"
 #include "delegate/cli/scene_session.h"
-#include "delegate/host/product_limits.h"
 
 namespace alabaster::cli {
 namespace {
@@ -49,8 +48,7 @@ int check_products(const SceneSession& session, const hd::DiagnosticSink& sink) 
   int code = kDone;
   for (const auto& [path, settings] : session.scene.GetAllRenderSettings())
     for (const hd::RenderProduct& product : settings.products) {
-      hd::host::ProductCheck check = hd::host::CheckProduct(product, session.colors(), sink);
-      if (check) check = hd::host::CheckProductSize(product, settings.window(), sink);
+      const hd::host::ProductCheck check = hd::host::CheckProduct(product, settings.window(), session.colors(), sink);
       if (!check && code != kRender) code = check.status == hd::host::ProductStatus::out_of_memory ? kRender : kInput;
     }
   return code;

@@ -59,6 +59,12 @@ inline int exit_code(hd::host::ProductStatus status, bool named) {
   return kRender;
 }
 
+/// Of a plan that is refused or made.
+inline int exit_code(const hd::host::FramePlan& plan, bool named) {
+  if (plan.product != hd::host::ProductStatus::done) return exit_code(plan.product, named);
+  return plan.status == hd::host::RecordStatus::done ? kDone : kInput;
+}
+
 /// The code of a command about files that the user names.
 inline int exit_code(hd::CommandStatus status) {
   return status == hd::CommandStatus::done ? kDone : status == hd::CommandStatus::out_of_memory ? kRender : kInput;

@@ -9,7 +9,6 @@
 #include "delegate/cli/render_options.h"
 #include "delegate/cli/scene_session.h"
 #include "delegate/cli/shell_word.h"
-#include "delegate/host/product_limits.h"
 #include "delegate/support/lookup.h"
 #include "delegate/support/nearest_name.h"
 
@@ -53,8 +52,11 @@ class FarmCommand {
     check_divisible("--tasks", session_, console_);
     const auto all = session_.scene.GetAllRenderSettings();
     const hd::RenderSettingsDescription& frame = all.at(session_.file.settings);
-    for (const hd::RenderProduct& product : products_)
-      if (!hd::host::CheckProductSize(product, frame.window(), console_.sink())) throw Exit{kUsage};
+    for (const hd::RenderProduct& product : products_) {
+      const auto check = hd::host::CheckProduct(product, frame.window(), session_.colors(), {});
+      const bool is_of_machine = check.status == hd::host::ProductStatus::output;  // others may have the folder
+      if (!check && !is_of_machine) console_.fail(exit_code(check.status, true), product.file, check.text);
+    }
     const auto found = frame.settings.find("samples");
     if (found == frame.settings.end())
       console_.usage_error("farm", "The scene does not say how many samples it needs: add --spp N.");

@@ -349,8 +349,9 @@ hd::description::LoadOptions load_options(const InfoArguments& a) {
 }
 
 // Those of SchemaText.
-const std::vector<std::string> kSchemas{"disney_material", "textures",           "mesh",           "lights", "camera",
-                                        "render_settings", "render_description", "quality_presets"};
+const std::vector<std::string> kSchemas{
+    "disney_material", "texture_node", "displacement_node", "textures",           "mesh",
+    "lights",          "camera",       "render_settings",   "render_description", "quality_presets"};
 
 void write_table_files(const std::string& sources, Console* console) {
   std::map<std::string, std::string> texts = hd::host::TableFiles();

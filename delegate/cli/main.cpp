@@ -303,9 +303,9 @@ CLI::App* add_info(CLI::App& app, InfoArguments* a) {
 
 CLI::App* add_schema(CLI::App& app, SchemaArguments* a) {
   CLI::App* c = app.add_subcommand("schema", "Prints a JSON schema, which lists every parameter.");
-  c->add_option(
-       "name", a->name,
-       "disney_material, textures, mesh, lights, camera, render_settings, render_description or quality_presets")
+  c->add_option("name", a->name,
+                "disney_material, texture_node, displacement_node, textures, mesh, lights, camera, render_settings, "
+                "render_description or quality_presets")
       ->type_name("NAME");
   c->add_option("--write", a->folder,
                 "Write the schemas, pages of the manual and stubs that are made from the tables of parameters, for "

@@ -11,7 +11,6 @@
 #include "delegate/cli/picture_inputs.h"
 #include "delegate/cli/render_options.h"
 #include "delegate/cli/shell_word.h"
-#include "delegate/host/product_limits.h"
 #include "delegate/support/lookup.h"
 
 namespace alabaster::cli {
@@ -177,10 +176,6 @@ class MergeCommand {
     frame->settings["firstSample"] = int64_t(0);
     if (!products_.empty()) take_colors(shown_);
     frame->products = products_;
-    for (const hd::RenderProduct& product : products_) {
-      require(exit_code(hd::host::CheckProduct(product, session_.colors(), console_.sink()).status, true));
-      if (!hd::host::CheckProductSize(product, frame->window(), console_.sink())) throw Exit{kUsage};
-    }
     session_.scene.SetRenderSettings(path_, std::move(*frame));
     const hd::Dictionary files{{"files", hd::Array<std::string>(parts)}};
     require_done("merge", session_.delegate()->InvokeCommand("showCheckpoints", files));
@@ -261,6 +256,8 @@ class MergeCommand {
     options.diagnostics = console_.sink();
     options.progress = [this](const hd::host::RecordProgress& progress) { console_.progress(progress); };
     options.writing = [] { set_writing(true); };
+    options.plan = hd::host::PlanFrame(session_.scene, path_, *session_.delegate(), options);
+    require(exit_code(options.plan, true));
     const hd::host::RecordResult result = hd::host::RecordFrame(session_.index(), &session_.scene, path_, options);
     console_.end_progress();
     for (const std::string& file : result.written) console_.note("wrote " + file);

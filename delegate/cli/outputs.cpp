@@ -5,8 +5,6 @@
 #include <map>
 
 #include "delegate/cli/command_words.h"
-#include "delegate/cli/exit_codes.h"
-#include "delegate/host/product_limits.h"
 #include "delegate/support/extension.h"
 #include "delegate/support/nearest_name.h"
 
@@ -69,15 +67,6 @@ std::vector<hd::RenderProduct> make_products(const PictureArguments& a, const st
     if (display_options) product.colorSpace.clear();
   }
   return products;
-}
-
-void check_products(const hd::RenderSettingsDescription& frame, const hd::host::OutputColors& colors, bool named,
-                    Console& console) {
-  for (const hd::RenderProduct& product : frame.products) {
-    hd::host::ProductCheck check = hd::host::CheckProduct(product, colors, console.sink());
-    if (check) check = hd::host::CheckProductSize(product, frame.window(), console.sink());
-    require(exit_code(check.status, named));
-  }
 }
 
 std::string frame_file(const std::string& file, uint32_t frame) {

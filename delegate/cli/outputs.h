@@ -11,11 +11,6 @@ namespace alabaster::cli {
 std::vector<hd::RenderProduct> make_products(const PictureArguments& arguments,
                                              const std::vector<hd::RenderProduct>& existing, const char* command,
                                              Console& console);
-/// Checks the products of a frame and their sizes before anything is rendered. `named`: the command names what they are
-/// and how they are shown, and not a file. Ends the command after a report.
-void check_products(const hd::RenderSettingsDescription& frame, const hd::host::OutputColors& colors, bool named,
-                    Console& console);
-
 /// `file` with the last '#'s of its name replaced by the frame's number, which has leading zeros to their count. Empty
 /// if the name has none.
 std::string frame_file(const std::string& file, uint32_t frame);

@@ -174,7 +174,7 @@ class ProbeRenders {
     for (size_t i = 0; i < products.size(); ++i) {
       products[i].within.clear();
       products[i].file = folder / (std::to_string(i) + fs::path(products[i].file).extension().string());
-      if (!hd::host::CheckProduct(products[i], session_.colors(), {})) return {};
+      if (!hd::host::CheckProduct(products[i], full_.window(), session_.colors(), {})) return {};
     }
     return products;
   }

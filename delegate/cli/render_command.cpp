@@ -29,7 +29,7 @@ class RenderCommand {
     check_outputs();
     load();
     require_inputs(a_.inputs, session_, a_.scene, &console_);
-    if (!a_.pixel) plan_products();
+    if (!a_.pixel) set_products();
     session_.start(console_.sink());
     if (a_.pixel) return trace_pixel();
     const int code = render();
@@ -61,7 +61,7 @@ class RenderCommand {
       if (is_wrong) console_.usage_error(flag, text);
   }
 
-  // Checks what is written before the scene is read. The files of a description are checked once it is loaded.
+  // Checks the flags about files before the scene is read. Whether products can be written is planned with its frames.
   void check_outputs() {
     if (!a_.frames.empty()) check_frame_names(a_.outputs);
     check_checkpoint_files(a_, console_);
@@ -70,12 +70,7 @@ class RenderCommand {
     if (!a_.checkpoint.empty()) files.push_back(a_.checkpoint);
     console_.require_usage("render", same_file_twice(files));
     if (!a_.stats.empty()) console_.require(kOutput, a_.stats, hd::support::OutputFault(a_.stats));
-    if (a_.outputs.empty()) return;
-    // The scene may name the OCIO config, so names of displays are checked once it is loaded.
-    for (hd::RenderProduct product : make_products(a_, {}, "render", console_)) {
-      product.display = product.view = product.look = "";
-      require(exit_code(hd::host::CheckProduct(product, {"built-in"}, console_.sink()).status, true));
-    }
+    if (!a_.outputs.empty()) products_ = make_products(a_, {}, "render", console_);
   }
 
   void check_frame_names(const std::vector<std::string>& files) {
@@ -103,8 +98,8 @@ class RenderCommand {
     return paths;
   }
 
-  // Gives every render its products, and checks all files before anything is rendered.
-  void plan_products() {
+  // Gives every render its products.
+  void set_products() {
     check_parts(a_, session_, settings_paths().size(), console_);
     if (a_.samples && a_.outputs.empty()) {
       part_aovs_ = take_part_aovs(a_, &session_, &of_frame_);
@@ -117,17 +112,14 @@ class RenderCommand {
     for (const hd::Path& path : settings_paths())
       described.insert(described.end(), all.at(path).products.begin(), all.at(path).products.end());
     if (a_.outputs.empty() && described.empty()) refuse_without_output();
-    const auto products = make_products(a_, described, "render", console_);
-    check_names(products);
-    auto next = products.begin();
+    if (a_.outputs.empty()) products_ = make_products(a_, described, "render", console_);
+    check_names(products_);
+    auto next = products_.begin();
     for (const hd::Path& path : settings_paths()) {
       hd::RenderSettingsDescription settings = all.at(path);
-      const auto end = a_.outputs.empty() ? next + std::ptrdiff_t(settings.products.size()) : products.end();
+      const auto end = a_.outputs.empty() ? next + std::ptrdiff_t(settings.products.size()) : products_.end();
       settings.products.assign(next, end);
       next = end;
-      // An invalid product is a fault of the command line or of the description.
-      const bool named = !a_.outputs.empty() || !a_.display.empty() || !a_.view.empty() || !a_.look.empty();
-      check_products(settings, session_.colors(), named, console_);
       session_.scene.SetRenderSettings(path, std::move(settings));
     }
   }
@@ -197,25 +189,34 @@ class RenderCommand {
     return code;
   }
 
+  // All renders of the frame are planned before the first begins.
   int render_frame() {
-    int code = kDone;
+    // An invalid product is a fault of the command line or of the description.
+    const bool named = !a_.outputs.empty() || !a_.display.empty() || !a_.view.empty() || !a_.look.empty();
+    std::vector<hd::host::RecordOptions> renders;
     for (const hd::Path& path : settings_paths()) {
-      hd::host::RecordOptions options;
-      set_writing(false);
+      hd::host::RecordOptions& options = renders.emplace_back();
       options.colors = session_.colors();
       options.keep_going = a_.keep_going;
       options.aovs = part_aovs_;
       options.of_frame = of_frame_;
-      const hd::RenderSettingsDescription frame = session_.scene.GetAllRenderSettings().at(path);
-      set_checkpoint(a_, frame, console_, &options);
+      set_checkpoint(a_, session_.scene.GetRenderSettings(path), console_, &options);
       options.cancel = &interrupted();
       options.diagnostics = console_.sink();
-      options.progress = [&](const hd::host::RecordProgress& progress) {
+      options.writing = [] { set_writing(true); };
+      options.plan = hd::host::PlanFrame(session_.scene, path, *session_.delegate(), options);
+      if (const int refused = exit_code(options.plan, named); refused != kDone) return refused;
+    }
+    int code = kDone;
+    auto options = renders.begin();
+    for (const hd::Path& path : settings_paths()) {
+      const hd::RenderSettingsDescription frame = session_.scene.GetRenderSettings(path);
+      set_writing(false);
+      options->progress = [&](const hd::host::RecordProgress& progress) {
         if (progress.fraction > 0) set_worth_saving(true);
         messages_.progress(frame, progress);
       };
-      options.writing = [] { set_writing(true); };
-      const RecordResult result = hd::host::RecordFrame(session_.index(), &session_.scene, path, options);
+      const RecordResult result = hd::host::RecordFrame(session_.index(), &session_.scene, path, *options++);
       console_.end_progress();
       stats_.add_render(frame, result);
       written_.insert(written_.end(), result.written.begin(), result.written.end());
@@ -329,6 +330,7 @@ class RenderCommand {
   SceneSession session_{!a_.frames.empty()};
   RenderMessages messages_{a_, session_, &console_};
   RunStats stats_;
+  std::vector<hd::RenderProduct> products_;
   std::vector<std::string> written_;
   std::vector<std::string> part_aovs_;  // of a part without files
   std::vector<hd::RenderProduct> of_frame_;

@@ -10,11 +10,10 @@
 #include "core/subsurface/medium.h"
 #include "delegate/gltf/gltf_material_builder.h"
 #include "delegate/support/nearest_name.h"
+#include "delegate/support/surface_formulas.h"
 
 namespace alabaster::hd::gltf {
 namespace {
-
-constexpr double kF0 = 0.04;  // of ior 1.5
 
 // A material's base colour and opacity, whichever model has them.
 struct BaseColor {
@@ -44,7 +43,7 @@ void set_specular_glossiness(MaterialBuilder* material) {
   const TextureUse texture = material->texture(kGlossiness, "specularGlossinessTexture");
   const double glossiness = material->number(kGlossiness, "glossinessFactor");
   material->set("metallic", 0.0);
-  material->set("specularColor", specular * float(1 / kF0));
+  material->set("specularColor", specular * support::kSpecularColorOfOne);
   material->connect("specularColor", texture, color_reading());
   if (texture.index < 0) {
     material->set("baseColor", material->color_set("baseColor") * (1 - std::max({specular.x, specular.y, specular.z})));
@@ -96,7 +95,7 @@ void set_emission(MaterialBuilder* material) {
 void set_dielectric(MaterialBuilder* material) {
   double ior = material->number(kIor, "ior");
   Vec3f tint(1);
-  if (ior == 0) tint = Vec3f(float(1 / kF0));  // "reflects everything": f0 is specularColor itself
+  if (ior == 0) tint = Vec3f(support::kSpecularColorOfOne);  // "reflects everything": f0 is specularColor itself
   if (ior > 0 && ior < 1)
     material->say(Severity::warning, "material.ior", "extensions.KHR_materials_ior.ior",
                   "is below 1, which is not supported; 1.5 is used");

@@ -161,11 +161,12 @@ class Recording {
   /// Catches everything: the host's callbacks, memory and threads may all fail.
   RecordResult run() noexcept {
     try {
-      // Held, because its files may vanish while the picture is made. CheckFrame reports one that cannot be read, and
-      // has the tables read that its products need.
-      options_.colors.held = options_.colors.config({});
-      end(CheckFrame(*scene_, settings_, *delegate_, options_, &requests_));
-      for (at_ = 0; at_ < requests_.size() && succeeded(); ++at_) record();
+      FramePlan& plan = options_.plan;
+      if (!plan.pictures) plan = PlanFrame(*scene_, settings_, *delegate_, options_);
+      options_.colors.held = plan.colors;
+      end(plan);
+      if (plan.pictures)
+        for (at_ = 0; at_ < plan.pictures->size() && succeeded(); ++at_) record();
     } catch (const std::exception& e) {
       refuse_exception(e.what());
     } catch (...) {
@@ -198,7 +199,7 @@ class Recording {
 
   void end(RecordEnd end) { static_cast<RecordEnd&>(result_) = std::move(end); }
   bool succeeded() const { return result_.status == RecordStatus::done || result_.status == RecordStatus::degraded; }
-  const FrameRequest& request() const { return requests_[at_]; }
+  const FrameRequest& request() const { return (*options_.plan.pictures)[at_]; }
 
   void record() {
     rendered_ = false;
@@ -400,7 +401,7 @@ class Recording {
     const Dictionary stats = delegate_->GetRenderStats();
     RecordProgress p;
     const double fraction = number_in(stats, "fractionDone");
-    p.fraction = (static_cast<double>(at_) + fraction) / static_cast<double>(requests_.size());
+    p.fraction = (static_cast<double>(at_) + fraction) / static_cast<double>(options_.plan.pictures->size());
     p.seconds = seconds_since(started_);
     const double rays = number_in(stats, "rays.camera") + number_in(stats, "rays.bounce") +
                         number_in(stats, "rays.shadow") + number_in(stats, "rays.walk");
@@ -454,7 +455,7 @@ class Recording {
     image->incomplete = result_.status == RecordStatus::interrupted;
     image->metadata = metadata();
     if (options_.picture) options_.picture(*image);
-    const auto written = WriteProducts(d.products, *image, options_.colors, options_.diagnostics);
+    const auto written = write_planned(request().files, *image, options_.diagnostics);
     result_.written.insert(result_.written.end(), written.begin(), written.end());
     const bool interrupted = result_.status == RecordStatus::interrupted;
     const auto fail = [&](const char* code, std::string text) {
@@ -474,8 +475,7 @@ class Recording {
   RenderDelegate* delegate_;
   Path settings_;
   RecordOptions options_;
-  std::vector<FrameRequest> requests_;  // by picture
-  size_t at_ = 0;                       // the picture that is recorded
+  size_t at_ = 0;  // the picture of the plan that is recorded
   RecordedCheckpoints checkpoints_;
   std::map<std::string, OwnBuffer> buffers_;  // by AOV
   Clock::time_point started_;

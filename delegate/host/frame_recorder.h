@@ -13,6 +13,21 @@ namespace alabaster::hd::host {
 /// `render_failed`: also where memory was refused, to whatever it was.
 enum class RecordStatus { done, input_failed, render_failed, output_failed, interrupted, degraded };
 
+/// How a recording ended. Where it failed, `cause` is the code of the report about it ("record.scene"), and `text` says
+/// the same to people.
+struct RecordEnd {
+  RecordStatus status = RecordStatus::done;
+  std::string cause, text;
+};
+
+struct FrameRequest;
+/// What RecordFrame will render and write, checked before anything is rendered.
+struct FramePlan : RecordEnd {                  // `done`: nothing is known that would fail
+  ProductStatus product = ProductStatus::done;  // the fault of a file, if that is why it cannot be rendered
+  std::shared_ptr<const ColorConfig> colors;    // held, because its files may vanish while the picture is made
+  std::shared_ptr<const std::vector<FrameRequest>> pictures;  // null: there is no plan
+};
+
 struct RecordProgress {
   double fraction = 0;
   double seconds = 0;  // since rendering began
@@ -40,19 +55,13 @@ struct RecordOptions {
   /// Polled at least every 20 ms. Once it is set the render ends, and the samples so far are written, marked
   /// incomplete.
   const std::atomic<bool>* cancel = nullptr;
+  FramePlan plan;  // PlanFrame's of the same settings and options; without pictures RecordFrame makes its own
   // Called from the calling thread. They may edit the scene, and even depopulate it: the recording owns its buffers.
   std::function<void(const RecordProgress&)> progress;  // about ten times a second
   std::function<void()> writing;                        // once a picture, when its files are to be written
   std::function<void(const ProductImage&)>
       picture;  // called once with each picture; its pixels are valid during the call
   DiagnosticSink diagnostics;
-};
-
-/// How a recording ended. Where it failed, `cause` is the code of the report about it ("record.scene"), and `text` says
-/// the same to people.
-struct RecordEnd {
-  RecordStatus status = RecordStatus::done;
-  std::string cause, text;
 };
 
 struct RecordResult : RecordEnd {
@@ -62,13 +71,19 @@ struct RecordResult : RecordEnd {
   std::vector<std::string> written;  // files
 };
 
-/// `settings`: path of a RenderSettings prim that `scene` knows. Makes a render buffer for every AOV that the products
-/// name (color if there is no product), syncs, renders to convergence and writes the products: a picture for each
-/// camera and size that they have, one after the other, and `stats` of the last. Throws nothing: an
-/// exception of a callback of `options` fails the recording. Where the denoiser fails, files show color in the place of
-/// AOV denoised, and the status is output_failed; it also is where the last checkpoint could not be written. However it
-/// ends, its render buffers are destroyed and the delegate's settings are as before. A delegate that is stopped renders
-/// nothing and stays stopped.
+/// Refuses, with a report, every frame that is known to fail: a bad size, crop or camera transform, an AOV that
+/// `delegate` lacks, a product that cannot be written, a checkpoint of several pictures. A camera that does not exist
+/// is the pass's to refuse.
+ALABASTER_API FramePlan PlanFrame(const RetainedSceneDelegate& scene, const Path& settings,
+                                  const RenderDelegate& delegate, const RecordOptions& options);
+
+/// `settings`: path of a RenderSettings prim that `scene` knows. Plans the frame, if RecordOptions::plan does not.
+/// Makes a render buffer for every AOV that the products name (color if there is no product), syncs, renders to
+/// convergence and writes the products: a picture for each camera and size that they have, one after the other, and
+/// `stats` of the last. Throws nothing: an exception of a callback of `options` fails the recording. Where the denoiser
+/// fails, files show color in the place of AOV denoised, and the status is output_failed; it also is where the last
+/// checkpoint could not be written. However it ends, its render buffers are destroyed and the delegate's settings are
+/// as before. A delegate that is stopped renders nothing and stays stopped.
 ALABASTER_API RecordResult RecordFrame(RenderIndex* index, RetainedSceneDelegate* scene, const Path& settings,
                                        const RecordOptions& options);
 

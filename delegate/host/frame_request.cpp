@@ -4,9 +4,8 @@
 #include <cmath>
 
 #include "core/film/aov.h"
+#include "core/math/float_environment.h"
 #include "core/math/transform.h"
-#include "delegate/host/product_limits.h"
-#include "delegate/host/product_plan.h"
 #include "delegate/support/nearest_name.h"
 #include "delegate/support/size_text.h"
 
@@ -103,11 +102,14 @@ std::vector<FrameRequest> pictures_of(const RenderSettingsDescription& settings)
 
 }  // namespace
 
-RecordEnd CheckFrame(const RetainedSceneDelegate& scene, const Path& settings, const RenderDelegate& delegate,
-                     const RecordOptions& options, std::vector<FrameRequest>* requests) {
-  const auto refusal = [&](const Fault& fault) -> RecordEnd {
+FramePlan PlanFrame(const RetainedSceneDelegate& scene, const Path& settings, const RenderDelegate& delegate,
+                    const RecordOptions& options) {
+  const FloatEnvironment environment;
+  FramePlan plan;
+  const auto refusal = [&](const Fault& fault) {
     if (options.diagnostics) options.diagnostics({Severity::error, fault.code, settings.str(), fault.text});
-    return {RecordStatus::input_failed, fault.code, fault.text};
+    static_cast<RecordEnd&>(plan) = {RecordStatus::input_failed, fault.code, fault.text};
+    return plan;
   };
   const auto found = scene.GetAllRenderSettings().find(settings);
   if (found == scene.GetAllRenderSettings().end())
@@ -116,31 +118,42 @@ RecordEnd CheckFrame(const RetainedSceneDelegate& scene, const Path& settings, c
   if (!options.products.empty()) all.products = options.products;
   const bool denoise = wants_denoised(all, delegate);
   for (RenderProduct& product : all.products) product.denoise = product.denoise.value_or(denoise);
-  *requests = pictures_of(all);
-  for (const FrameRequest& picture : *requests) {
+
+  // The pictures
+  std::vector<FrameRequest> pictures = pictures_of(all);
+  for (const FrameRequest& picture : pictures) {
     if (const Fault fault = request_fault(picture.description); fault.code) return refusal(fault);
     if (const Fault fault = camera_fault(scene, picture.description.camera); fault.code) return refusal(fault);
   }
-  if (requests->size() > 1 && (options.resume || !options.checkpoint.empty()))
+  if (pictures.size() > 1 && (options.resume || !options.checkpoint.empty()))
     return refusal(
         {"record.checkpoint",
          "a checkpoint holds one picture, but the products have several cameras or sizes: render them one by one"});
-  for (const FrameRequest& picture : *requests)
+
+  // Their files. A configuration that cannot be read is a product's fault.
+  OutputColors colors = options.colors;
+  colors.held = plan.colors = colors.config({});
+  for (FrameRequest& picture : pictures)
     for (const RenderProduct& product : picture.description.products) {
-      ProductCheck check = CheckProduct(product, options.colors, options.diagnostics);
-      if (check) check = CheckProductSize(product, picture.description.window(), options.diagnostics);
+      const ProductCheck check = plan_product(product, picture.description.window(), colors, options.diagnostics,
+                                              &picture.files.emplace_back());
+      if (check) continue;
       const bool memory = check.status == ProductStatus::out_of_memory;
-      if (!check)
-        return {memory ? RecordStatus::render_failed : RecordStatus::output_failed, "record.product",
-                "'" + product.file + "': " + check.text};
+      static_cast<RecordEnd&>(plan) = {memory ? RecordStatus::render_failed : RecordStatus::output_failed,
+                                       "record.product", "'" + product.file + "': " + check.text};
+      plan.product = check.status;
+      return plan;
     }
-  for (FrameRequest& picture : *requests) {
+
+  // Their AOVs
+  for (FrameRequest& picture : pictures) {
     picture.aovs = aovs_of(picture.description.products);
     if (denoise && picture.aovs.contains("color")) picture.aovs.insert("denoised");  // else color would show it
     picture.aovs.insert(options.aovs.begin(), options.aovs.end());
     if (const Fault fault = aov_fault(delegate, picture.aovs); fault.code) return refusal(fault);
   }
-  return {};
+  plan.pictures = std::make_shared<const std::vector<FrameRequest>>(std::move(pictures));
+  return plan;
 }
 
 std::string NoSuchAov(const std::string& name) {

@@ -67,6 +67,16 @@ bool fits(const OtherParameter& row, const Value& value) {
   return value.type() == row.type.type && value.is_array() == row.type.is_array;
 }
 constexpr FieldType kText = {ALABASTER_STRING, false};
+constexpr OtherParameter kOfTextures[] = {
+    {"file", kText, "a file",
+     R"({"type": "string", "default": "", "unit": "none", "description": "Image file; <UDIM> in its name stands for the numbers of a set of images."})"},
+    {"layer", kText, "a layer",
+     R"({"type": "string", "default": "", "unit": "none", "description": "Layer of an EXR; empty: the picture."})"},
+    {"sourceColorSpace", kText, "a colour space",
+     R"({"type": "string", "default": "auto", "unit": "none", "description": "auto (sRGB or linear by the image's type for colours, raw for numbers), sRGB, raw, linear, or a name of the OpenColorIO configuration."})"},
+    {"st", kText, "a primvar",
+     R"({"type": "string", "default": "st", "unit": "none", "description": "Primvar that the image is looked up by."})"}};
+constexpr OtherParameter kOfDisplacements[] = {{"displacement", {ALABASTER_PATH, false}, "connected to a texture"}};
 constexpr OtherParameter kOfMeshes[] = {
     {"subsurfaceSet", kText, "a name",
      R"({"type": "string", "minLength": 1, "default": "", "unit": "none", "description": "Set of objects that scatter light below the surface as one body, their union; byMaterial makes a set for each material. Without it each object scatters by itself."})"}};
@@ -213,9 +223,6 @@ std::vector<MaterialConnection> connections_of(const Path& id, const Value& valu
 
 constexpr const char* kTerminals[] = {"surface", "displacement", "volume"};
 constexpr const char* kOtherDisneyInputs[] = {"normal", "coatNormal", "bump"};
-constexpr const char* kTextureInputs[] = {"file", "layer",    "sourceColorSpace", "wrapS",   "wrapT", "filter",
-                                          "st",   "stOffset", "stRotation",       "stScale", "scale", "bias"};
-constexpr const char* kDisplacementInputs[] = {"displacement", "scale", "midlevel", "space"};
 
 // Tables --------------------------------------------------------------------------------------------
 constexpr Field open(const char* name, FieldType type, const char* text, const Limits& limits = {}) {
@@ -287,11 +294,11 @@ std::string unknown_input(const std::string& node, const std::string& input, con
 }
 
 std::string check_input(const std::string& node, const Token& type, const std::string& input, const Value& value) {
-  const auto known = [&](const auto& names) {
-    return is_among(input, names) ? std::string() : unknown_input(node, input, {std::begin(names), std::end(names)});
+  const auto known = [&](const std::vector<std::string>& names) {
+    return std::count(names.begin(), names.end(), input) > 0 ? "" : unknown_input(node, input, names);
   };
-  if (type == Token("AlabasterTexture")) return known(kTextureInputs);
-  if (type == Token("AlabasterDisplacement")) return known(kDisplacementInputs);
+  if (type == Token("AlabasterTexture")) return known(parameter_names("texture_node"));
+  if (type == Token("AlabasterDisplacement")) return known(parameter_names("displacement_node"));
   if (!(type == Token("AlabasterDisney"))) return {};
   if (is_among(input, kOtherDisneyInputs))
     return value.empty() ? "" : fault_text(node + "." + input, "connected: a path \"NODE.OUTPUT\"", value);
@@ -594,7 +601,8 @@ std::string finish(const MaterialNetwork& network) {
 
 const std::span<const Field> kOpenOfMeshes = kMeshes, kOpenOfInstancers = kInstancers, kOpenOfMaterials = kMaterials,
                              kOpenOfSettings = kOpenSettings;
-const std::span<const OtherParameter> kOtherOfMeshes = kOfMeshes, kOtherOfLights = kOfLights,
+const std::span<const OtherParameter> kOtherOfTextures = kOfTextures, kOtherOfDisplacements = kOfDisplacements,
+                                      kOtherOfMeshes = kOfMeshes, kOtherOfLights = kOfLights,
                                       kOtherOfCameras = kOfCameras;
 
 std::vector<std::string> LightParameterNames() {

@@ -7,6 +7,7 @@
 #include "core/camera/camera.h"
 #include "core/light/light_parameters.h"
 #include "core/material/disney_material.h"
+#include "core/material/node_inputs.h"
 #include "core/scene/mesh_options.h"
 #include "core/session/render_settings.h"
 #include "delegate/host/field.h"
@@ -60,13 +61,16 @@ struct OtherParameter {
 };
 /// The name of a light's parameter without the namespace "inputs:", which it has in UsdLux.
 std::string without_inputs_namespace(const std::string& name);
-extern const std::span<const OtherParameter> kOtherOfMeshes, kOtherOfLights, kOtherOfCameras;
+extern const std::span<const OtherParameter> kOtherOfTextures, kOtherOfDisplacements, kOtherOfMeshes, kOtherOfLights,
+    kOtherOfCameras;
 
 /// Calls visit(rows, defaults, others) with core's table of the parameters of a schema.
 template <class Visit>
 void visit_table(std::string_view schema, const Visit& visit) {
   const std::span<const OtherParameter> none;
   if (schema == "disney_material") visit(material_parameters(), DisneyParameters(), none);
+  if (schema == "texture_node") visit(texture_inputs(), TextureInputs(), kOtherOfTextures);
+  if (schema == "displacement_node") visit(displacement_inputs(), DisplacementInputs(), kOtherOfDisplacements);
   if (schema == "mesh") visit(mesh_parameters(), MeshOptions(), kOtherOfMeshes);
   if (schema == "lights") visit(light_parameters(), alabaster::LightParameters(), kOtherOfLights);
   if (schema == "camera") visit(camera_parameters(), CameraParameters(), kOtherOfCameras);

@@ -114,7 +114,7 @@ void add_parameters(const std::string& schema, const std::string& prefix, std::v
 
 std::string cell(const std::string& text) {
   std::string out;
-  for (const char c : text) out += c == '|' ? "\\|" : std::string(1, c);
+  for (const char c : text) out += c == '|' ? "\\|" : c == '<' ? "&lt;" : std::string(1, c);
   return " " + out + " |";
 }
 std::string code(const std::string& text) {
@@ -192,6 +192,12 @@ void AddParameterPages(std::map<std::string, std::string>* files) {
     add_fields(kind.open, &rows);
     rows.insert(rows.end(), parameters.begin(), parameters.end());
     (*files)[folder + python_name(kind.name) + ".md"] = page_text(kind.name, rows);
+  }
+  for (const auto& [page, schema] :
+       {std::pair{"AlabasterTexture", "texture_node"}, std::pair{"AlabasterDisplacement", "displacement_node"}}) {
+    std::vector<Row> rows;
+    add_parameters(schema, "NODE.", &rows);
+    (*files)[folder + schema + ".md"] = page_text(page, rows);
   }
   std::vector<Row> product;
   add_fields(kProductFields, &product);

@@ -12,8 +12,7 @@
 #include "core/files/real_path.h"
 #include "core/images/format_limits.h"
 #include "core/math/float_environment.h"
-#include "delegate/host/output_transform.h"
-#include "delegate/host/product_limits.h"
+#include "delegate/host/planned_product.h"
 #include "delegate/host/product_metadata.h"
 #include "delegate/host/product_pixels.h"
 #include "delegate/support/output_file.h"
@@ -229,10 +228,6 @@ std::string lines(const std::string& title, const std::vector<std::string>& name
   return text;
 }
 
-}  // namespace
-
-namespace {
-
 ProductStatus status_of(const std::string& code) {
   if (code.starts_with("ocio.")) return ProductStatus::colors;
   if (code == "product.invalid") return ProductStatus::invalid;
@@ -240,63 +235,32 @@ ProductStatus status_of(const std::string& code) {
   return code == "product.memory" ? ProductStatus::out_of_memory : ProductStatus::output;
 }
 
-/// Runs a check, which reports its faults; the last error is the cause.
-template <class Check>
-ProductCheck run_check(const RenderProduct& product, const DiagnosticSink& sink, const Check& check) {
-  const FloatEnvironment environment;
-  ProductCheck result;
-  const DiagnosticSink noted = [&](const Diagnostic& diagnostic) {
-    if (diagnostic.severity == Severity::error) result = {status_of(diagnostic.code), diagnostic.text};
-    if (sink) sink(diagnostic);
-  };
-  bool ok = false;
+bool make_plan(const RenderProduct& product, const OutputColors& colors, const DiagnosticSink& sink,
+               PlannedProduct* planned) {
+  std::string error;
+  planned->product = product;
+  if (!PlanProduct(product, planned->plan, error)) return fail(sink, "product.invalid", product.file, error);
+  return make_output_transform(product, planned->plan, colors, sink, planned->out);
+}
+
+/// False after a report, too, where `plan` throws.
+template <class Plan>
+bool guarded(const RenderProduct& product, const DiagnosticSink& sink, const Plan& plan) {
   try {
-    ok = check(noted);
+    return plan();
   } catch (const MemoryRefused& e) {
-    fail(noted, "product.memory", product.file, e.what());
+    return fail(sink, "product.memory", product.file, e.what());
   } catch (const std::exception& e) {
-    fail(noted, "product.invalid", product.file, std::string(e.what()) + "; check the product's settings");
+    return fail(sink, "product.invalid", product.file, std::string(e.what()) + "; check the product's settings");
   }
-  return ok ? ProductCheck() : result;
 }
 
-}  // namespace
-
-ProductCheck CheckProduct(const RenderProduct& product, const OutputColors& colors, const DiagnosticSink& sink) {
-  return run_check(product, sink, [&](const DiagnosticSink& noted) {
-    ProductPlan plan;
-    std::string error;
-    if (!PlanProduct(product, plan, error)) return fail(noted, "product.invalid", product.file, error);
-    if (!check_output(product, noted)) return false;
-    if (!image_functions(&error)) return fail(noted, "images.library", product.file, error);
-    OutputTransform out;
-    if (!make_output_transform(product, plan, colors, noted, out)) return false;
-    if (plan.kind == FileKind::exr && !plan.display_referred) report_unknown_primaries(*out.config, to_core(noted));
-    report_untagged(product, plan, out, noted);
-    return true;
-  });
-}
-
-ProductCheck CheckProductSize(const RenderProduct& product, const Rect2i& window, const DiagnosticSink& sink) {
-  return run_check(product, sink, [&](const DiagnosticSink& noted) {
-    ProductPlan plan;
-    std::string error;
-    if (PlanProduct(product, plan, error)) error = window_fault(plan, window);
-    return error.empty() || fail(noted, "product.invalid", product.file, error);
-  });
-}
-
-namespace {
-
-bool write_product(const RenderProduct& product, const ProductImage& image, const OutputColors& colors,
-                   const DiagnosticSink& sink) {
+bool write_product(const PlannedProduct& planned, const ProductImage& image, const DiagnosticSink& sink) {
+  const auto& [product, whole_plan, out] = planned;
   try {
-    ProductPlan plan;
+    ProductPlan plan = whole_plan;
+    if (!check_image(product, image, plan, sink)) return false;
     std::string error;
-    if (!PlanProduct(product, plan, error)) return fail(sink, "product.invalid", product.file, error);
-    OutputTransform out;
-    if (!check_image(product, image, plan, sink) || !make_output_transform(product, plan, colors, sink, out))
-      return false;
     const ImageFunctions* images = image_functions(&error);
     if (!images) return fail(sink, "images.library", product.file, error);
     ImageDescription description = describe(plan, image, out);
@@ -327,8 +291,37 @@ bool write_product(const RenderProduct& product, const ProductImage& image, cons
 
 }  // namespace
 
-std::vector<std::string> WriteProducts(const std::vector<RenderProduct>& products, const ProductImage& image,
-                                       const OutputColors& colors, const DiagnosticSink& sink) {
+ProductCheck plan_product(const RenderProduct& product, const Rect2i& window, const OutputColors& colors,
+                          const DiagnosticSink& sink, PlannedProduct* planned) {
+  const FloatEnvironment environment;
+  ProductCheck fault;  // the last error is the cause
+  const DiagnosticSink noted = [&](const Diagnostic& diagnostic) {
+    if (diagnostic.severity == Severity::error) fault = {status_of(diagnostic.code), diagnostic.text};
+    if (sink) sink(diagnostic);
+  };
+  const bool ok = guarded(product, noted, [&] {
+    if (!make_plan(product, colors, noted, planned)) return false;
+    const ProductPlan& plan = planned->plan;
+    std::string error = window_fault(plan, window);
+    if (!error.empty()) return fail(noted, "product.invalid", product.file, error);
+    if (!check_output(product, noted)) return false;
+    if (!image_functions(&error)) return fail(noted, "images.library", product.file, error);
+    if (plan.kind == FileKind::exr && !plan.display_referred)
+      report_unknown_primaries(*planned->out.config, to_core(noted));
+    report_untagged(product, plan, planned->out, noted);
+    return true;
+  });
+  return ok ? ProductCheck() : fault;
+}
+
+ProductCheck CheckProduct(const RenderProduct& product, const Rect2i& window, const OutputColors& colors,
+                          const DiagnosticSink& sink) {
+  PlannedProduct planned;
+  return plan_product(product, window, colors, sink, &planned);
+}
+
+std::vector<std::string> write_planned(const std::vector<PlannedProduct>& products, const ProductImage& image,
+                                       const DiagnosticSink& sink) {
   const FloatEnvironment environment;
   std::mutex mutex;
   const DiagnosticSink one_at_a_time = [&](const Diagnostic& diagnostic) {
@@ -340,12 +333,23 @@ std::vector<std::string> WriteProducts(const std::vector<RenderProduct>& product
   tbb::task_arena arena;
   arena.execute([&] {
     tbb::parallel_for(size_t(0), products.size(),
-                      [&](size_t i) { written[i] = write_product(products[i], image, colors, one_at_a_time); });
+                      [&](size_t i) { written[i] = write_product(products[i], image, one_at_a_time); });
   });
   std::vector<std::string> files;
   for (size_t i = 0; i < products.size(); ++i)
-    if (written[i]) files.push_back(products[i].file);
+    if (written[i]) files.push_back(products[i].product.file);
   return files;
+}
+
+std::vector<std::string> WriteProducts(const std::vector<RenderProduct>& products, const ProductImage& image,
+                                       const OutputColors& colors, const DiagnosticSink& sink) {
+  const FloatEnvironment environment;
+  std::vector<PlannedProduct> planned;
+  for (const RenderProduct& product : products) {
+    PlannedProduct one;
+    if (guarded(product, sink, [&] { return make_plan(product, colors, sink, &one); })) planned.push_back(one);
+  }
+  return write_planned(planned, image, sink);
 }
 
 std::string DescribeColors(const OutputColors& colors, const DiagnosticSink& sink) {

@@ -66,9 +66,10 @@ struct ProductCheck {
   explicit operator bool() const { return status == ProductStatus::done; }
 };
 
-/// Checks a product before anything is rendered: extension, data type, AOVs, folder and its permissions, and that the
-/// config knows its colour space, or its display and view.
-ALABASTER_API ProductCheck CheckProduct(const RenderProduct& product, const OutputColors& colors,
+/// Checks a product before anything is rendered: extension, data type, AOVs, that its kind of file holds the pixels of
+/// `window` (RenderSettingsDescription::window()), folder and its permissions, and that the config knows its colour
+/// space, or its display and view.
+ALABASTER_API ProductCheck CheckProduct(const RenderProduct& product, const Rect2i& window, const OutputColors& colors,
                                         const DiagnosticSink& sink);
 
 /// Writes all products at once and returns the files that were written, in the order of `products`. A failure is

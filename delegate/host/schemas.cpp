@@ -20,6 +20,13 @@ constexpr Schema kSchemas[] = {
     {"disney_material", "Disney BSDF parameters",
      "Parameters of the surface node AlabasterDisney (Burley 2012, Burley 2015). Values outside a range are clamped by "
      "the renderer and refused in a render description."},
+    {"texture_node", "Inputs of AlabasterTexture",
+     "An image, the node AlabasterTexture: texel * scale + bias. Outputs are rgb, r, g, b, a, and direction: the turns "
+     "of "
+     "the vector that red and green hold, for anisotropicRotation."},
+    {"displacement_node", "Inputs of AlabasterDisplacement",
+     "The node AlabasterDisplacement moves the points of refined meshes by (displacement - midlevel) * scale in the "
+     "mesh's object space."},
     {"mesh", "Mesh options",
      "Options of mesh prims: fields of a mesh, and constant primvars of these names of a scene delegate."},
     {"lights", "Light parameters",
@@ -70,6 +77,10 @@ Form form_of(const Row& row, const T& defaults) {
           add_range(row.minimum, row.maximum, &item);
           form.type = {{"type", "array"}, {"items", item}, {"minItems", 3}, {"maxItems", 3}};
           form.fallback = {number_of(double(value.r)), number_of(double(value.g)), number_of(double(value.b))};
+        } else if constexpr (requires { Member::dimensions(); }) {
+          const unsigned count = Member::dimensions();
+          form.type = {{"type", "array"}, {"items", {{"type", "number"}}}, {"minItems", count}, {"maxItems", count}};
+          for (unsigned i = 0; i < count; ++i) form.fallback.push_back(number_of(double(value[int(i)])));
         } else {
           form.type["type"] = std::is_same_v<Member, float> ? "number" : "integer";
           add_range(row.minimum, row.maximum, &form.type);
@@ -168,7 +179,7 @@ std::string WithTables(const std::string& text) {
   std::istringstream stream(text);
   for (std::string line; std::getline(stream, line);) lines.push_back(line);
   std::string out;
-  const std::vector<std::string> aovs = ProductAovs();
+  const std::vector<std::string>& aovs = ProductAovs();
   for (size_t i = 0; i < lines.size();) {
     if (i > 0 && lines[i - 1].ends_with("\"enum\": [") && lines[i].ends_with("\"" + aovs[0] + "\",")) {
       const std::string indent = lines[i].substr(0, lines[i].find('"'));

@@ -3,8 +3,8 @@
 #include <algorithm>
 
 #include "core/math/float_environment.h"
+#include "delegate/host/planned_product.h"
 #include "delegate/host/product_metadata.h"
-#include "delegate/host/product_plan.h"
 
 namespace alabaster::hd::host {
 namespace {
@@ -56,7 +56,8 @@ bool WriteSnapshot(const RenderDelegate& delegate, RenderPass& pass, const Rende
     if (sink) sink({Severity::error, "snapshot", product.file, text});
     return false;
   };
-  if (!CheckProduct(product, colors, sink)) return false;
+  PlannedProduct planned;
+  if (!plan_product(product, state.framing.dataWindow, colors, sink, &planned)) return false;
   ProductImage image;
   image.incomplete = !is_over(pass);  // before pixels are read
   image.framing = state.framing;
@@ -72,7 +73,7 @@ bool WriteSnapshot(const RenderDelegate& delegate, RenderPass& pass, const Rende
     image.aovs[var.aov.str()] = {pixels.components, pixels.floats, pixels.ints};
   }
   image.metadata = product_metadata(delegate, delegate.GetRenderStats(), state.camera);
-  return WriteProducts({product}, image, colors, sink).size() == 1;
+  return write_planned({planned}, image, sink).size() == 1;
 }
 
 }  // namespace alabaster::hd::host

@@ -29,7 +29,7 @@ Setting TranslateSetting(const hd::Token& key, const hd::Value& value,
 /// and timeLimit, so of these it is the tighter one.
 hd::Value WithinHostLimits(const hd::Token& key, const hd::Value& scene, const hd::Value& host);
 
-/// The statistics, with percentDone and fractionDone as double: Blender reads them unchecked.
+/// The statistics, with percentDone and fractionDone as double: hosts read them unchecked (Blender).
 hd::Dictionary HostStatistics(hd::Dictionary statistics);
 
 }  // namespace alabaster::hydra

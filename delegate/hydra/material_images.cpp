@@ -5,6 +5,7 @@
 #include <numbers>
 
 #include "delegate/support/lookup.h"
+#include "delegate/support/surface_formulas.h"
 
 namespace alabaster::hydra {
 namespace {
@@ -80,15 +81,6 @@ bool apply(const MaterialNode& node, Placement* placement) {
   if (input_value(node, "axis").get_or(hd::Vec3f(0)) != hd::Vec3f(0, 0, 1)) return false;
   placement->rotate(degrees * std::numbers::pi_v<float> / 180);
   return true;
-}
-
-// AlabasterTexture places coordinates with v down, from the upper left corner.
-void write(const Placement& p, MaterialNode* texture) {
-  if (p.is_identity()) return;
-  const float c = std::cos(p.angle), s = std::sin(p.angle);
-  texture->parameters["stScale"] = p.scale;
-  texture->parameters["stRotation"] = p.angle;
-  texture->parameters["stOffset"] = Vec2f(p.offset.x - s * p.scale.y, 1 - p.offset.y - c * p.scale.y);
 }
 
 }  // namespace
@@ -203,7 +195,7 @@ void MaterialImages::read_coordinates(const MaterialNode& image, MaterialNode* t
     placement.multiply(pair_or(image, "uvtiling", Vec2f(1)));
     placement.offset -= pair_or(image, "uvoffset", Vec2f(0));
   }
-  write(placement, texture);
+  if (!placement.is_identity()) hd::support::place_image(placement.scale, placement.angle, placement.offset, texture);
 }
 
 }  // namespace alabaster::hydra

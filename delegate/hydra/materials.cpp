@@ -4,6 +4,7 @@
 #include <cmath>
 #include <optional>
 
+#include "core/subsurface/medium.h"
 #include "delegate/hydra/material_images.h"
 
 namespace alabaster::hydra {
@@ -17,11 +18,6 @@ using hd::Value;
 using hd::Vec3f;
 
 constexpr const char* kStandardSurface = "ND_standard_surface_surfaceshader";
-constexpr const char* kLambert = "ND_oren_nayar_diffuse_bsdf";
-constexpr const char* kGlow = "ND_uniform_edf";
-
-// Disney's diffuse lobe reflects what Lambert's does at this roughness, within 1 % of any view and 3 % at grazing ones.
-constexpr float kLambertRoughness = 0.43f;
 
 /// An input that is a parameter of AlabasterDisney as it stands, with its default.
 struct Input {
@@ -61,30 +57,13 @@ Vec3f color_of(const Value& value, const Vec3f& otherwise) {
   return count >= 3 ? Vec3f(static_cast<float>(c[0]), static_cast<float>(c[1]), static_cast<float>(c[2])) : otherwise;
 }
 
-/// A surface node, and the AlabasterDisney that is made of it.
-class Surface {
- protected:
-  Surface(const MaterialNetwork& from, const MaterialNode& surface, const WarnMaterial& warn)
+/// The AlabasterDisney that is made of a Standard Surface.
+class StandardSurface {
+ public:
+  StandardSurface(const MaterialNetwork& from, const MaterialNode& surface, const WarnMaterial& warn)
       : surface_(surface), warn_(warn), images_(from, &to_, warn) {
     disney_.nodeTypeId = "AlabasterDisney";
   }
-  MaterialNetwork made(const Path& id) {
-    to_.terminals["surface"] = {id, "out"};
-    to_.nodes[id] = std::move(disney_);
-    return std::move(to_);
-  }
-
-  const MaterialNode& surface_;
-  const WarnMaterial& warn_;
-  MaterialNetwork to_;
-  MaterialNode disney_;
-  MaterialImages images_;
-};
-
-class StandardSurface : private Surface {
- public:
-  StandardSurface(const MaterialNetwork& from, const MaterialNode& surface, const WarnMaterial& warn)
-      : Surface(from, surface, warn) {}
 
   MaterialNetwork run(const Path& id) {
     for (const Input& input : kInputs) read(input);
@@ -108,7 +87,9 @@ class StandardSurface : private Surface {
     read_normal("normal", "normal");
     read_normal("coat_normal", "coatNormal");
     for (const Unread& input : kUnread) warn_of(input);
-    return made(id);
+    to_.terminals["surface"] = {id, "out"};
+    to_.nodes[id] = std::move(disney_);
+    return std::move(to_);
   }
 
  private:
@@ -216,48 +197,12 @@ class StandardSurface : private Surface {
     if (is_connected(input.name) || color_of(constant(input.name), input.initial) != input.initial)
       warn_("material.standard_surface", std::string(input.name) + " of Standard Surface is not read");
   }
-};
 
-/// ND_surface of a BSDF and an EDF, as Blender exports its nodes Diffuse BSDF and Emission.
-class PlainSurface : private Surface {
- public:
-  PlainSurface(const MaterialNetwork& from, const MaterialNode& surface, const WarnMaterial& warn)
-      : Surface(from, surface, warn), from_(from) {}
-
-  MaterialNetwork run(const Path& id) {
-    disney_.parameters = {{"baseColor", Vec3f(0)}, {"specular", 0.0f}, {"ior", 1.0f}, {"roughness", kLambertRoughness}};
-    warn_of(surface_, "opacity", 1);
-    warn_of(surface_, "thin_walled", 0);
-    read_color("bsdf", kLambert, "baseColor");
-    read_color("edf", kGlow, "emission");
-    return made(id);
-  }
-
- private:
-  void warn_of(const MaterialNode& node, const char* name, double initial) const {
-    if (upstream(node, name) || input_value(node, name).number_or(initial) != initial)
-      warn_("material.surface", std::string(name) + " of " + node.nodeTypeId.str() + " is not read");
-  }
-
-  // The input `color` of the node of that type.
-  void read_color(const char* input, const char* type, const char* parameter) {
-    const MaterialConnection* const connection = upstream(surface_, input);
-    const auto node = connection ? from_.nodes.find(connection->upstreamNode) : from_.nodes.end();
-    if (node == from_.nodes.end()) return;
-    if (!(node->second.nodeTypeId == hd::Token(type)))
-      return warn_("material.surface", std::string(input) + " of ND_surface is a node of type '" +
-                                           node->second.nodeTypeId.str() + "', but " + type + " alone is read");
-    warn_of(node->second, "weight", 1);
-    warn_of(node->second, "roughness", 0);
-    disney_.parameters[parameter] = color_of(input_value(node->second, "color"), Vec3f(0.18f));
-    const MaterialConnection* const texture = upstream(node->second, "color");
-    const auto image = texture ? images_.read(parameter, *texture) : std::nullopt;
-    if (!image) return;
-    disney_.inputConnections[parameter] = {*image};
-    disney_.parameters[parameter] = Vec3f(1);
-  }
-
-  const MaterialNetwork& from_;
+  const MaterialNode& surface_;
+  const WarnMaterial& warn_;
+  MaterialNetwork to_;
+  MaterialNode disney_;
+  MaterialImages images_;
 };
 
 // OpenUSD's scene index gives each parameter a companion "colorSpace:NAME", empty where the file gives none.
@@ -272,22 +217,9 @@ MaterialNetwork without_empty_color_spaces(MaterialNetwork network, const Path& 
 
 Vec3f ScatterDistance(const Vec3f& mean_free_path, const Vec3f& albedo) {
   Vec3f distance;
-  for (int i = 0; i < 3; ++i) {
-    const float a = std::clamp(albedo[i], 0.0f, 1.0f);
-    distance[i] = std::max(mean_free_path[i], 0.0f) / (1.9f - a + 3.5f * (a - 0.8f) * (a - 0.8f));
-  }
+  for (int i = 0; i < 3; ++i)
+    distance[i] = std::max(mean_free_path[i], 0.0f) / static_cast<float>(distance_scale(double(albedo[i])));
   return distance;
-}
-
-void UseTheOnlyMap(MaterialNetwork* network, const WarnMaterial& warn) {
-  for (auto& [id, node] : network->nodes) {
-    const auto map = node.parameters.find("st");
-    if (!(node.nodeTypeId == hd::Token("AlabasterTexture")) || map == node.parameters.end()) continue;
-    const std::string name = map->second.text_or("st");
-    if (name == "st") continue;
-    warn("material.texture.st", "UV map '" + name + "' is not exported by Blender; the active one is used");
-    map->second = hd::Token("st");
-  }
 }
 
 MaterialNetwork TranslateMaterial(const MaterialNetwork& network, const WarnMaterial& warn) {
@@ -297,8 +229,7 @@ MaterialNetwork TranslateMaterial(const MaterialNetwork& network, const WarnMate
   if (surface == network.nodes.end()) return network;
   const auto& [id, node] = *surface;
   if (node.nodeTypeId == hd::Token("AlabasterDisney")) return without_empty_color_spaces(network, id);
-  if (node.nodeTypeId == hd::Token(kStandardSurface)) return StandardSurface(network, node, warn).run(id);
-  return node.nodeTypeId == hd::Token("ND_surface") ? PlainSurface(network, node, warn).run(id) : network;
+  return node.nodeTypeId == hd::Token(kStandardSurface) ? StandardSurface(network, node, warn).run(id) : network;
 }
 
 }  // namespace alabaster::hydra

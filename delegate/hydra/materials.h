@@ -11,13 +11,10 @@ namespace alabaster::hydra {
 /// Receives a diagnostic's code and text.
 using WarnMaterial = std::function<void(const char* code, const std::string& text)>;
 
-/// The network itself unless its terminal "surface" names a node ND_standard_surface_surfaceshader or ND_surface:
+/// The network itself unless its terminal "surface" names a node ND_standard_surface_surfaceshader:
 /// UsdPreviewSurface is the delegate's own business, and AlabasterDisney loses nothing but empty "colorSpace:NAME".
 /// Warns once of each input that is left out. README.md has the table.
 hd::MaterialNetwork TranslateMaterial(const hd::MaterialNetwork& network, const WarnMaterial& warn);
-
-/// Lets each texture read primvar st: Blender's own export gives a mesh its active UV map alone, under this name.
-void UseTheOnlyMap(hd::MaterialNetwork* network, const WarnMaterial& warn);
 
 /// The distance of AlabasterDisney that walks with these mean free paths below a surface of that albedo: Chiang, Kutz,
 /// Burley 2016, eq. 2 and 3.

@@ -2,7 +2,6 @@
 #pragma once
 
 #include "delegate/api/scene_delegate.h"
-#include "delegate/hydra/lights.h"
 #include "delegate/hydra/materials.h"
 
 namespace alabaster::hydra {
@@ -12,17 +11,19 @@ class TranslatedScene : public hd::SceneDelegate {
  public:
   /// `report`: the prim, then a diagnostic's code and text.
   using Report = std::function<void(const hd::Path& id, const char* code, const std::string& text)>;
-  TranslatedScene(const LightRules& rules, Report report) : rules_(rules), report_(std::move(report)) {}
+  /// `domes_visible`: to the camera, where a dome does not say (Hydra's setting domeLightCameraVisibility).
+  TranslatedScene(bool domes_visible, Report report) : domes_visible_(domes_visible), report_(std::move(report)) {}
 
+  /// The host's value of the name, or of that with "inputs:" before it, as the schema of UsdLux has it.
   hd::Value GetLightParamValue(const hd::Path& id, const hd::Token& name) final {
-    return TranslateLightParameter(rules_, GetHostLightType(id), name,
-                                   [&](const hd::Token& asked) { return GetHostLightParameter(id, asked); });
+    hd::Value found = GetHostLightParameter(id, name);
+    if (found.empty()) found = GetHostLightParameter(id, "inputs:" + name.str());
+    const bool is_unsaid = found.empty() && name == hd::Token("visibleToCamera");
+    return is_unsaid && GetHostLightType(id) == hd::Token("domeLight") ? domes_visible_ : found;
   }
   hd::MaterialNetwork GetMaterialResource(const hd::Path& id) final {
-    const WarnMaterial warn = [&](const char* code, const std::string& text) { report_(id, code, text); };
-    hd::MaterialNetwork network = TranslateMaterial(GetHostMaterial(id), warn);
-    if (rules_.host == Host::blender) UseTheOnlyMap(&network, warn);
-    return network;
+    return TranslateMaterial(GetHostMaterial(id),
+                             [&](const char* code, const std::string& text) { report_(id, code, text); });
   }
 
  protected:
@@ -31,7 +32,7 @@ class TranslatedScene : public hd::SceneDelegate {
   virtual hd::MaterialNetwork GetHostMaterial(const hd::Path& id) = 0;
 
  private:
-  LightRules rules_;
+  bool domes_visible_;
   Report report_;
 };
 

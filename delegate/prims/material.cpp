@@ -1,4 +1,4 @@
-#include "core/material/disney_material.h"
+#include "core/material/node_inputs.h"
 
 #include <algorithm>
 #include <cmath>
@@ -28,39 +28,22 @@ struct NodeReader {
     alabaster::report(sink, alabaster::Severity::warning, code, id.str(), text);
   }
 
-  /// The first is the default.
-  template <class Enum, size_t N>
-  Enum word(const char* name, const char* meaning, const std::pair<const char*, Enum> (&words)[N]) const {
-    const std::string given = parameter(name).text_or("");
-    for (const auto& [text, value] : words)
-      if (given == text) return value;
-    if (!given.empty())
-      warn("material.texture.word",
-           std::string(meaning) + " '" + given + "' is not known; " + words[0].first + " is used");
-    return words[0].second;
-  }
-
-  /// A number or a vector of a texture's placement and values; the default where it is not finite.
-  template <class T>
-  T finite_or(const char* name, const T& otherwise) const {
-    std::array<double, 4> given{};
-    if (parameter(name).components(&given) != T::dimensions()) return otherwise;
-    T value;
-    for (unsigned i = 0; i < T::dimensions(); ++i) {
-      value[int(i)] = static_cast<float>(given[i]);
-      if (!std::isfinite(value[int(i)])) return not_finite(name), otherwise;
+  /// The values of a table of core/material/node_inputs.h.
+  template <class Inputs, class Rows>
+  Inputs inputs(const Rows& rows) const {
+    Inputs read;
+    for (const auto& row : rows) {
+      const Value value = parameter(row.name);
+      if (value.empty()) continue;
+      std::array<double, 4> numbers{};
+      value.components(&numbers);
+      const bool finite = std::all_of(numbers.begin(), numbers.end(), [](double n) { return std::isfinite(float(n)); });
+      if (!finite || support::set_parameter(row, value, &read) != support::ParameterFault::none)
+        warn("material.input", std::string(row.name) + " cannot be '" + value.to_string() + "'; the default is used");
     }
-    return value;
+    return read;
   }
-  float finite_or(const char* name, float otherwise) const {
-    const auto value = static_cast<float>(parameter(name).number_or(double(otherwise)));
-    return std::isfinite(value) ? value : (not_finite(name), otherwise);
-  }
-
- private:
-  void not_finite(const char* name) const {
-    warn("material.texture.number", std::string(name) + " is not finite; the default is used");
-  }
+  TextureInputs texture_inputs() const { return inputs<TextureInputs>(alabaster::texture_inputs()); }
 };
 
 /// A node of type AlabasterTexture.
@@ -84,27 +67,18 @@ struct TextureNodeReader : NodeReader {
     // The opacity multiplies the colour once more.
     source.is_straight =
         texels == Texels::colors && std::find(of_alpha.begin(), of_alpha.end(), parameter("file")) != of_alpha.end();
-    source.wrap_s = word("wrapS", "wrap mode", kWraps);
-    source.wrap_t = word("wrapT", "wrap mode", kWraps);
-    source.filter = word("filter", "filter", kFilters);
+    const TextureInputs in = texture_inputs();
+    source.wrap_s = in.wrap_s, source.wrap_t = in.wrap_t, source.filter = in.filter;
     TextureLookup lookup;
     lookup.image = param.texture(source, fault, sink, cancel);
     if (!lookup.image) return std::nullopt;
     if (const std::string set = parameter("st").text_or(""); !set.empty()) lookup.uv_set = set;
-    lookup.transform = UvTransform(finite_or("stOffset", Vec2f(0, 0)), finite_or("stRotation", 0.0f),
-                                   finite_or("stScale", Vec2f(1, 1)));
-    const Vec4f scale = finite_or("scale", Vec4f(1, 1, 1, 1)), bias = finite_or("bias", Vec4f(0, 0, 0, 0));
-    lookup.scale = {scale.x, scale.y, scale.z}, lookup.alpha_scale = scale.w;
-    lookup.bias = {bias.x, bias.y, bias.z}, lookup.alpha_bias = bias.w;
+    lookup.transform = UvTransform(in.st_offset, in.st_rotation, in.st_scale);
+    lookup.scale = {in.scale.x, in.scale.y, in.scale.z}, lookup.alpha_scale = in.scale.w;
+    lookup.bias = {in.bias.x, in.bias.y, in.bias.z}, lookup.alpha_bias = in.bias.w;
     lookup.is_linear = texels == Texels::colors;
     return lookup;
   }
-
- private:
-  static constexpr std::pair<const char*, Wrap> kWraps[] = {
-      {"repeat", Wrap::repeat}, {"mirror", Wrap::mirror}, {"clamp", Wrap::clamp}, {"black", Wrap::black}};
-  static constexpr std::pair<const char*, TextureFilter> kFilters[] = {{"linear", TextureFilter::linear},
-                                                                       {"nearest", TextureFilter::nearest}};
 };
 
 /// Reads one network; everything it cannot draw is reported once, with what is drawn instead.
@@ -178,15 +152,12 @@ class MaterialReader {
     std::optional<TextureLookup> lookup = read_lookup(connection.upstreamNode, "displacement", Texels::numbers);
     if (!lookup || !lookup->image) return;
     const NodeReader reader{node->first, node->second, param_, sink_};
-    const auto space = reader.word("space", "displacement space", kSpaces);
-    const bool is_vector = space != DisplacementSpace::normal;
+    const auto in = reader.inputs<DisplacementInputs>(displacement_inputs());
+    const bool is_vector = in.space != DisplacementSpace::normal;
     material->displacement =
-        Displacement{std::move(*lookup), space, channel_of(connection, is_vector ? Reads::color : Reads::number),
-                     reader.finite_or("scale", 1.0f), reader.finite_or("midlevel", 0.0f)};
+        Displacement{std::move(*lookup), in.space, channel_of(connection, is_vector ? Reads::color : Reads::number),
+                     in.scale, in.midlevel};
   }
-  static constexpr std::pair<const char*, DisplacementSpace> kSpaces[] = {{"normal", DisplacementSpace::normal},
-                                                                          {"tangent", DisplacementSpace::tangent},
-                                                                          {"object", DisplacementSpace::object}};
 
   // The space of a colour's constant. False: it is another parameter.
   bool read_color_space(const Token& name, const Value& value, std::vector<const MaterialParameter*>* of_file) const {
@@ -251,7 +222,8 @@ class MaterialReader {
       return;
     }
     if (!has_constant) return;
-    const Vec4f white = node->finite_or("scale", Vec4f(1, 1, 1, 1)) + node->finite_or("bias", Vec4f(0, 0, 0, 0));
+    const TextureInputs in = node->texture_inputs();
+    const Vec4f white = in.scale + in.bias;
     const float one = white[channel == Channel::a ? 3 : component_of(channel)];
     const Vec3f all = channel == Channel::rgb ? Vec3f(white.x, white.y, white.z) : Vec3f(one);
     const Value held = support::get_parameter(row, *constants);
@@ -267,7 +239,7 @@ class MaterialReader {
   void turn_by_bias(const Path& node_id, bool has_constant, DisneyParameters* constants) const {
     const std::optional<NodeReader> node = texture_node(node_id);
     if (!node) return;
-    const float turns = node->finite_or("bias", Vec4f(0, 0, 0, 0)).x;
+    const float turns = node->texture_inputs().bias.x;
     const float constant = has_constant ? constants->anisotropic_rotation : 1;
     constants->anisotropic_rotation = constant * (turns - std::floor(turns));
   }

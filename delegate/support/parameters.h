@@ -1,6 +1,7 @@
 // Values of the contract to and from members of core's structs, through the rows of core's tables of parameters.
 #pragma once
 
+#include <array>
 #include <cmath>
 
 #include "core/parameter/parameter.h"
@@ -13,6 +14,14 @@ enum class ParameterFault { none, type, range };
 /// A number that fits `minimum`..`maximum`, or the nearest that does.
 ParameterFault read_number(const Value& value, double minimum, double maximum, double* out);
 ParameterFault read_color(const Value& value, double minimum, double maximum, Rgb* out);
+/// A vector of as many numbers.
+template <class Vector>
+ParameterFault read_vector(const Value& value, Vector* out) {
+  std::array<double, 4> given{};
+  if (value.components(&given) != Vector::dimensions()) return ParameterFault::type;
+  for (unsigned i = 0; i < Vector::dimensions(); ++i) (*out)[int(i)] = static_cast<float>(given[i]);
+  return ParameterFault::none;
+}
 
 /// Sets the row's member of `object`; leaves it as it is if the value is of the wrong type.
 template <class T, class... Words>
@@ -23,6 +32,8 @@ ParameterFault set_parameter(const Parameter<T, Words...>& row, const Value& val
         using Member = std::decay_t<decltype(out)>;
         if constexpr (std::is_same_v<Member, Rgb>) {
           return read_color(value, row.minimum, row.maximum, &out);
+        } else if constexpr (requires { Member::dimensions(); }) {
+          return read_vector(value, &out);
         } else if constexpr (std::is_enum_v<Member>) {
           const std::string word = value.text_or("");
           for (size_t i = 0; i < row.words.size() && row.words[i]; ++i)

@@ -1,10 +1,10 @@
 #include "delegate/support/preview_surface.h"
 
-#include <cmath>
 #include <numbers>
 #include <optional>
 
 #include "delegate/support/lookup.h"
+#include "delegate/support/surface_formulas.h"
 
 namespace alabaster::hd::support {
 namespace {
@@ -61,15 +61,14 @@ class PreviewTranslation {
 
   // F0 itself. AlabasterDisney's specularColor scales that of its ior.
   void read_specular_color(const MaterialNode& surface, MaterialNode* disney) {
-    constexpr float kF0 = 0.04f;  // of ior 1.5
     disney->inputConnections.erase("ior");
     disney->parameters["ior"] = 1.5f;
-    disney->parameters["specularColor"] = Vec3f(1 / kF0);
+    disney->parameters["specularColor"] = Vec3f(kSpecularColorOfOne);
     if (const auto connection = connected(surface, "specularColor"))
       disney->inputConnections["specularColor"] = {*connection};
     else
       disney->parameters["specularColor"] =
-          value_or(surface.parameters, "specularColor", Vec3f(0)).get_or(Vec3f(0)) * (1 / kF0);
+          value_or(surface.parameters, "specularColor", Vec3f(0)).get_or(Vec3f(0)) * kSpecularColorOfOne;
   }
 
   void read_displacement(const Path& id, const MaterialNode& surface) {
@@ -149,17 +148,12 @@ class PreviewTranslation {
     }
   }
 
-  // UsdTransform2d: uv' = R (scale * uv) + translation, with v up. AlabasterTexture's transform is that of glTF, with
-  // v down, whose origin is the upper left corner.
+  // UsdTransform2d: uv' = R (scale * uv) + translation, with v up.
   static void place(const MaterialNode& transform, MaterialNode* read) {
     const auto degrees = static_cast<float>(value_or(transform.parameters, "rotation", 0.0f).number_or(0));
     const Vec2f scale = value_or(transform.parameters, "scale", {}).get_or(Vec2f(1, 1));
     const Vec2f translation = value_or(transform.parameters, "translation", {}).get_or(Vec2f(0, 0));
-    const float angle = degrees * std::numbers::pi_v<float> / 180;
-    const float c = std::cos(angle), s = std::sin(angle);
-    read->parameters["stScale"] = scale;
-    read->parameters["stRotation"] = angle;
-    read->parameters["stOffset"] = Vec2f(translation.x - s * scale.y, 1 - translation.y - c * scale.y);
+    place_image(scale, degrees * std::numbers::pi_v<float> / 180, translation, read);
   }
 
   const MaterialNetwork& from_;

@@ -117,7 +117,7 @@ void run_ocio(Bytes input) {
   if (!described) return;
   hd::RenderProduct product;
   product.file = scratch_folder() + "/fuzzed.png";
-  if (!hd::host::CheckProduct(product, {file}, sink)) return;
+  if (!hd::host::CheckProduct(product, {0, 0, 1, 1}, {file}, sink)) return;
   const std::vector<float> pixels{0, 0.18f, 1, 1};
   hd::host::ProductImage image;
   image.framing = {{0, 0}, {1, 1}, {0, 0, 1, 1}, 1};

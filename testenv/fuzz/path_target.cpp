@@ -173,7 +173,7 @@ void write_products(const hd::host::RetainedSceneDelegate& scene, const hd::Path
   image.aovs["color"] = {4, pixels, {}};
   for (hd::RenderProduct product : scene.GetAllRenderSettings().at(settings).products) {
     product.file = numbered(product.file);
-    hd::host::CheckProduct(product, {"built-in"}, {});
+    hd::host::CheckProduct(product, image.framing.dataWindow, {"built-in"}, {});
     hd::host::WriteProducts({product}, image, {"built-in"}, {});
   }
 }

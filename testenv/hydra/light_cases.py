@@ -19,8 +19,8 @@ PLACE = (0.4, 2.0, -0.3)  # of the lights that have one
 
 
 def stage(light):
-    white = material("white", "s", shader("s", "ND_surface", "token inputs:bsdf.connect = </white/d.outputs:out>", "token outputs:surface"),
-                     shader("d", "ND_oren_nayar_diffuse_bsdf", "color3f inputs:color = (1, 1, 1)", "token outputs:out"), terminal="mtlx:surface")
+    white = material("white", "s", shader("s", "AlabasterDisney", "color3f inputs:baseColor = (1, 1, 1)", "float inputs:specular = 0", "float inputs:ior = 1",
+                                          "float inputs:roughness = 0.43", "token outputs:surface"), terminal="alabaster:surface")
     return HEAD + camera(moved(y=DISTANCE, turn=(-90, 0, 0)), z=None) + white + floor(bound("/white"), y=0) + light
 
 

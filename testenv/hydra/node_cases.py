@@ -4,7 +4,10 @@ import pathlib
 
 from stage_text import BINDS, HEAD, bound, camera, material, mesh, moved, octahedron, picture, prim, quad, shader, sun
 
-SCHEMA = pathlib.Path(__file__).resolve().parents[2] / "schemas/disney_material.json"
+SCHEMAS = pathlib.Path(__file__).resolve().parents[2] / "schemas"
+INPUTS = {"AlabasterDisney": ("disney_material", {"normal", "coatNormal", "bump"}), "AlabasterTexture": ("texture_node", set()),
+          "AlabasterDisplacement": ("displacement_node", {"displacement"})}
+ARRAYS = {2: "float2", 3: "color3f", 4: "float4"}
 NODES = ["AlabasterDisney", "AlabasterDisplacement", "AlabasterPrimvar", "AlabasterTexture"]
 CASES = {}
 
@@ -30,12 +33,12 @@ def numbers_of(text):
 def fault_of_input(name, wanted, found):
     plain = wanted.get("anyOf", [wanted])[0]
     single = plain.get("items", plain)
-    kind = "color3f" if plain["type"] == "array" else {"number": "float", "integer": "int", "boolean": "bool", "string": "token"}[plain["type"]]
-    said = found["metadata"]
-    if (found["type"], found["help"], found["connectable"]) != (kind, wanted["description"], "anyOf" in wanted):
+    kinds = {"array": ARRAYS.get(plain.get("minItems")), "number": "float", "integer": "int", "boolean": "bool", "string": "asset" if name == "file" else "token"}
+    kind, said = kinds[plain["type"]], found["metadata"]
+    if (found["type"], found["help"], found["connectable"]) != (kind, wanted["description"], "anyOf" in wanted or name == "file"):
         return f"{name} is {found}"
-    if kind == "token":
-        same = found["default"].strip('"') == wanted["default"] and found["options"] == wanted["enum"]
+    if plain["type"] == "string":
+        same = found["default"].strip('"@') == wanted["default"] and found["options"] == wanted.get("enum", [])
     else:
         default = wanted["default"] if plain["type"] == "array" else [wanted["default"]]
         same = all(abs(a - b) <= 1e-6 for a, b in zip(numbers_of(found["default"]), map(float, default), strict=True))
@@ -50,17 +53,18 @@ def fault_of_input(name, wanted, found):
 
 @case
 def shader_registry(_):
-    """The surface's inputs are the schema's, with type, default, range, unit and sentence, and the three that only textures have."""
-    schema = json.loads(SCHEMA.read_text())["properties"]
+    """Inputs are those of the schemas, with type, default, range, unit and sentence, and those that are only connected."""
     def check(nodes):
         if sorted(nodes) != NODES or any(not node["help"] or not node["outputs"] for node in nodes.values()):
             return f"the registry has {nodes}"
-        inputs = nodes["AlabasterDisney"]["inputs"]
-        if set(inputs) != set(schema) | {"normal", "coatNormal", "bump"}:
-            return f"the inputs are {sorted(inputs)}"
-        if nodes["AlabasterTexture"]["inputs"]["wrapS"]["options"] != ["repeat", "mirror", "clamp", "black"]:
-            return "the words of wrapS are missing"
-        return next(filter(None, (fault_of_input(name, wanted, inputs[name]) for name, wanted in schema.items())), "")
+        for node, (name, connected) in INPUTS.items():
+            schema, inputs = json.loads((SCHEMAS / f"{name}.json").read_text())["properties"], nodes[node]["inputs"]
+            if set(inputs) != set(schema) | connected:
+                return f"the inputs of {node} are {sorted(inputs)}"
+            for fault in (fault_of_input(one, wanted, inputs[one]) for one, wanted in schema.items()):
+                if fault:
+                    return fault
+        return ""
     return {"nodes": NODES, "check": check}
 
 

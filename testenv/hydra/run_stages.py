@@ -9,6 +9,7 @@ import argparse
 import json
 import os
 import pathlib
+import re
 import subprocess
 import sys
 import tempfile
@@ -18,12 +19,17 @@ try:
 except ImportError:
     numpy = None
 
-from run_hydra import SKIPPED, bpy_of, cached
-from picture_sheet import ANONYMOUS  # noqa: E402, beside run_hydra's own
 from stage_cases import CASES
 
 HERE = pathlib.Path(__file__).resolve().parent
+SKIPPED = 77
 SIZE, SAMPLES = [64, 48], 16
+ANONYMOUS = ["--nosoftwareattrib", "--eraseattrib", ".*"]  # no paths of this machine in a picture
+
+
+def cached(build, name):
+    found = re.search(rf"^{name}:\w+=(.*)$", (build / "CMakeCache.txt").read_text(), re.M)
+    return found.group(1) if found else ""
 
 
 class Host:
@@ -31,10 +37,9 @@ class Host:
 
     def __init__(self, build, folder):
         self.build, self.folder = build, folder
-        library = cached(build, "ALABASTER_USD_LIBRARY")
-        bpy = bpy_of(library)
-        libraries = next(iter(sorted(bpy[0].rglob("materialx/libraries"))), "") if bpy else ""
-        paths = [build / "lib/alabaster/hydra", pathlib.Path(library).parent / "usd"]
+        usd = pathlib.Path(cached(build, "ALABASTER_USD_LIBRARY")).parent
+        libraries = next(iter(sorted(usd.parent.rglob("materialx/libraries"))), "")
+        paths = [build / "lib/alabaster/hydra", usd / "usd"]
         self.environment = {**os.environ, "PXR_PLUGINPATH_NAME": ":".join(str(p) for p in paths), "PXR_MTLX_STDLIB_SEARCH_PATHS": str(libraries)}
 
     def run(self, name, text, options):

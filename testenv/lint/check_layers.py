@@ -39,6 +39,7 @@ CORE_SEEN_BY = {  # room of delegate -> the rooms of core that it may include
     "c_api": ["math"],
     "gltf": ["files", "images", "material", "math", "memory", "subsurface", "texture"],
     "description": ["files", "math", "memory", "texture"],
+    "hydra": ["subsurface"],  # a formula
     "tradeoff": ["files"],
     "cli": ["files"],
     "view": ["files"],

@@ -19,7 +19,7 @@ class HydraBuffer final : public pxr::HdRenderBuffer {
   unsigned int GetDepth() const override { return 1; }
   pxr::HdFormat GetFormat() const override;
   bool IsMultiSampled() const override { return false; }
-  /// Resolved, since Blender does not call Resolve.
+  /// Resolved, since not all hosts call Resolve (Blender does not).
   void* Map() override;
   void Unmap() override { buffer_->Unmap(); }
   bool IsMapped() const override { return buffer_->IsMapped(); }

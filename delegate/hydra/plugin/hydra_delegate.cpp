@@ -19,7 +19,7 @@ namespace alabaster::hydra {
 namespace {
 
 // Settings of the plug-in's own, and Hydra's.
-constexpr const char *kHostSetting = "host", *kSceneSetting = "writeScene", *kDomeSetting = "domeLightCameraVisibility";
+constexpr const char *kSceneSetting = "writeScene", *kDomeSetting = "domeLightCameraVisibility";
 constexpr const char* kInteractiveSetting = "enableInteractive";
 
 // Errors, too, are warnings for OpenUSD: its own become exceptions in hosts in Python, which end their render.
@@ -137,10 +137,7 @@ hd::Value HydraDelegate::host_setting(const hd::Token& key) const {
 }
 
 void HydraDelegate::apply(const Setting& setting) {
-  LightRules rules = param_->light_rules();
-  if (setting.key == hd::Token(kHostSetting)) rules.host = HostOf(setting.value.text_or(""));
-  if (setting.key == hd::Token(kDomeSetting)) rules.domes_visible_to_camera = setting.value.number_or(1) != 0;
-  param_->set_light_rules(rules);
+  if (setting.key == hd::Token(kDomeSetting)) param_->set_domes_visible(setting.value.number_or(1) != 0);
   if (setting.key == hd::Token(kInteractiveSetting)) param_->is_batch = setting.value.number_or(1) == 0;
   if (setting.key == hd::Token(kSceneSetting)) param_->set_scene_file(setting.value.text_or(""));
   delegate_->SetRenderSetting(setting.key, setting.value);

@@ -5,9 +5,9 @@
 
 namespace alabaster::hydra {
 
-void HydraParam::set_light_rules(const LightRules& rules) {
-  if (rules == light_rules_) return;
-  light_rules_ = rules;
+void HydraParam::set_domes_visible(bool visible) {
+  if (visible == domes_visible_) return;
+  domes_visible_ = visible;
   for (const auto& [id, index] : lights_) index->GetChangeTracker().MarkSprimDirty(id, pxr::HdLight::DirtyParams);
 }
 

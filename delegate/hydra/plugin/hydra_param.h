@@ -20,9 +20,8 @@ class HydraParam final : public pxr::HdRenderParam {
       : delegate_(delegate), sink_(sink), products_(delegate, sink) {}
 
   hd::RenderDelegate& delegate() const { return *delegate_; }
-  const LightRules& light_rules() const { return light_rules_; }
-  /// Lights that were synced by other rules are dirty. Host thread, before Sync.
-  void set_light_rules(const LightRules& rules);
+  /// Hydra's setting domeLightCameraVisibility. Lights that were synced before are dirty. Host thread, before Sync.
+  void set_domes_visible(bool visible);
   /// A light that was synced, and where it is found.
   void add_light(const pxr::SdfPath& id, pxr::HdRenderIndex* index) { lights_[id] = index; }
   void remove_light(const pxr::SdfPath& id) { lights_.erase(id); }
@@ -37,7 +36,7 @@ class HydraParam final : public pxr::HdRenderParam {
   void write_scene(const hd::RenderPassState& state) const;
 
   HydraScene scene(pxr::HdSceneDelegate* host, const pxr::SdfPath& id, const pxr::TfToken& light_type = {}) const {
-    return {host, id, light_rules_,
+    return {host, id, domes_visible_,
             [this](const hd::Path& where, const char* code, const std::string& text) {
               sink_({hd::Severity::warning, code, where.str(), text});
             },
@@ -67,7 +66,7 @@ class HydraParam final : public pxr::HdRenderParam {
   hd::RenderDelegate* delegate_;
   hd::DiagnosticSink sink_;
   HydraProducts products_;
-  LightRules light_rules_;
+  bool domes_visible_ = true;
   std::map<pxr::SdfPath, pxr::HdRenderIndex*> lights_;
   std::set<PassDriver*> drivers_;
   std::string scene_file_;

@@ -9,7 +9,7 @@
 namespace alabaster::hydra {
 namespace {
 
-// Data windows of OpenUSD include their last pixel. Blender gives no framing, but the older viewport.
+// Data windows of OpenUSD include their last pixel. Some hosts give no framing, but the older viewport.
 hd::Framing to_framing(const pxr::HdRenderPassState& state) {
   const pxr::CameraUtilFraming& theirs = state.GetFraming();
   hd::Framing ours;

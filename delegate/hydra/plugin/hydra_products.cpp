@@ -4,7 +4,6 @@
 
 #include <cmath>
 
-#include "delegate/host/product_limits.h"
 #include "delegate/hydra/plugin/hydra_prims.h"
 
 namespace alabaster::hydra {
@@ -107,9 +106,7 @@ bool HydraProducts::begin(const Product& product, const pxr::HdRenderIndex& inde
   const hd::Vec2f corner(static_cast<float>(window.minX), static_cast<float>(window.minY));
   state.framing.displayMin -= corner, state.framing.displayMax -= corner;
   state.framing.dataWindow = {0, 0, window.width(), window.height()};
-  if (!hd::host::CheckProduct(running_->product, {}, sink_) ||
-      !hd::host::CheckProductSize(running_->product, window, sink_) || !bind(running_->product, &state))
-    return false;
+  if (!hd::host::CheckProduct(running_->product, window, {}, sink_) || !bind(running_->product, &state)) return false;
   running_->driver = std::make_unique<PassDriver>(delegate_->CreateRenderPass());
   running_->driver->Execute(state);
   return true;

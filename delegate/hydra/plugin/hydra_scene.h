@@ -13,9 +13,9 @@ namespace alabaster::hydra {
 class HydraScene final : public TranslatedScene {
  public:
   /// `light_type`: of the prim, if it is a light.
-  HydraScene(pxr::HdSceneDelegate* host, const pxr::SdfPath& id, const LightRules& rules, Report report,
+  HydraScene(pxr::HdSceneDelegate* host, const pxr::SdfPath& id, bool domes_visible, Report report,
              const pxr::TfToken& light_type = {})
-      : TranslatedScene(rules, std::move(report)), host_(host), id_(id), light_type_(light_type) {}
+      : TranslatedScene(domes_visible, std::move(report)), host_(host), id_(id), light_type_(light_type) {}
 
   hd::MeshTopology GetMeshTopology(const hd::Path& id) override;
   hd::SubdivTags GetSubdivTags(const hd::Path& id) override;

@@ -325,10 +325,18 @@ TEST_F(Farm, NamesThatEndALineAreRefused) {
     EXPECT_FALSE(entry.is_directory()) << entry.path();
 }
 
-TEST_F(Farm, AFrameThatItsFileCannotHoldIsRefusedBeforeItsTasks) {
-  const Outcome outcome = run({"farm", "patch.gltf", "-o", "a.jpg", "--size", "65501x2", "--spp", "4", "--tasks", "2"});
-  EXPECT_EQ(outcome.code, 2);
-  EXPECT_NE(outcome.err.find("65500 x 65500"), std::string::npos) << outcome.err;
+TEST_F(Farm, AFrameThatCannotBeWrittenIsRefusedBeforeItsTasks) {
+  const auto farm = [&](const char* file, std::initializer_list<const char*> more) {
+    std::vector<std::string> words{"farm", "patch.gltf", "-o", file, "--spp", "4", "--tasks", "2"};
+    words.insert(words.end(), more.begin(), more.end());
+    return run(words);
+  };
+  const Outcome large = farm("a.jpg", {"--size", "65501x2"}), shown = farm("a.png", {"--display", "TV"});
+  EXPECT_EQ(large.code, 2);
+  EXPECT_NE(large.err.find("65500 x 65500"), std::string::npos) << large.err;
+  EXPECT_EQ(shown.code, 2);
+  EXPECT_NE(shown.err.find("there is no display 'TV'"), std::string::npos) << shown.err;
+  EXPECT_EQ(farm("/on_other_machines/a.png", {}).code, 0);
 }
 
 TEST_F(Farm, ItsHelpListsNoOptionThatItRefuses) {
@@ -340,6 +348,7 @@ TEST_F(Farm, ItsHelpListsNoOptionThatItRefuses) {
 }
 
 // An option that is not listed counts where it is given.
+// promise: pipeline.order.job
 TEST_F(Farm, ATargetOfTheSceneMayBeTakenBack) {
   write("scene.json", R"({"models": [{"file": "patch.gltf"}], "settings": {"samples": 2, "resolution": [8, 6],
     "targetError": 0.1}})");

@@ -5,7 +5,6 @@
 #include <csignal>
 #include <fstream>
 
-#include "delegate/host/product_limits.h"
 #include "testenv/unit/delegate/host/product_fixture.h"
 
 namespace alabaster::hd::host {
@@ -49,9 +48,9 @@ TEST_F(ProductFile, CheckRefusesWhatCannotBeWrittenAndSaysWhy) {
     ASSERT_EQ(reports_.size(), 1u) << p.file << text();
     EXPECT_EQ(reports_[0].severity, Severity::error);
     EXPECT_NE(text().find(expected), std::string::npos) << expected << " in " << text();
-    EXPECT_FALSE(CheckProduct(p, colors_, {}));
+    EXPECT_FALSE(CheckProduct(p, {0, 0, kWidth, kHeight}, colors_, {}));
   }
-  EXPECT_FALSE(CheckProduct(product("a.exr"), {"/none.ocio"}, sink_));
+  EXPECT_FALSE(CheckProduct(product("a.exr"), {0, 0, kWidth, kHeight}, {"/none.ocio"}, sink_));
   EXPECT_EQ(listing(), (std::vector<std::string>{"file", "folder.exr"})) << "a check leaves nothing behind";
 }
 
@@ -82,9 +81,9 @@ TEST_F(ProductFile, MorePixelsThanAFormatHoldsAreRefusedBeforeAndAfterRendering)
       const auto window = [wide = wide](int side) {
         return wide ? Rect2i{-3, 0, side - 3, 1} : Rect2i{0, 5, 1, side + 5};
       };
-      EXPECT_TRUE(CheckProductSize(p, window(most), sink_)) << text();
+      EXPECT_TRUE(CheckProduct(p, window(most), colors_, sink_)) << text();
       reports_.clear();
-      EXPECT_FALSE(CheckProductSize(p, window(most + 1), sink_));
+      EXPECT_FALSE(CheckProduct(p, window(most + 1), colors_, sink_));
       ASSERT_EQ(reports_.size(), 1u);
       EXPECT_EQ(reports_[0].code, "product.invalid");
       EXPECT_EQ(reports_[0].where, p.file);
@@ -100,11 +99,11 @@ TEST_F(ProductFile, MorePixelsThanAFormatHoldsAreRefusedBeforeAndAfterRendering)
     }
   for (const char* name : {"a.exr", "a.tif", "a.png", "a.jpg"}) {
     reports_.clear();
-    EXPECT_FALSE(CheckProductSize(product(name), {INT32_MIN, 0, INT32_MAX, 10}, sink_));
+    EXPECT_FALSE(CheckProduct(product(name), {INT32_MIN, 0, INT32_MAX, 10}, colors_, sink_));
     EXPECT_NE(text().find("4294967295 x 10; render it smaller or in crops"), std::string::npos) << text();
   }
-  EXPECT_TRUE(CheckProductSize(product("a.exr"), {0, 0, 65536, 65536}, sink_));
-  EXPECT_TRUE(CheckProductSize(product("a.tif"), {0, 0, 65536, 65536}, sink_));
+  EXPECT_TRUE(CheckProduct(product("a.exr"), {0, 0, 65536, 65536}, colors_, sink_));
+  EXPECT_TRUE(CheckProduct(product("a.tif"), {0, 0, 65536, 65536}, colors_, sink_));
   EXPECT_TRUE(listing().empty());
 }
 

@@ -33,7 +33,7 @@ class ProductFile : public ::testing::Test {
   }
   bool check(const RenderProduct& p) {
     reports_.clear();
-    return bool(CheckProduct(p, colors_, sink_));
+    return bool(CheckProduct(p, {0, 0, kWidth, kHeight}, colors_, sink_));
   }
   std::string text() const {
     std::string joined;

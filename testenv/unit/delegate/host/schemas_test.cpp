@@ -7,7 +7,7 @@
 
 #include "core/camera/camera.h"
 #include "core/light/light_parameters.h"
-#include "core/material/disney_material.h"
+#include "core/material/node_inputs.h"
 #include "core/scene/mesh_options.h"
 #include "core/session/render_settings.h"
 #include "testenv/support/build_paths.h"
@@ -32,6 +32,7 @@ TEST(Schemas, EveryKindHasAPage) {
   EXPECT_NE(page("mesh").find("| `scheme` | word | none, catmullClark, loop, bilinear | `none` |"), std::string::npos);
   EXPECT_NE(page("instancer").find("| `prototypes:PATH` | array of int |"), std::string::npos);
   EXPECT_NE(page("material").find("| `NODE.baseColor` | color or texture |"), std::string::npos);
+  EXPECT_NE(page("texture_node").find("| `NODE.stScale` | float2 |  | `[1,1]` |"), std::string::npos);
   EXPECT_NE(page("light").find("| `texture:file` | text |"), std::string::npos);
   EXPECT_NE(page("camera").find("| `clipPlanes` | array of float4 |"), std::string::npos);
   EXPECT_NE(page("render_settings").find("| `width` | int | 1 to 1048576 | `1280` | pixels |"), std::string::npos);
@@ -60,7 +61,7 @@ TEST(Schemas, EveryParameterHasItsWords) {
     }
   };
   check(material_parameters()), check(mesh_parameters()), check(light_parameters()), check(camera_parameters());
-  check(setting_parameters());
+  check(setting_parameters()), check(texture_inputs()), check(displacement_inputs());
 }
 
 }  // namespace

@@ -29,7 +29,7 @@ class HydraSettings : public ::testing::Test {
 TEST_F(HydraSettings, HaveTheTypeOfTheirDefault) {
   EXPECT_EQ(TranslateSetting("alabaster:samples", int32_t(16), known_).value, hd::Value(int64_t(16)));
   EXPECT_EQ(TranslateSetting("samples", 16.0, known_).value, hd::Value(int64_t(16)));
-  EXPECT_EQ(TranslateSetting("targetError", 0.25, known_).value, hd::Value(0.25f)) << "Blender sends double";
+  EXPECT_EQ(TranslateSetting("targetError", 0.25, known_).value, hd::Value(0.25f)) << "hosts send double";
   EXPECT_EQ(TranslateSetting("denoise", int64_t(1), known_).value, hd::Value(true)) << "and long";
   EXPECT_EQ(TranslateSetting("filter", "triangle", known_).value, hd::Value("triangle"));
 }
@@ -42,7 +42,7 @@ TEST_F(HydraSettings, WhatDoesNotFitStaysForTheDelegateToReport) {
 TEST_F(HydraSettings, HaveNamesOfSeveralHosts) {
   EXPECT_EQ(TranslateSetting("alabaster:filter", "box", known_).key, hd::Token("filter"));
   EXPECT_EQ(TranslateSetting("convergedSamplesPerPixel", int32_t(8), known_).key, hd::Token("samples"));
-  EXPECT_EQ(TranslateSetting("alabaster:host", "blender", known_).key, hd::Token("host"));
+  EXPECT_EQ(TranslateSetting("alabaster:writeScene", "a.alab", known_).key, hd::Token("writeScene"));
   EXPECT_EQ(TranslateSetting("houdini:interactive", "x", known_).key, hd::Token("houdini:interactive"));
 }
 
@@ -65,7 +65,7 @@ TEST(HydraValues, ProgressIsADouble) {
   const hd::Dictionary made = HostStatistics({{"percentDone", 12.5f}, {"samplesTotal", int64_t(4)}});
   EXPECT_EQ(made.at("percentDone"), hd::Value(12.5));
   EXPECT_EQ(made.at("samplesTotal"), hd::Value(int64_t(4)));
-  EXPECT_EQ(made.at("fractionDone"), hd::Value(0.0)) << "Blender reads it before anything is rendered";
+  EXPECT_EQ(made.at("fractionDone"), hd::Value(0.0)) << "hosts read it before anything is rendered";
 }
 
 }  // namespace

@@ -125,7 +125,7 @@ TEST(StandardSurface, UnsupportedInputsAreReported) {
   EXPECT_TRUE(unused.warnings.empty()) << "of layers that have no weight";
 }
 
-// An image of colours through a conversion, as Blender exports it, with its coordinates scaled, turned and moved.
+// An image of colours through a conversion, with its coordinates scaled, turned and moved.
 MaterialNetwork textured() {
   MaterialNetwork network = standard({{"base", 0.5f}});
   network.nodes["/m/uv"] = {"ND_geompropvalue_vector2", {{"geomprop", "map1"}}, {}};
@@ -211,29 +211,6 @@ TEST(StandardSurface, AnOutputWithoutANameIsTheWholeImage) {
   network.nodes["/m/split"] = {"ND_separate4_color4", {}, {{"in", {{"/m/image", "out"}}}}};
   network.nodes["/m/s"].inputConnections["base_color"] = {{"/m/split", ""}};
   EXPECT_EQ(Translated(network).node("/m/s").inputConnections.at("baseColor").front().upstreamOutput, hd::Token("rgb"));
-}
-
-TEST(PlainSurface, IsALambertianThatMayGlow) {
-  MaterialNetwork network;
-  network.nodes["/m/s"] = {"ND_surface", {}, {{"bsdf", {{"/m/d", "out"}}}, {"edf", {{"/m/e", "out"}}}}};
-  network.nodes["/m/d"] = {"ND_oren_nayar_diffuse_bsdf", {{"color", Vec3f(0.6f, 0.5f, 0.4f)}}, {}};
-  network.nodes["/m/e"] = {"ND_uniform_edf", {{"color", Vec3f(2, 1, 0)}}, {}};
-  network.terminals["surface"] = {"/m/s", ""};
-  const Translated t(network);
-  EXPECT_EQ(t.color("baseColor"), Vec3f(0.6f, 0.5f, 0.4f));
-  EXPECT_EQ(t.color("emission"), Vec3f(2, 1, 0));
-  EXPECT_EQ(t.parameter("specular"), Value(0.0f));
-}
-
-TEST(HydraMaterials, BlendersExportHasOneMapOfCoordinates) {
-  Translated t(textured());
-  std::vector<std::string> warnings;
-  UseTheOnlyMap(&t.network, [&](const char*, const std::string& text) { warnings.push_back(text); });
-  EXPECT_EQ(t.node("/m/image").parameters.at("st").text_or(""), "st");
-  ASSERT_EQ(warnings.size(), 1u);
-  EXPECT_NE(warnings[0].find("map1"), std::string::npos);
-  UseTheOnlyMap(&t.network, [&](const char*, const std::string& text) { warnings.push_back(text); });
-  EXPECT_EQ(warnings.size(), 1u) << "st itself is not reported";
 }
 
 TEST(HydraMaterials, OtherNetworksAreTheDelegatesBusiness) {

@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <limits>
 
 #include "testenv/support/stage.h"
 
@@ -234,6 +235,22 @@ TEST(AdaptiveRefinement, FollowsTheCameraTheSettingAndTheInstances) {
   seen.delegate->SetRenderSetting("refineEdgeLength", 4.0f);
   EXPECT_EQ(triangles(), 8);
   EXPECT_EQ(seen.count("settings.refineEdgeLength"), 1u);
+}
+
+TEST(NodeInputs, OneThatDoesNotFitIsReportedAndItsDefaultUsed) {
+  MaterialNetwork network = displacing(grey("half.hdr", 0.5f));
+  Seen plain, faulty;
+  plain.scene.SetMaterial("/m", network);
+  std::map<Token, Value>& texture = network.nodes["/m/texture"].parameters;
+  texture["wrapS"] = Token("sideways"), texture["filter"] = 1.0f, texture["scale"] = 3.0f;
+  texture["stScale"] = Vec2f(std::numeric_limits<float>::infinity(), 1), texture["stRotation"] = std::nan("");
+  std::map<Token, Value>& displacement = network.nodes["/m/displacement"].parameters;
+  displacement["midlevel"] = Token("high"), displacement["space"] = Token("moon");
+  faulty.scene.SetMaterial("/m", network);
+  for (Seen* seen : {&plain, &faulty}) seen->scene.SetMesh("/mesh", square());
+  EXPECT_EQ(faulty.height(), plain.height());
+  EXPECT_EQ(faulty.count("material.input"), 7u);
+  EXPECT_EQ(plain.count("material.input"), 0u);
 }
 
 }  // namespace

@@ -177,6 +177,7 @@ TEST_F(SavedDescription, AnotherFolderNamesTheFilesFromThere) {
 }
 
 // A window shows the scene with the changes of the command line.
+// promise: pipeline.order.saved
 TEST_F(SavedDescription, TheOptionsOfTheCommandLineAreKept) {
   const std::string image = write_image("sky.hdr");
   changes.options.overrides = {"materials/skin.roughness=0.7",

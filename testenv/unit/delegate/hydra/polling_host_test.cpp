@@ -1,5 +1,5 @@
-// A host that behaves as Blender's HydraRenderEngine does in a final render, on the plain door: it executes once, and
-// then asks for progress and convergence and maps without a pause.
+// A Hydra host on the plain door, of the kind that executes once in a frame, and then asks for progress and convergence
+// and maps without a pause, as Blender's HydraRenderEngine does.
 #include <gtest/gtest.h>
 #include <unistd.h>
 
@@ -25,11 +25,12 @@ using hd::Vec3f;
 
 constexpr int kSize = 32;
 
-/// The scene as Blender gives it: triangles with normals at their corners, Standard Surface, a sun at a quarter of its
-/// energy, a world twice.
-class BlenderScene final : public TranslatedScene {
+/// The scene as hosts give it: triangles with normals at their corners, Standard Surface, parameters of lights with and
+/// without "inputs:".
+class HostScene final : public TranslatedScene {
  public:
-  BlenderScene() : TranslatedScene({Host::blender, true}, [](const Path&, const char*, const std::string&) {}) {}
+  explicit HostScene(bool domes_visible = true)
+      : TranslatedScene(domes_visible, [](const Path&, const char*, const std::string&) {}) {}
 
   hd::MeshTopology GetMeshTopology(const Path&) override {
     hd::MeshTopology topology;
@@ -65,10 +66,8 @@ class BlenderScene final : public TranslatedScene {
  protected:
   Token GetHostLightType(const Path& id) override { return id == Path("/scene/World") ? "domeLight" : "distantLight"; }
   Value GetHostLightParameter(const Path& id, const Token& name) override {
-    static const std::map<Token, Value> sun{{"intensity", 0.5f}, {"angle", 1.0f}, {"normalize", true}};
-    static const std::map<Token, Value> world{
-        {"color", Vec3f(0.2f, 0.4f, 0.6f)},
-        {"texture:file", hd::AssetPath{"", "/gone/usd/image_cache/color_51102153.hdr", nullptr}}};
+    static const std::map<Token, Value> sun{{"intensity", 2.0f}, {"inputs:angle", 2.0f}, {"normalize", true}};
+    static const std::map<Token, Value> world{{"inputs:color", Vec3f(0.2f, 0.4f, 0.6f)}};
     const auto& held = id == Path("/scene/World") ? world : sun;
     const auto found = held.find(name);
     return found == held.end() ? Value() : found->second;
@@ -97,10 +96,9 @@ hd::RenderPassState state_of(hd::RenderBuffer* buffer) {
   return state;
 }
 
-/// The prims in the order in which Blender makes and syncs them.
-class BlenderShapedHost : public ::testing::Test {
+class PollingHost : public ::testing::Test {
  protected:
-  BlenderShapedHost() {
+  PollingHost() {
     for (const auto& [key, value] : std::map<Token, Value>{{"alabaster:samples", int64_t(16)}, {"threads", 2.0}}) {
       const Setting setting = TranslateSetting(key, value, stage_.delegate->GetRenderSettingDescriptors());
       stage_.delegate->SetRenderSetting(setting.key, setting.value);
@@ -112,7 +110,7 @@ class BlenderShapedHost : public ::testing::Test {
       sprims_.push_back(stage_.delegate->CreateSprim(type, id));
     mesh_ = stage_.delegate->CreateRprim("mesh", "/scene/O_mesh");
   }
-  ~BlenderShapedHost() override {
+  ~PollingHost() override {
     driver_.reset();
     hd::RenderParam* const param = stage_.delegate->GetRenderParam();
     for (hd::Sprim* prim : sprims_) prim->Finalize(param), stage_.delegate->DestroySprim(prim);
@@ -157,7 +155,7 @@ class BlenderShapedHost : public ::testing::Test {
   }
 
   hd::Stage stage_;
-  BlenderScene scene_;
+  HostScene scene_;
   std::vector<hd::Sprim*> sprims_;
   hd::Rprim* mesh_ = nullptr;
   hd::RenderBuffer* buffer_ = nullptr;
@@ -204,7 +202,7 @@ std::vector<float> expected_picture() {
   return pixels_of(buffer);
 }
 
-TEST_F(BlenderShapedHost, GetsThePictureOfTheSameData) {
+TEST_F(PollingHost, GetsThePictureOfTheSameData) {
   const std::vector<float> pixels = picture();
   ASSERT_EQ(pixels.size(), size_t(4 * kSize * kSize)) << "converged, although it executes once";
   EXPECT_EQ(pixels, expected_picture());
@@ -241,7 +239,7 @@ class Folder {
 };
 
 // promise: pipeline.archive.hydra
-TEST_F(BlenderShapedHost, WritesItsSceneAsFilesOfTheSamePicture) {
+TEST_F(PollingHost, WritesItsSceneAsFilesOfTheSamePicture) {
   SceneCapture capture;
   capture.TakeMesh(scene_, "/scene/O_mesh");
   capture.TakeMesh(scene_, "/scene/O_gone");
@@ -254,14 +252,21 @@ TEST_F(BlenderShapedHost, WritesItsSceneAsFilesOfTheSamePicture) {
   EXPECT_EQ(picture_of_file(folder.file("held.alab")), picture());
 }
 
-TEST_F(BlenderShapedHost, PollingHostWaitsBetweenPolls) {
+TEST(TranslatedScene, TheCameraSeesDomesUnlessTheHostSaysOtherwise) {
+  HostScene seen, hidden(false);
+  EXPECT_EQ(seen.GetLightParamValue("/scene/World", "visibleToCamera"), Value(true));
+  EXPECT_EQ(hidden.GetLightParamValue("/scene/World", "visibleToCamera"), Value(false));
+  EXPECT_TRUE(hidden.GetLightParamValue("/scene/O_sun", "visibleToCamera").empty());
+}
+
+TEST_F(PollingHost, WaitsBetweenPolls) {
   stage_.delegate->SetRenderSetting("samples", int64_t(1 << 20));
   stage_.delegate->SetRenderSetting("timeLimit", 0.5f);
   ASSERT_FALSE(picture().empty());
   EXPECT_LT(polls_, 200) << "each question of a tight loop waits for a moment";
 }
 
-TEST_F(BlenderShapedHost, FailedRenderConverges) {
+TEST_F(PollingHost, FailedRenderConverges) {
   driver_ = std::make_unique<PassDriver>(stage_.delegate->CreateRenderPass());
   sync();
   hd::RenderPassState state = state_of(buffer_);
@@ -306,7 +311,7 @@ TEST(PassDriver, RemovedBufferIsNotExecutedAgain) {
   EXPECT_EQ(executed, 5);
 }
 
-TEST_F(BlenderShapedHost, BufferDestroyedBetweenPollsIsNotWritten) {
+TEST_F(PollingHost, BufferDestroyedBetweenPollsIsNotWritten) {
   driver_ = std::make_unique<PassDriver>(stage_.delegate->CreateRenderPass());
   sync();
   auto* const gone = static_cast<hd::RenderBuffer*>(stage_.delegate->CreateBprim("renderBuffer", "/gone"));
@@ -323,7 +328,7 @@ TEST_F(BlenderShapedHost, BufferDestroyedBetweenPollsIsNotWritten) {
   EXPECT_FALSE(picture().empty()) << "the pass renders again with another buffer";
 }
 
-TEST_F(BlenderShapedHost, HostThatExecutesBeforeEachPollIsNotDelayed) {
+TEST_F(PollingHost, HostThatExecutesBeforeEachPollIsNotDelayed) {
   driver_ = std::make_unique<PassDriver>(stage_.delegate->CreateRenderPass());
   stage_.delegate->SetRenderSetting("samples", int64_t(1 << 20));
   sync();
