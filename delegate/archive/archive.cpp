@@ -61,14 +61,12 @@ class Writer {
     const std::filesystem::path parent = std::filesystem::path(file).parent_path();
     folder_ = std::filesystem::weakly_canonical(parent.empty() ? "." : parent, error).string();
   }
-  void add(const Prims& prims, const SceneInfo& info) {
-    for (const auto& [path, settings] : prims.settings)
-      add(path, "renderSettings", host::GetFields(with_own_files(settings)));
-    add_all(prims.cameras, "camera");
-    for (const auto& [path, material] : prims.materials) add(path, "material", host::GetFields(material, path));
-    for (const auto& [path, light] : prims.lights) add(path, light.type, host::GetFields(light));
-    add_all(prims.instancers, "instancer");
-    add_all(prims.meshes, "mesh");
+  void add(const host::Prims& prims, const SceneInfo& info) {
+    for (const auto& [path, prim] : prims) {
+      const auto* settings = std::get_if<RenderSettingsDescription>(&prim);
+      const Token kind = host::TypeOf(prim);
+      if (!kind.empty()) add(path, kind, host::GetFields(path, settings ? with_own_files(*settings) : prim));
+    }
     json scene = json::object();
     if (!info.settings.empty()) scene["settings"] = info.settings.str();
     if (is_named_config(info.color_config.resolved))
@@ -95,12 +93,8 @@ class Writer {
   }
 
  private:
-  template <class Map>
-  void add_all(const Map& map, const char* kind) {
-    for (const auto& [path, prim] : map) add(path, kind, host::GetFields(prim));
-  }
   // Products that a description names beside itself are written beside the archive.
-  static RenderSettingsDescription with_own_files(RenderSettingsDescription settings) {
+  static host::PrimDescription with_own_files(RenderSettingsDescription settings) {
     for (RenderProduct& product : settings.products) {
       std::error_code error;
       const auto file = std::filesystem::weakly_canonical(product.file, error);
@@ -282,9 +276,9 @@ class Reader {
   }
   void place_products(host::RetainedSceneDelegate* scene) const {
     for (const Path& path : settings_) {
-      RenderSettingsDescription settings = scene->GetAllRenderSettings().at(path);
+      RenderSettingsDescription settings = scene->GetRenderSettings(path);
       for (RenderProduct& product : settings.products) product.file = resolved(product.file), product.within = within_;
-      scene->SetRenderSettings(path, std::move(settings));
+      scene->Set(path, std::move(settings));
     }
   }
   AssetPath color_config(const json& given, const TensorReader& tensors) {
@@ -349,12 +343,7 @@ class Reader {
 
 }  // namespace
 
-Prims PrimsOf(const host::RetainedSceneDelegate& scene) {
-  return {scene.GetMeshes(), scene.GetInstancers(), scene.GetMaterials(),
-          scene.GetLights(), scene.GetCameras(),    scene.GetAllRenderSettings()};
-}
-
-std::string WriteArchive(const std::string& file, const Prims& prims, const SceneInfo& info,
+std::string WriteArchive(const std::string& file, const host::Prims& prims, const SceneInfo& info,
                          const WriteOptions& options) {
   try {
     if (!file.ends_with(".alab")) return "'" + file + "' must end in .alab";

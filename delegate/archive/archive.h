@@ -10,17 +10,6 @@ namespace alabaster::hd::archive {
 /// Rises when older readers cannot read what is written. Archives of later versions are refused, earlier ones read.
 inline constexpr int kVersion = 1;
 
-/// The prims of a scene.
-struct Prims {
-  const std::map<Path, host::MeshDescription>& meshes;
-  const std::map<Path, host::InstancerDescription>& instancers;
-  const std::map<Path, MaterialNetwork>& materials;
-  const std::map<Path, host::LightDescription>& lights;
-  const std::map<Path, host::CameraDescription>& cameras;
-  const std::map<Path, RenderSettingsDescription>& settings;
-};
-ALABASTER_API Prims PrimsOf(const host::RetainedSceneDelegate& scene);
-
 /// Parts of a scene beside its prims.
 struct SceneInfo {
   Path settings = {};           // the render settings that a render takes; empty: the first ones
@@ -35,7 +24,7 @@ struct WriteOptions {
 /// Writes all prims. Files of products that lie in their own folder (RenderProduct::within) are named relative to it,
 /// and lie below the archive's folder when it is read. The file is replaced whole or stays as it was. Returns "", or
 /// the reason. Never throws.
-ALABASTER_API std::string WriteArchive(const std::string& file, const Prims& prims, const SceneInfo& info = {},
+ALABASTER_API std::string WriteArchive(const std::string& file, const host::Prims& prims, const SceneInfo& info = {},
                                        const WriteOptions& options = {});
 
 /// Writes all prims, with render settings that draw what a pass of `state` draws: they are those of the scene that
@@ -43,7 +32,7 @@ ALABASTER_API std::string WriteArchive(const std::string& file, const Prims& pri
 /// `settings` over theirs. Without a product they have NAME.exr, of floats, beside the archive. "ocio" names the
 /// OpenColorIO config. Meshes beyond the state's collection are hidden. The state's bindings are ignored. Returns "",
 /// or the reason. Never throws.
-ALABASTER_API std::string WritePass(const std::string& file, const Prims& prims, const RenderPassState& state,
+ALABASTER_API std::string WritePass(const std::string& file, const host::Prims& prims, const RenderPassState& state,
                                     const std::map<Token, Value>& settings);
 
 struct ReadOptions {

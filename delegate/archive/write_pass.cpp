@@ -46,15 +46,15 @@ void add_settings(const std::map<Token, Value>& given, RenderSettingsDescription
 }
 
 /// The render settings to draw with, and their path.
-std::pair<Path, RenderSettingsDescription> own_settings(const Prims& prims, const std::map<Token, Value>& settings) {
+std::pair<Path, RenderSettingsDescription> own_settings(const host::Prims& prims,
+                                                        const std::map<Token, Value>& settings) {
   const auto named = settings.find(kSettingsPath);
   const Path path(named == settings.end() ? std::string() : named->second.text_or(""));
-  const auto found = prims.settings.find(path);
-  if (found == prims.settings.end()) return {Path("/render"), {}};
-  return {found->first, found->second};
+  const auto* found = host::FindPrim<RenderSettingsDescription>(prims, path);
+  return found ? std::pair(path, *found) : std::pair(Path("/render"), RenderSettingsDescription());
 }
 
-std::string write(const std::string& file, const Prims& prims, const RenderPassState& state,
+std::string write(const std::string& file, const host::Prims& prims, const RenderPassState& state,
                   const std::map<Token, Value>& settings) {
   SceneInfo info;
   auto [path, drawn] = own_settings(prims, settings);
@@ -68,23 +68,23 @@ std::string write(const std::string& file, const Prims& prims, const RenderPassS
   set_framing(state.framing, &drawn);
   drawn.windowPolicy = state.windowPolicy;
   drawn.includedPurposes = purposes_of(state.renderTags);
-  auto cameras = prims.cameras;
+  host::Prims all = prims;
   if (!state.camera.empty()) drawn.camera = state.camera;
-  if (state.freeCamera) cameras[drawn.camera = Path("/freeCamera")] = *state.freeCamera;
-  if (!cameras.contains(drawn.camera))
+  if (state.freeCamera) all[drawn.camera = Path("/freeCamera")] = *state.freeCamera;
+  if (!host::FindPrim<CameraDescription>(all, drawn.camera))
     return drawn.camera.empty() ? "the pass has no camera; name one of the scene, or give one"
                                 : drawn.camera.str() + " is no camera of the scene; name one that is";
-  auto meshes = prims.meshes;
   const support::Selection selection({}, state.collection);
-  for (auto& [id, mesh] : meshes) mesh.visible = mesh.visible && selection.includes(id, true, "geometry");
-  auto all = prims.settings;
+  for (auto& [id, prim] : all)
+    if (auto* mesh = std::get_if<host::MeshDescription>(&prim))
+      mesh->visible = mesh->visible && selection.includes(id, true, "geometry");
   all[path] = std::move(drawn);
-  return WriteArchive(file, {meshes, prims.instancers, prims.materials, prims.lights, cameras, all}, info);
+  return WriteArchive(file, all, info);
 }
 
 }  // namespace
 
-std::string WritePass(const std::string& file, const Prims& prims, const RenderPassState& state,
+std::string WritePass(const std::string& file, const host::Prims& prims, const RenderPassState& state,
                       const std::map<Token, Value>& settings) {
   try {
     return write(file, prims, state, settings);

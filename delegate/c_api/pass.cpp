@@ -204,8 +204,7 @@ AlabasterStatus scene_write(AlabasterScene* handle, const char* file, const Alab
       settings.emplace("renderSettingsPrimPath", path);          // its camera, where the frame has none
     }
     if (!data.loaded.color_config.empty()) settings.emplace("ocio", data.loaded.color_config);
-    const std::string fault =
-        archive::WritePass(&required(file, "file"), archive::PrimsOf(data.scene), state, settings);
+    const std::string fault = archive::WritePass(&required(file, "file"), data.scene.GetPrims(), state, settings);
     if (!fault.empty()) throw Failure(ALABASTER_OUTPUT_FAILED, fault);
   });
 }

@@ -18,7 +18,7 @@ int run_convert(const ConvertArguments& arguments) {
   const hd::archive::SceneInfo info = {session.file.settings, {session.colors().ocio, session.colors().ocio, nullptr}};
   set_writing(true);
   console.require(kOutput, arguments.output,
-                  hd::archive::WriteArchive(arguments.output, hd::archive::PrimsOf(session.scene), info,
+                  hd::archive::WriteArchive(arguments.output, session.scene.GetPrims(), info,
                                             {.embed_images = arguments.embed, .sink = console.sink()}));
   return kDone;
 }

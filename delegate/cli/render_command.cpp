@@ -168,7 +168,8 @@ class RenderCommand {
 
   // Ends at the first frame that fails or is interrupted; those before it are done.
   int render_frames() {
-    const auto described = session_.scene.GetAllRenderSettings();
+    const auto all = session_.scene.GetAllRenderSettings();
+    const std::map<hd::Path, hd::RenderSettingsDescription> described(all.begin(), all.end());
     int code = kDone;
     for (size_t i = 0; i < a_.frames.size(); ++i) {
       if (interrupted()) return kInterrupted;

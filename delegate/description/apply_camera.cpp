@@ -42,7 +42,7 @@ void place_camera(LoadState& load, const json& entry) {
 
 /// The only camera of that name.
 Path the_camera(LoadState& load, const std::string& name) {
-  const std::vector<Path> found = find_prims(load, PrimKind::camera, name, "/camera/use");
+  const std::vector<Path> found = find_prims(load, "camera", name, "/camera/use");
   if (found.size() == 1) return found[0];
   std::string paths;
   for (const Path& path : found) paths += (paths.empty() ? "'" : ", '") + path.str() + "'";

@@ -64,7 +64,7 @@ void place_light(LoadState& load, const std::string& pointer, const json& entry,
 void link(LoadState& load, const std::string& pointer, const json& names, const std::string& category) {
   for (size_t i = 0; i < names.size(); ++i) {
     const std::string place = pointer + "/" + std::to_string(i);
-    for (const Path& path : find_prims(load, PrimKind::mesh, names[i], place))
+    for (const Path& path : find_prims(load, "mesh", names[i], place))
       if (!matches(names[i], path, true))
         load.warn(place, "Applies to all of mesh '" + path.str() + "', of which the name means a part.");
   }
@@ -101,7 +101,7 @@ void apply_light_entry(LoadState& load, const std::string& pointer, const json& 
   if (entry.contains("match")) {
     if (entry.contains("name") || entry.contains("type"))
       load.fail(pointer, "Either match existing lights, or give the name and type of a new one.");
-    for (const Path& path : find_prims(load, PrimKind::light, entry["match"], pointer + "/match"))
+    for (const Path& path : find_prims(load, "light", entry["match"], pointer + "/match"))
       change_light(load, pointer, entry, path, load.scene->GetLights().at(path));
     return;
   }
@@ -113,7 +113,7 @@ void apply_light_entry(LoadState& load, const std::string& pointer, const json& 
   host::LightDescription light;
   light.type = entry["type"].get<std::string>();
   change_light(load, pointer, entry, path, std::move(light));
-  add_name(load, PrimKind::light, path);
+  add_name(load, "light", path);
 }
 
 }  // namespace
@@ -123,7 +123,7 @@ void apply_links(LoadState& load) {
   std::map<Path, std::set<Token>> linked;
   for (const auto& [category, patterns] : load.links)
     for (const std::string& pattern : patterns)
-      for (const Path& path : find_prims(load, PrimKind::mesh, pattern, "")) linked[path].insert(category);
+      for (const Path& path : find_prims(load, "mesh", pattern, "")) linked[path].insert(category);
   for (const auto& [path, mesh] : load.scene->GetMeshes()) {
     std::vector<Token> categories = mesh.categories;
     std::erase_if(categories, [&](const Token& category) { return load.links.contains(category); });
@@ -139,7 +139,7 @@ void apply_links(LoadState& load) {
 void place_lights(LoadState& load) {
   load.for_each_entry("lights", [&](const std::string& pointer, const json& entry) {
     if (!entry.contains("match")) return;
-    for (const Path& path : find_prims(load, PrimKind::light, entry["match"], pointer + "/match")) {
+    for (const Path& path : find_prims(load, "light", entry["match"], pointer + "/match")) {
       host::LightDescription light = load.scene->GetLights().at(path);
       place_light(load, pointer, entry, &light);
       load.scene->SetLight(path, std::move(light));
@@ -152,7 +152,7 @@ void apply_lights(LoadState& load) {
   const std::string dome =
       lights && !load.options.dome.empty() ? "/lights/" + std::to_string(lights->size() - 1) : std::string();
   load.for_each_entry("lights", [&](const std::string& pointer, const json& entry) {
-    if (pointer == dome) remove_domes(load.scene), load.names.erase(PrimKind::light);
+    if (pointer == dome) remove_domes(load.scene), load.names.erase("light");
     apply_light_entry(load, pointer, entry);
   });
   apply_links(load);

@@ -120,7 +120,7 @@ void apply_material_entry(LoadState& load, const std::string& pointer, const jso
     if (load.scene->GetMaterials().contains(paths[0]))
       load.fail(pointer, "A material '" + paths[0].str() + "' already exists; match it instead.");
   } else {
-    paths = find_prims(load, PrimKind::material, entry["match"], pointer_append(pointer, "match"));
+    paths = find_prims(load, "material", entry["match"], pointer_append(pointer, "match"));
   }
   for (const Path& path : paths) {
     const auto known = load.scene->GetMaterials().find(path);
@@ -128,7 +128,7 @@ void apply_material_entry(LoadState& load, const std::string& pointer, const jso
     MaterialNetwork network = keep ? known->second : plain_network(path);
     change_network(load, pointer, entry, path, &network);
     load.scene->SetMaterial(path, std::move(network));
-    if (entry.contains("name")) add_name(load, PrimKind::material, path);
+    if (entry.contains("name")) add_name(load, "material", path);
   }
 }
 

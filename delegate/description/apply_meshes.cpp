@@ -55,7 +55,7 @@ void check_scheme(LoadState& load, const std::string& pointer, const std::string
 Path find_material(LoadState& load, const std::string& pointer, const std::string& pattern) {
   Path& known = load.mesh_materials[pattern];
   if (load.posing) return known;
-  const auto found = find_prims(load, PrimKind::material, pattern, pointer);
+  const auto found = find_prims(load, "material", pattern, pointer);
   if (found.size() > 1)
     load.fail(pointer, "Several materials match: '" + found[0].str() + "', '" + found[1].str() +
                            "'. Give the full path of one.");
@@ -192,7 +192,7 @@ void move_meshes(LoadState& load, const std::string& pointer, const json& motion
 void apply_meshes(LoadState& load) {
   PartMaterials waiting;
   load.for_each_entry("meshes", [&](const std::string& pointer, const json& entry) {
-    const auto paths = find_prims(load, PrimKind::mesh, entry["match"], pointer + "/match");
+    const auto paths = find_prims(load, "mesh", entry["match"], pointer + "/match");
     for (const Path& path : paths) {
       if (waits(load, pointer, entry, path, &waiting)) continue;
       give_materials(load, path, &waiting);

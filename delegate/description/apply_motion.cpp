@@ -10,17 +10,18 @@ namespace {
 
 // own(t) * inverse(motion(0)) * motion(t), at the times of both.
 template <class T>
-void move(const TimeSamples<Matrix4d>& motion, T* prim) {
+void move(const Path& path, T prim, const TimeSamples<Matrix4d>& motion, host::RetainedSceneDelegate* scene) {
   const TimeSamples<Matrix4d> own =
-      prim->transformSamples.values.empty() ? TimeSamples<Matrix4d>{{0}, {prim->transform}} : prim->transformSamples;
+      prim.transformSamples.values.empty() ? TimeSamples<Matrix4d>{{0}, {prim.transform}} : prim.transformSamples;
   const Matrix4d back = transform_at(motion, 0).inverse();
   std::set<double> times(motion.times.begin(), motion.times.end());
   times.insert(own.times.begin(), own.times.end());
-  prim->transformSamples = {};
+  prim.transformSamples = {};
   for (const double time : times) {
-    prim->transformSamples.times.push_back(time);
-    prim->transformSamples.values.push_back(transform_at(own, time) * back * transform_at(motion, time));
+    prim.transformSamples.times.push_back(time);
+    prim.transformSamples.values.push_back(transform_at(own, time) * back * transform_at(motion, time));
   }
+  scene->Set(path, std::move(prim));
 }
 
 }  // namespace
@@ -48,25 +49,13 @@ void move_prims(const std::vector<Path>& prims, const TimeSamples<Matrix4d>& mot
                 host::RetainedSceneDelegate* scene) {
   std::set<Path> instancers;
   for (const Path& path : prims) {
-    if (scene->GetCameras().contains(path)) {
-      host::CameraDescription camera = scene->GetCameras().at(path);
-      move(motion, &camera);
-      scene->SetCamera(path, std::move(camera));
-      continue;
-    }
-    host::MeshDescription mesh = scene->GetMeshes().at(path);
-    if (!mesh.instancer.empty()) {
-      instancers.insert(mesh.instancer);
-      continue;
-    }
-    move(motion, &mesh);
-    scene->SetMesh(path, std::move(mesh));
+    if (const auto* camera = host::FindPrim<host::CameraDescription>(scene->GetPrims(), path))
+      move(path, *camera, motion, scene);
+    const auto* mesh = host::FindPrim<host::MeshDescription>(scene->GetPrims(), path);
+    if (mesh && mesh->instancer.empty()) move(path, *mesh, motion, scene);
+    if (mesh && !mesh->instancer.empty()) instancers.insert(mesh->instancer);
   }
-  for (const Path& path : instancers) {
-    host::InstancerDescription instancer = scene->GetInstancers().at(path);
-    move(motion, &instancer);
-    scene->SetInstancer(path, std::move(instancer));
-  }
+  for (const Path& path : instancers) move(path, scene->GetInstancers().at(path), motion, scene);
 }
 
 }  // namespace alabaster::hd::description

@@ -12,8 +12,8 @@ TimeSamples<Matrix4d> to_motion(LoadState& load, const std::string& pointer, con
 /// The transform at a time; of at least one sample.
 Matrix4d transform_at(const TimeSamples<Matrix4d>& samples, double time);
 
-/// Lets meshes and cameras move through the world by what `motion` does from time 0 on, after what they do themselves.
-/// The instancers of meshes move, with all that they place.
+/// Lets the meshes and cameras among `prims` move through the world by what `motion` does from time 0 on, after what
+/// they do themselves. The instancers of meshes move, with all that they place.
 void move_prims(const std::vector<Path>& prims, const TimeSamples<Matrix4d>& motion,
                 host::RetainedSceneDelegate* scene);
 

@@ -186,8 +186,8 @@ std::vector<Render> plan_renders(LoadState* state) {
 // Makes one RenderSettings prim for each resolution and crop of the products, unless the options say both.
 void complete_settings(LoadState* state) {
   std::vector<Render> renders = plan_renders(state);
-  const std::map<Path, RenderSettingsDescription> others = state->scene->GetAllRenderSettings();  // of an archive
-  for (auto [path, settings] : others) {
+  for (const auto& [path, of_archive] : state->scene->GetAllRenderSettings()) {
+    RenderSettingsDescription settings = of_archive;
     if (!settings.products.empty()) state->result->further_settings.push_back(path);
     if (const auto& size = state->options.size) settings.width = size->x, settings.height = size->y;
     if (state->options.crop) settings.crop = state->options.crop;

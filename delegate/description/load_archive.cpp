@@ -4,10 +4,12 @@
 #include "delegate/archive/archive.h"
 #include "delegate/description/apply_motion.h"
 #include "delegate/description/load_state.h"
-#include "delegate/description/scene_prims.h"
+#include "delegate/support/lookup.h"
 
 namespace alabaster::hd::description {
 namespace {
+
+using support::keys_of;
 
 // Instancers place their prototypes and the instancers below them.
 template <class Prim>
@@ -21,21 +23,24 @@ bool is_placed_by_another(const Prim& prim) {
 }
 
 void place_prims(const Matrix4d& transform, host::RetainedSceneDelegate* scene) {
-  for_each_prim(*scene, [&](const Path& path, auto prim) {
-    if constexpr (requires { prim.transform; }) {
-      if (is_placed_by_another(prim)) return;
-      prim.transform = prim.transform * transform;
-      if constexpr (requires { prim.transformSamples; })
+  const auto place = [&transform](auto& prim) {
+    if constexpr (requires { prim.transform; })
+      if (!is_placed_by_another(prim)) prim.transform = prim.transform * transform;
+    if constexpr (requires { prim.transformSamples; })
+      if (!is_placed_by_another(prim))
         for (Matrix4d& sample : prim.transformSamples.values) sample = sample * transform;
-      put(scene, path, std::move(prim));
-    }
-  });
+  };
+  for (const auto& [path, prim] : scene->GetPrims()) {
+    host::PrimDescription placed = prim;
+    std::visit(place, placed);
+    scene->Set(path, std::move(placed));
+  }
 }
 
 // A file may lower the limit of memory, and not raise it.
 void drop_loose_limits(const std::string& file, const LoadState& state, host::RetainedSceneDelegate* scene) {
-  const std::map<Path, RenderSettingsDescription> all = scene->GetAllRenderSettings();
-  for (auto [path, settings] : all) {
+  for (const auto& [path, prim] : scene->GetAllRenderSettings()) {
+    RenderSettingsDescription settings = prim;
     const auto limit = settings.settings.find("memoryLimit");
     if (limit == settings.settings.end() || !loosens_memory_limit(limit->second.number_or(0))) continue;
     if (limit->second.number_or(0) != 0)
@@ -59,7 +64,7 @@ std::optional<FramePlan> plan_of(const RenderSettingsDescription& settings, Rend
 }
 
 // Settings that are not planned from the first ones stay prims of the scene.
-void take_settings(const std::map<Path, RenderSettingsDescription>& all, const Path& chosen, LoadState* state) {
+void take_settings(const host::PrimsOf<RenderSettingsDescription>& all, const Path& chosen, LoadState* state) {
   if (all.empty()) return;
   const auto first = all.contains(chosen) ? all.find(chosen) : all.begin();
   state->settings_path = first->first, state->archive_settings = true;
@@ -84,16 +89,9 @@ void take_settings(const std::map<Path, RenderSettingsDescription>& all, const P
   }
 }
 
-// All paths of an archive, those of its settings too.
-std::vector<Path> all_paths(const host::RetainedSceneDelegate& scene) {
-  std::vector<Path> paths = keys_of(scene.GetAllRenderSettings());
-  for_each_prim(scene, [&](const Path& path, const auto&) { paths.push_back(path); });
-  return paths;
-}
-
-bool collides(const std::vector<Path>& paths, const LoadState& state) {
-  return std::any_of(paths.begin(), paths.end(), [&](const Path& path) {
-    return state.archive_paths.contains(path) || is_of_model(state, path.str());
+bool collides(const host::Prims& prims, const LoadState& state) {
+  return std::any_of(prims.begin(), prims.end(), [&](const auto& prim) {
+    return state.archive_paths.contains(prim.first) || is_of_model(state, prim.first.str());
   });
 }
 
@@ -134,7 +132,7 @@ bool load_archive(const std::string& file, const ArchiveModel& model, LoadState*
   options.memory_limit = std::max(state->memory->left(), size_t(1));
   auto read = std::make_unique<host::RetainedSceneDelegate>();
   archive::ReadResult result = archive::ReadArchive(file, read.get(), *state->sink, options);
-  if (result.ok && collides(all_paths(*read), *state)) {
+  if (result.ok && collides(read->GetPrims(), *state)) {
     options.root = free_path(state, "/copy").str();
     read = std::make_unique<host::RetainedSceneDelegate>();
     result = archive::ReadArchive(file, read.get(), {}, options);
@@ -143,14 +141,12 @@ bool load_archive(const std::string& file, const ArchiveModel& model, LoadState*
   if (!result.ok) return false;
   state->held.resize(state->held.bytes() + result.memory_bytes, file);
   if (model.transform) place_prims(*model.transform, read.get());
-  if (!model.motion.values.empty()) {
-    move_prims(keys_of(read->GetMeshes()), model.motion, read.get());
-    move_prims(keys_of(read->GetCameras()), model.motion, read.get());
-  }
+  if (!model.motion.values.empty()) move_prims(keys_of(read->GetPrims()), model.motion, read.get());
   drop_loose_limits(file, *state, read.get());
-  for_each_prim(*read, [&](const Path& path, const auto& prim) { put(state->scene, path, prim); });
-  const std::vector<Path> paths = all_paths(*read);
-  state->archive_paths.insert(paths.begin(), paths.end());
+  for (const auto& [path, prim] : read->GetPrims()) {
+    if (!std::holds_alternative<RenderSettingsDescription>(prim)) state->scene->Set(path, prim);
+    state->archive_paths.insert(path);
+  }
   state->result->archives.push_back({file, keys_of(read->GetLights()), keys_of(read->GetMeshes())});
   if (!model.is_first) return true;
   state->has_archive = true;

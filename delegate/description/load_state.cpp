@@ -7,7 +7,7 @@
 #include "core/texture/texture.h"
 #include "core/texture/udim.h"
 #include "delegate/description/scene_names.h"
-#include "delegate/description/scene_prims.h"
+#include "delegate/support/lookup.h"
 #include "delegate/support/nearest_name.h"
 
 namespace alabaster::hd::description {
@@ -15,24 +15,17 @@ namespace {
 
 using nlohmann::json;
 
-std::vector<Path> paths_of_kind(const host::RetainedSceneDelegate& scene, PrimKind kind) {
-  switch (kind) {
-    case PrimKind::mesh:
-      return keys_of(scene.GetMeshes());
-    case PrimKind::material:
-      return keys_of(scene.GetMaterials());
-    case PrimKind::light:
-      return keys_of(scene.GetLights());
-    case PrimKind::camera:
-      return keys_of(scene.GetCameras());
-  }
-  return {};
+std::vector<Path> paths_of_kind(const host::RetainedSceneDelegate& scene, std::string_view kind) {
+  std::vector<Path> paths;
+  for (const auto& [path, prim] : scene.GetPrims())
+    if (host::KindOf(prim) == kind) paths.push_back(path);
+  return paths;
 }
 
 /// The nearest name, and the paths of the prims where several have it.
 std::string nearest_prims(const std::string& pattern, const std::map<std::string, std::vector<Path>>& named) {
   constexpr size_t kMostPaths = 5;
-  const std::string nearest = support::NearestName(pattern, keys_of(named));
+  const std::string nearest = support::NearestName(pattern, support::keys_of(named));
   if (nearest.empty()) return {};
   const std::string text = " Did you mean '" + nearest + "'?";
   const std::vector<Path>& paths = named.at(nearest);
@@ -43,10 +36,10 @@ std::string nearest_prims(const std::string& pattern, const std::map<std::string
          (paths.size() > kMostPaths ? ", ..." : "");
 }
 
-const NameIndex& names_of(LoadState& load, PrimKind kind) {
+const NameIndex& names_of(LoadState& load, std::string_view kind) {
   const auto [found, is_new] = load.names.try_emplace(kind);
   if (!is_new) return found->second;
-  const bool is_mesh = kind == PrimKind::mesh;
+  const bool is_mesh = kind == "mesh";
   for (const Path& path : paths_of_kind(*load.scene, kind)) {
     found->second.add(path, is_mesh);
     if (is_mesh) found->second.add_subsets(path, load.scene->GetMeshes().at(path).topology);
@@ -55,19 +48,14 @@ const NameIndex& names_of(LoadState& load, PrimKind kind) {
 }
 
 // The prims that a pattern with wildcards matches.
-std::vector<Path> walk(const LoadState& load, PrimKind kind, const std::string& pattern) {
-  const bool is_mesh = kind == PrimKind::mesh;
+std::vector<Path> walk(const LoadState& load, std::string_view kind, const std::string& pattern) {
+  const bool is_mesh = kind == "mesh";
   std::vector<Path> found;
   for (const Path& path : paths_of_kind(*load.scene, kind))
     if (matches(pattern, path, is_mesh) ||
         (is_mesh && !matching_subsets(pattern, load.scene->GetMeshes().at(path).topology).empty()))
       found.push_back(path);
   return found;
-}
-
-const char* kind_name(PrimKind kind) {
-  constexpr const char* names[] = {"mesh", "material", "light", "camera"};
-  return names[static_cast<size_t>(kind)];
 }
 
 }  // namespace
@@ -150,26 +138,25 @@ AssetPath LoadState::image(const std::string& pointer, const std::string& file, 
   return found;
 }
 
-std::vector<Path> find_prims(LoadState& load, PrimKind kind, const std::string& pattern, const std::string& pointer) {
+std::vector<Path> find_prims(LoadState& load, std::string_view kind, const std::string& pattern,
+                             const std::string& pointer) {
   std::vector<Path> found = is_plain_name(pattern) ? names_of(load, kind).find(pattern) : walk(load, kind, pattern);
   if (!found.empty() || load.posing) return found;
   std::map<std::string, std::vector<Path>> named;
-  for (const Path& path : paths_of_kind(*load.scene, kind))
-    named[AuthoredName(path, kind == PrimKind::mesh)].push_back(path);
-  load.fail(pointer, std::string("No ") + kind_name(kind) + " matches '" + pattern + "'." +
+  for (const Path& path : paths_of_kind(*load.scene, kind)) named[AuthoredName(path, kind == "mesh")].push_back(path);
+  load.fail(pointer, "No " + std::string(kind) + " matches '" + pattern + "'." +
                          (named.empty() ? " The scene has none." : nearest_prims(pattern, named)));
   return found;
 }
 
 std::vector<size_t> find_parts(LoadState& load, const std::string& pattern, const Path& mesh) {
   if (matches(pattern, mesh, true)) return {};
-  return is_plain_name(pattern) ? names_of(load, PrimKind::mesh).find_subsets(pattern, mesh)
+  return is_plain_name(pattern) ? names_of(load, "mesh").find_subsets(pattern, mesh)
                                 : matching_subsets(pattern, load.scene->GetMeshes().at(mesh).topology);
 }
 
-void add_name(LoadState& load, PrimKind kind, const Path& path) {
-  if (const auto known = load.names.find(kind); known != load.names.end())
-    known->second.add(path, kind == PrimKind::mesh);
+void add_name(LoadState& load, std::string_view kind, const Path& path) {
+  if (const auto known = load.names.find(kind); known != load.names.end()) known->second.add(path, kind == "mesh");
 }
 
 }  // namespace alabaster::hd::description

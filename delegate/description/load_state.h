@@ -43,8 +43,6 @@ struct OpenModel {
   TimeSamples<Matrix4d> motion;  // of the description, or empty
 };
 
-enum class PrimKind { mesh, material, light, camera };
-
 /// Which scenes a studio lights: those without light, all, or none.
 enum class StudioChoice { when_dark, on, off };
 
@@ -75,8 +73,8 @@ struct LoadState {
   std::map<std::string, int> copies;  // the last number that a path was given in order to differ, by that path
   /// Categories of lights: the meshes that a pattern matches have them.
   std::map<Token, std::vector<std::string>> links;
-  std::map<PrimKind, NameIndex> names;         // of the scene's prims, by kind; made when they are first asked for
-  std::map<std::string, Path> mesh_materials;  // that meshes were given, by pattern
+  std::map<std::string_view, NameIndex> names;  // of the scene's prims, by kind; made when they are first asked for
+  std::map<std::string, Path> mesh_materials;   // that meshes were given, by pattern
   /// `scene` holds only the prims that a pose moves, so that a name may match none.
   bool posing = false;
   LoadCause cause = LoadCause::none;  // of the failure; the first that is noted counts
@@ -163,11 +161,12 @@ void pose_camera(LoadState* state);
 
 /// The prims of one kind that `pattern` matches, and the meshes that have subsets which it matches. If there is none,
 /// reports the nearest existing name, but not while posing.
-std::vector<Path> find_prims(LoadState& load, PrimKind kind, const std::string& pattern, const std::string& pointer);
+std::vector<Path> find_prims(LoadState& load, std::string_view kind, const std::string& pattern,
+                             const std::string& pointer);
 /// The subsets of a mesh that `pattern` matches, unless it matches the mesh.
 std::vector<size_t> find_parts(LoadState& load, const std::string& pattern, const Path& mesh);
 /// Tells that the scene has a new prim.
-void add_name(LoadState& load, PrimKind kind, const Path& path);
+void add_name(LoadState& load, std::string_view kind, const Path& path);
 
 /// A larger description is refused.
 inline constexpr uintmax_t kMaxDescriptionBytes = 64u << 20;

@@ -5,7 +5,7 @@
 #include "core/math/float_environment.h"
 #include "delegate/description/apply_motion.h"
 #include "delegate/description/load_state.h"
-#include "delegate/description/scene_prims.h"
+#include "delegate/support/lookup.h"
 
 namespace alabaster::hd::description {
 struct SceneSource::Open {
@@ -46,7 +46,7 @@ struct SceneSource::Open {
       if (fault == gltf::GltfFault::out_of_memory) state.note_cause(LoadCause::out_of_memory);
       if (!prims) throw LoadFailed();
       removed.insert(removed.end(), prims->removed.begin(), prims->removed.end());
-      take(std::move(*prims), model.motion, &posed);
+      take(std::move(prims->prims), model.motion, &posed);
     }
     change(&posed);
     show(posed, removed);
@@ -54,21 +54,18 @@ struct SceneSource::Open {
 
  private:
   // A light has what it was given when it was loaded, and is moved alone; one that was removed is not there.
-  void take(gltf::GltfPrims prims, const TimeSamples<Matrix4d>& motion, host::RetainedSceneDelegate* posed) const {
-    const std::vector<Path> meshes = keys_of(prims.meshes), cameras = keys_of(prims.cameras);
-    const auto take_all = [&](auto& kind) {
-      for (auto& [path, prim] : kind) put(posed, path, std::move(prim));
-    };
-    take_all(prims.instancers), take_all(prims.meshes), take_all(prims.cameras);
-    for (const auto& [path, light] : prims.lights)
-      if (const auto loaded = scene->GetLights().find(path); loaded != scene->GetLights().end()) {
-        host::LightDescription moved = loaded->second;
-        moved.transform = light.transform;
-        posed->SetLight(path, std::move(moved));
+  void take(host::Prims prims, const TimeSamples<Matrix4d>& motion, host::RetainedSceneDelegate* posed) const {
+    for (auto& [path, prim] : prims) {
+      if (const auto* light = std::get_if<host::LightDescription>(&prim)) {
+        const auto* loaded = host::FindPrim<host::LightDescription>(scene->GetPrims(), path);
+        if (!loaded) continue;
+        host::LightDescription moved = *loaded;
+        moved.transform = light->transform;
+        prim = std::move(moved);
       }
-    if (motion.values.empty()) return;
-    move_prims(meshes, motion, posed);
-    move_prims(cameras, motion, posed);
+      posed->Set(path, std::move(prim));
+    }
+    if (!motion.values.empty()) move_prims(support::keys_of(prims), motion, posed);
   }
 
   void change(host::RetainedSceneDelegate* posed) {
@@ -84,7 +81,7 @@ struct SceneSource::Open {
   }
 
   void show(const host::RetainedSceneDelegate& posed, const std::vector<Path>& removed) {
-    for_each_prim(posed, [&](const Path& path, const auto& prim) { put(scene, path, prim); });
+    for (const auto& [path, prim] : posed.GetPrims()) scene->Set(path, prim);
     for (const Path& path : removed) scene->Remove(path);
     pose_camera(&state);
   }

@@ -9,6 +9,7 @@
 #include "core/math/float_environment.h"
 #include "delegate/gltf/gltf_animation.h"
 #include "delegate/gltf/gltf_translation.h"
+#include "delegate/support/lookup.h"
 
 namespace alabaster::hd::gltf {
 namespace {
@@ -32,27 +33,17 @@ GltfFault run_guarded(Report& report, const std::function<bool()>& work) {
   return fault;
 }
 
-// Paths of meshes and instancers, in that order: a mesh is removed before its instancer.
-std::vector<Path> placed_paths(const GltfPrims& prims) {
-  std::vector<Path> paths;
-  for (const auto& [id, mesh] : prims.meshes) paths.push_back(id);
-  for (const auto& [id, instancer] : prims.instancers) paths.push_back(id);
-  return paths;
+template <class T>
+std::vector<Path> paths_of(const host::Prims& prims) {
+  return support::keys_of(host::PrimsOf<T>(prims));
 }
 
-void hand_over(GltfPrims&& prims, host::RetainedSceneDelegate* scene, GltfSummary* summary) {
-  const auto add = [scene](auto& all, auto set, std::vector<Path>* paths) {
-    for (auto& [id, prim] : all) {
-      if (paths) paths->push_back(id);
-      (scene->*set)(id, std::move(prim));
-    }
-  };
-  using Scene = host::RetainedSceneDelegate;
-  add(prims.materials, &Scene::SetMaterial, &summary->materials);
-  add(prims.instancers, &Scene::SetInstancer, nullptr);
-  add(prims.meshes, &Scene::SetMesh, &summary->meshes);
-  add(prims.lights, &Scene::SetLight, &summary->lights);
-  add(prims.cameras, &Scene::SetCamera, &summary->cameras);
+// Paths of meshes and instancers, in that order: a mesh is removed before its instancer.
+std::vector<Path> placed_paths(const host::Prims& prims) {
+  std::vector<Path> paths = paths_of<host::MeshDescription>(prims);
+  const std::vector<Path> instancers = paths_of<host::InstancerDescription>(prims);
+  paths.insert(paths.end(), instancers.begin(), instancers.end());
+  return paths;
 }
 
 constexpr int kShutterSamples = 5;
@@ -60,33 +51,35 @@ constexpr int kShutterSamples = 5;
 // Gives `prims`, which move or deform, their samples over the shutter of `options`.
 class MotionSampler {
  public:
-  MotionSampler(const GltfOptions& options, GltfPrims* prims) : options_(options), prims_(*prims) {}
+  MotionSampler(const GltfOptions& options, host::Prims* prims) : options_(options), prims_(*prims) {}
 
   // `pose_at` makes the same prims as they are that many seconds after the frame's own time. A prim that is not there
   // at all times, or not placed alike, gets no samples (reported).
-  void run(const std::function<GltfPrims(double)>& pose_at, Report& report) {
+  void run(const std::function<host::Prims(double)>& pose_at, Report& report) {
     for (int i = 0; i < kShutterSamples; ++i) {
       const double open = options_.shutter_open, length = options_.shutter_close - open;
       const double seconds = open + length * i / (kShutterSamples - 1);
       frames_.push_back(seconds * options_.frames_per_second);
       poses_.push_back(pose_at(seconds));
     }
-    for (auto& [id, mesh] : prims_.meshes) {
-      sample_transform(id, &GltfPrims::meshes, &mesh, report);
-      for (const char* name : {"points", "normals"}) sample_primvar(id, name, &mesh);
+    for (auto& [id, prim] : prims_) {
+      if (auto* mesh = std::get_if<host::MeshDescription>(&prim)) {
+        sample_transform(id, mesh, report);
+        for (const char* name : {"points", "normals"}) sample_primvar(id, name, mesh);
+      }
+      if (auto* camera = std::get_if<host::CameraDescription>(&prim)) sample_transform(id, camera, report);
+      if (auto* instancer = std::get_if<host::InstancerDescription>(&prim)) sample_instances(id, instancer, report);
     }
-    for (auto& [id, camera] : prims_.cameras) sample_transform(id, &GltfPrims::cameras, &camera, report);
-    for (auto& [id, instancer] : prims_.instancers) sample_instances(id, &instancer, report);
   }
 
  private:
   template <class T>
-  void sample_transform(const Path& id, std::map<Path, T> GltfPrims::*all, T* prim, Report& report) const {
+  void sample_transform(const Path& id, T* prim, Report& report) const {
     TimeSamples<Matrix4d> samples{frames_, {}};
-    for (const GltfPrims& pose : poses_) {
-      const auto found = (pose.*all).find(id);
-      if (found == (pose.*all).end() || !is_placed_alike(found->second, *prim)) return warn(id, report);
-      samples.values.push_back(found->second.transform);
+    for (const host::Prims& pose : poses_) {
+      const T* found = host::FindPrim<T>(pose, id);
+      if (!found || !is_placed_alike(*found, *prim)) return warn(id, report);
+      samples.values.push_back(found->transform);
     }
     if (changes(samples)) prim->transformSamples = std::move(samples);
   }
@@ -94,11 +87,10 @@ class MotionSampler {
   void sample_primvar(const Path& id, const char* name, host::MeshDescription* mesh) const {
     if (!mesh->primvars.contains(name)) return;
     TimeSamples<Value> samples{frames_, {}};
-    for (const GltfPrims& pose : poses_) {
-      const auto found = pose.meshes.find(id);
-      if (found == pose.meshes.end() || !is_placed_alike(found->second, *mesh)) return;
-      if (!(found->second.topology == mesh->topology)) return;
-      samples.values.push_back(found->second.primvars.at(name).value);
+    for (const host::Prims& pose : poses_) {
+      const auto* found = host::FindPrim<host::MeshDescription>(pose, id);
+      if (!found || !is_placed_alike(*found, *mesh) || !(found->topology == mesh->topology)) return;
+      samples.values.push_back(found->primvars.at(name).value);
     }
     if (changes(samples)) mesh->primvarSamples[name] = std::move(samples);
   }
@@ -107,10 +99,10 @@ class MotionSampler {
   void sample_instances(const Path& id, host::InstancerDescription* instancer, Report& report) const {
     const Token name = "hydra:instanceTransforms";
     TimeSamples<Value> samples{frames_, {}};
-    for (const GltfPrims& pose : poses_) {
-      const auto found = pose.instancers.find(id);
-      if (found == pose.instancers.end()) return warn(id, report);
-      samples.values.push_back(found->second.primvars.at(name));
+    for (const host::Prims& pose : poses_) {
+      const auto* found = host::FindPrim<host::InstancerDescription>(pose, id);
+      if (!found) return warn(id, report);
+      samples.values.push_back(found->primvars.at(name));
     }
     if (changes(samples)) instancer->primvarSamples[name] = std::move(samples);
   }
@@ -133,9 +125,9 @@ class MotionSampler {
   }
 
   const GltfOptions& options_;
-  GltfPrims& prims_;
+  host::Prims& prims_;
   std::vector<double> frames_;
-  std::vector<GltfPrims> poses_;
+  std::vector<host::Prims> poses_;
 };
 
 }  // namespace
@@ -153,30 +145,31 @@ struct GltfSource::Open {
     animation = NodeAnimation(document);
     animation.apply(options.time.value_or(0), &document.model);
     translator.emplace(document, options);
-    GltfPrims prims = translator->still_prims(report);
+    host::Prims prims = translator->still_prims(report);
     if (document.image_light) {
       const std::string name = "image_" + prim_name(document.image_light->index, document.image_light->name);
-      prims.lights[root_of(document, options).append("lights").append(name)] =
+      prims[root_of(document, options).append("lights").append(name)] =
           translate_image_light(&document, options.transform, report);
     }
     if (samples_shutter() && translator->deforms())
       hold_more(&document.memory, kShutterSamples * document.summary.memory_bytes, "the geometry over the shutter");
     GltfPrims moving = pose(options.time.value_or(0), report);
     if (report.failed()) return false;
-    prims.meshes.merge(moving.meshes);
-    prims.instancers.merge(moving.instancers);
-    prims.lights.merge(moving.lights);
-    prims.cameras.merge(moving.cameras);
+    prims.merge(moving.prims);
     *summary = std::move(document.summary);
-    if (prims.meshes.empty()) report.warning("scene.empty", "", "the scene has nothing to draw");
-    hand_over(std::move(prims), scene, summary);
+    summary->meshes = paths_of<host::MeshDescription>(prims);
+    summary->materials = paths_of<MaterialNetwork>(prims);
+    summary->cameras = paths_of<host::CameraDescription>(prims);
+    summary->lights = paths_of<host::LightDescription>(prims);
+    if (summary->meshes.empty()) report.warning("scene.empty", "", "the scene has nothing to draw");
+    for (auto& [id, prim] : prims) scene->Set(id, std::move(prim));
     close_what_stands_still();
     return true;
   }
 
   GltfPrims pose(double time, Report& report) {
     animation.apply(time, &document.model);
-    GltfPrims prims = translator->moving_prims(report);
+    GltfPrims pose{translator->moving_prims(report), {}};
     translator->keep_shapes();
     if (samples_shutter()) {
       Report silent({}, {});
@@ -184,15 +177,15 @@ struct GltfSource::Open {
         animation.apply(time + seconds, &document.model);
         return translator->moving_prims(silent);
       };
-      MotionSampler(options, &prims).run(pose_at, report);
+      MotionSampler(options, &pose.prims).run(pose_at, report);
     }
     translator->forget_shapes();
-    std::vector<Path> now = placed_paths(prims);
+    std::vector<Path> now = placed_paths(pose.prims);
     const std::set<Path> kept(now.begin(), now.end());
     const std::vector<Path> before = std::exchange(posed, std::move(now));
     for (const Path& path : before)
-      if (!kept.contains(path)) prims.removed.push_back(path);
-    return prims;
+      if (!kept.contains(path)) pose.removed.push_back(path);
+    return pose;
   }
 
  private:

@@ -66,11 +66,7 @@ ALABASTER_API GltfSummary LoadGltf(const std::string& file, const GltfOptions& o
 ALABASTER_API size_t WeldVertices(host::MeshDescription* mesh);
 
 struct GltfPrims {
-  std::map<Path, host::MeshDescription> meshes;
-  std::map<Path, host::InstancerDescription> instancers;
-  std::map<Path, MaterialNetwork> materials;
-  std::map<Path, host::LightDescription> lights;
-  std::map<Path, host::CameraDescription> cameras;
+  host::Prims prims;
   std::vector<Path> removed;  // meshes and instancers of the pose before that this pose lacks; meshes first
 };
 

@@ -162,12 +162,11 @@ bool SceneTranslator::deforms() const {
   return std::any_of(users_.begin(), users_.end(), [](const auto& entry) { return entry.second.deforms; });
 }
 
-GltfPrims SceneTranslator::still_prims(Report& report) {
-  GltfPrims prims;
+host::Prims SceneTranslator::still_prims(Report& report) {
+  host::Prims prims;
   const std::vector<VertexColors> vertex_colors = find_vertex_colors(document_);
   for (size_t m = 0; m < document_.materials.size(); ++m)
-    prims.materials[material_paths_[m]] =
-        translate_material(document_, m, vertex_colors[m], material_paths_[m], report);
+    prims[material_paths_[m]] = translate_material(document_, m, vertex_colors[m], material_paths_[m], report);
   add_views(false, &prims);
   for (auto& [key, users] : users_) {
     if (users.moves) continue;
@@ -178,11 +177,11 @@ GltfPrims SceneTranslator::still_prims(Report& report) {
   return prims;
 }
 
-GltfPrims SceneTranslator::moving_prims(Report& report) {
+host::Prims SceneTranslator::moving_prims(Report& report) {
   ++calls_;
   tree_.update();
   if (all_nodes_) all_nodes_->update();
-  GltfPrims prims;
+  host::Prims prims;
   add_views(true, &prims);
   for (auto& [key, users] : users_)
     if (users.moves) add_users(users, &prims, report);
@@ -200,21 +199,20 @@ void SceneTranslator::forget_shapes() {
 }
 
 // Cameras and lights.
-void SceneTranslator::add_views(bool moving, GltfPrims* prims) const {
+void SceneTranslator::add_views(bool moving, host::Prims* prims) const {
   for (const PlacedNode& placed : tree_.nodes()) {
     if (placed.moves != moving) continue;
     const tinygltf::Node& node = model_.nodes[placed.index];
     if (node.camera >= 0)
-      prims->cameras[child("cameras", placed.index)] =
-          translate_camera(model_.cameras[size_t(node.camera)], placed.world);
+      (*prims)[child("cameras", placed.index)] = translate_camera(model_.cameras[size_t(node.camera)], placed.world);
     const auto extension = node.extensions.find("KHR_lights_punctual");
     if (!placed.visible || extension == node.extensions.end()) continue;
     const int light = extension->second.Get("light").GetNumberAsInt();
-    prims->lights[child("lights", placed.index)] = translate_light(model_.lights[size_t(light)], placed.world);
+    (*prims)[child("lights", placed.index)] = translate_light(model_.lights[size_t(light)], placed.world);
   }
 }
 
-void SceneTranslator::add_users(MeshUsers& users, GltfPrims* prims, Report& report) {
+void SceneTranslator::add_users(MeshUsers& users, host::Prims* prims, Report& report) {
   std::map<std::vector<double>, MeshUse> uses;
   for (const size_t i : users.nodes) {
     const PlacedNode& placed = tree_.nodes()[i];
@@ -235,7 +233,7 @@ const std::vector<Matrix4d>& SceneTranslator::instances_of(size_t node) {
 // A mesh with several placements becomes one prototype below the first of its nodes, placed by an instancer. A mesh
 // that follows a skin is placed by its joints, however many nodes use it.
 void SceneTranslator::add_mesh(const MeshUsers& users, const MeshUse& use, const TranslatedMesh& shape,
-                               GltfPrims* prims) const {
+                               host::Prims* prims) const {
   const Path parent = child("nodes", use.nodes[0]);
   const std::vector<tinygltf::Primitive>& primitives = model_.meshes[users.mesh].primitives;
   const auto material_of = [&](size_t p) {
@@ -264,11 +262,11 @@ void SceneTranslator::add_mesh(const MeshUsers& users, const MeshUse& use, const
       std::iota(instances.begin(), instances.end(), 0);
       instancer.indices[id] = Array<int32_t>(std::move(instances));
     }
-    prims->meshes[id] = std::move(description);
+    (*prims)[id] = std::move(description);
   }
   if (instancer.indices.empty()) return;
   instancer.primvars["hydra:instanceTransforms"] = Array<Matrix4d>(use.placements);
-  prims->instancers[parent.append("instancer")] = std::move(instancer);
+  (*prims)[parent.append("instancer")] = std::move(instancer);
 }
 
 std::vector<Matrix4d> SceneTranslator::joints_of(const MeshUsers& users) const {

@@ -17,10 +17,10 @@ class SceneTranslator {
   SceneTranslator(const Document& document, const GltfOptions& options);
 
   /// The materials, and all prims that the animation neither moves nor deforms.
-  GltfPrims still_prims(Report& report);
+  host::Prims still_prims(Report& report);
   /// The other prims, in the pose that the document's nodes have. Shapes that an earlier call translated are not
   /// translated again, until forget_shapes() drops them.
-  GltfPrims moving_prims(Report& report);
+  host::Prims moving_prims(Report& report);
   /// Has forget_shapes() keep the shapes of the last moving_prims(), and no others.
   void keep_shapes();
   void forget_shapes();
@@ -54,9 +54,9 @@ class SceneTranslator {
 
   void find_users();
   void find_what_moves();
-  void add_users(MeshUsers& users, GltfPrims* prims, Report& report);
-  void add_mesh(const MeshUsers& users, const MeshUse& use, const TranslatedMesh& shape, GltfPrims* prims) const;
-  void add_views(bool moving, GltfPrims* prims) const;
+  void add_users(MeshUsers& users, host::Prims* prims, Report& report);
+  void add_mesh(const MeshUsers& users, const MeshUse& use, const TranslatedMesh& shape, host::Prims* prims) const;
+  void add_views(bool moving, host::Prims* prims) const;
   Shape shape_of(MeshUsers& users, const std::vector<double>& weights, Report& report);
   Shape translate(size_t mesh, const PrimitiveShape& shape, const std::pair<size_t, std::string>& key, Report& report);
   std::vector<Matrix4d> joints_of(const MeshUsers& users) const;

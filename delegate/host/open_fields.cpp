@@ -4,6 +4,7 @@
 #include <charconv>
 
 #include "delegate/support/color_space.h"
+#include "delegate/support/lookup.h"
 #include "delegate/support/nearest_name.h"
 #include "delegate/support/parameters.h"
 #include "delegate/support/retired_settings.h"
@@ -322,6 +323,16 @@ Path node_path(const Path& material, const std::string& name) {
   return name.starts_with('/') ? Path(name) : material.append(name);
 }
 
+std::string without_inputs_namespace(const std::string& name) {
+  return after(name, "inputs:").value_or(name);
+}
+
+std::string CheckSetting(const std::string& name, const Value& value) {
+  if (const std::string retired = support::RetiredSetting(name, value.text_or("")); !retired.empty()) return retired;
+  if (const FieldResult checked = check(setting_parameters(), name, value, Range::refused)) return *checked;
+  return "there is no setting '" + name + "'" + support::DidYouMean(name, parameter_names("render_settings"));
+}
+
 FieldResult SubsetFields::set(const std::string& name, const Value& value) {
   const auto [text, suffix] = split_suffix(after(name, "subsets:").value_or(""), {"faces", "material"});
   if (suffix.empty()) return std::nullopt;
@@ -340,7 +351,31 @@ void SubsetFields::finish() {
   if (removes_) std::erase_if(subsets_, [](const GeomSubset& subset) { return subset.id.empty(); });
 }
 
-FieldResult set_open_field(MeshDescription* mesh, const std::string& name, const Value& value) {
+namespace {
+
+template <class T>
+std::span<const Field> rows_of(const T&) {
+  return {};
+}
+std::span<const Field> rows_of(const MeshDescription&) {
+  return kMeshes;
+}
+std::span<const Field> rows_of(const InstancerDescription&) {
+  return kInstancers;
+}
+std::span<const Field> rows_of(const MaterialNetwork&) {
+  return kMaterials;
+}
+std::span<const Field> rows_of(const RenderSettingsDescription&) {
+  return kOpenSettings;
+}
+
+template <class T>
+FieldResult set_open(T*, const Path&, const std::string&, const Value&) {
+  return std::nullopt;
+}
+
+FieldResult set_open(MeshDescription* mesh, const Path&, const std::string& name, const Value& value) {
   // A parameter is a constant primvar.
   FieldResult parameter = check(mesh_parameters(), name, value);
   if (!parameter) parameter = check_other(kOfMeshes, name, value);
@@ -367,7 +402,7 @@ FieldResult set_open_field(MeshDescription* mesh, const std::string& name, const
   return check_primvar(name, value);
 }
 
-FieldResult set_open_field(InstancerDescription* instancer, const std::string& name, const Value& value) {
+FieldResult set_open(InstancerDescription* instancer, const Path&, const std::string& name, const Value& value) {
   if (const auto prototype = after(name, "prototypes:")) {
     if (value.empty()) return instancer->indices.erase(Path(*prototype)), "";
     return read_into(name, value, {}, &instancer->indices[Path(*prototype)]);
@@ -397,11 +432,7 @@ FieldResult set_open_field(InstancerDescription* instancer, const std::string& n
   return check_primvar(name, value);
 }
 
-std::string without_inputs_namespace(const std::string& name) {
-  return after(name, "inputs:").value_or(name);
-}
-
-FieldResult set_open_field(LightDescription* light, const std::string& given, const Value& value) {
+FieldResult set_open(LightDescription* light, const Path&, const std::string& given, const Value& value) {
   const std::string name = without_inputs_namespace(given);
   FieldResult checked = check(light_parameters(), name, value);
   if (!checked) checked = check_other(kOfLights, name, value);
@@ -411,27 +442,21 @@ FieldResult set_open_field(LightDescription* light, const std::string& given, co
   return checked;
 }
 
-FieldResult set_open_field(CameraDescription* camera, const std::string& name, const Value& value) {
+FieldResult set_open(CameraDescription* camera, const Path&, const std::string& name, const Value& value) {
   FieldResult checked = check(camera_parameters(), name, value);
   if (!checked) checked = check_other(kOfCameras, name, value);
   if (checked && checked->empty()) store(&camera->parameters, Token(name), value);
   return checked;
 }
 
-std::string CheckSetting(const std::string& name, const Value& value) {
-  if (const std::string retired = support::RetiredSetting(name, value.text_or("")); !retired.empty()) return retired;
-  if (const FieldResult checked = check(setting_parameters(), name, value, Range::refused)) return *checked;
-  return "there is no setting '" + name + "'" + support::DidYouMean(name, parameter_names("render_settings"));
-}
-
-FieldResult set_open_field(RenderSettingsDescription* settings, const std::string& name, const Value& value) {
+FieldResult set_open(RenderSettingsDescription* settings, const Path&, const std::string& name, const Value& value) {
   if (const auto rest = after(name, "products:")) return set_product_field(settings, *rest, name, value);
   const std::string fault = CheckSetting(name, value);
   if (fault.empty()) store(&settings->settings, name, value);
   return fault;
 }
 
-FieldResult set_open_field(MaterialNetwork* network, const Path& id, const std::string& name, const Value& value) {
+FieldResult set_open(MaterialNetwork* network, const Path& id, const std::string& name, const Value& value) {
   if (is_among(name, kTerminals)) {
     Path node;
     if (const std::string fault = read_into(name, value, {}, &node); !fault.empty()) return fault;
@@ -456,28 +481,26 @@ FieldResult set_open_field(MaterialNetwork* network, const Path& id, const std::
   return value.type() == ALABASTER_SAMPLES ? fault_text(name, "a value that does not move", value) : "";
 }
 
-namespace {
 void add(const std::string& name, Value value, Fields* fields) {
   if (!value.empty()) fields->emplace_back(name, std::move(value));
 }
 void add_samples(const std::string& name, const TimeSamples<Value>* samples, Fields* fields) {
   if (samples) add(name + ":samples", write(*samples, {}), fields);
 }
-template <class Map, class Key>
-auto find_entry(const Map& map, const Key& key) -> const typename Map::mapped_type* {
-  const auto found = map.find(key);
-  return found == map.end() ? nullptr : &found->second;
+template <class T>
+void append_open(const T& prim, const Path&, Fields* fields) {
+  if constexpr (requires { prim.parameters; })
+    for (const auto& [name, value] : prim.parameters) add(name.str(), value, fields);
 }
-}  // namespace
 
-void append_open_fields(const MeshDescription& mesh, Fields* fields) {
+void append_open(const MeshDescription& mesh, const Path&, Fields* fields) {
   for (const auto& [key, primvar] : mesh.primvars) {
     const std::string name = "primvars:" + key.str();
     add(name, primvar.value, fields);
     add(name + ":interpolation", write(primvar.interpolation, kInterpolations), fields);
     if (!primvar.role.empty()) add(name + ":role", primvar.role, fields);
     if (!primvar.indices.empty()) add(name + ":indices", primvar.indices, fields);
-    add_samples(name, find_entry(mesh.primvarSamples, key), fields);
+    add_samples(name, support::find_in(mesh.primvarSamples, key), fields);
   }
   for (const GeomSubset& subset : mesh.topology.geomSubsets) {
     add("subsets:" + subset.id.str() + ":faces", subset.indices, fields);
@@ -485,10 +508,10 @@ void append_open_fields(const MeshDescription& mesh, Fields* fields) {
   }
 }
 
-void append_open_fields(const InstancerDescription& instancer, Fields* fields) {
+void append_open(const InstancerDescription& instancer, const Path&, Fields* fields) {
   for (const auto& [key, value] : instancer.primvars) {
     add("primvars:" + key.str(), value, fields);
-    add_samples("primvars:" + key.str(), find_entry(instancer.primvarSamples, key), fields);
+    add_samples("primvars:" + key.str(), support::find_in(instancer.primvarSamples, key), fields);
   }
   for (const auto& [prototype, indices] : instancer.indices) add("prototypes:" + prototype.str(), indices, fields);
   std::map<Token, std::vector<int32_t>> by_category;
@@ -497,14 +520,7 @@ void append_open_fields(const InstancerDescription& instancer, Fields* fields) {
   for (const auto& [category, instances] : by_category) add("categories:" + category.str(), instances, fields);
 }
 
-void append_open_fields(const LightDescription& light, Fields* fields) {
-  for (const auto& [name, value] : light.parameters) add(name.str(), value, fields);
-}
-void append_open_fields(const CameraDescription& camera, Fields* fields) {
-  for (const auto& [name, value] : camera.parameters) add(name.str(), value, fields);
-}
-
-void append_open_fields(const RenderSettingsDescription& settings, Fields* fields) {
+void append_open(const RenderSettingsDescription& settings, const Path&, Fields* fields) {
   for (const auto& [name, value] : settings.settings) add(name, value, fields);
   for (size_t i = 0; i < settings.products.size(); ++i) {
     const RenderProduct& product = settings.products[i];
@@ -517,7 +533,7 @@ void append_open_fields(const RenderSettingsDescription& settings, Fields* field
   }
 }
 
-void append_open_fields(const MaterialNetwork& network, const Path& id, Fields* fields) {
+void append_open(const MaterialNetwork& network, const Path& id, Fields* fields) {
   for (const auto& [path, node] : network.nodes) {
     const std::string name = node_name(id, path);
     add(name + ".type", node.nodeTypeId, fields);
@@ -533,13 +549,16 @@ void append_open_fields(const MaterialNetwork& network, const Path& id, Fields* 
   if (!network.terminals.contains("surface")) fields->emplace_back("surface", Value());  // else SetPrim chooses one
 }
 
-namespace {
 std::string last_name(const Path& path) {
   return path.str().substr(path.str().rfind('/') + 1);
 }
-}  // namespace
 
-std::string finish(const MeshDescription& mesh) {
+template <class T>
+std::string finished(const T&) {
+  return {};
+}
+
+std::string finished(const MeshDescription& mesh) {
   if (const auto points = mesh.primvars.find("points"); points != mesh.primvars.end()) {
     if (!points->second.indices.empty())
       return "'primvars:points:indices' is given: faceVertexIndices alone name the points of a face";
@@ -560,7 +579,7 @@ std::string finish(const MeshDescription& mesh) {
   return {};
 }
 
-std::string finish(const RenderSettingsDescription& settings) {
+std::string finished(const RenderSettingsDescription& settings) {
   for (size_t i = 0; i < settings.products.size(); ++i) {
     const std::string product = "'products:" + std::to_string(i) + "'";
     if (settings.products[i].file.empty()) return product + " has no file";
@@ -570,13 +589,13 @@ std::string finish(const RenderSettingsDescription& settings) {
   return {};
 }
 
-std::string finish(const InstancerDescription& instancer) {
+std::string finished(const InstancerDescription& instancer) {
   for (const auto& [name, samples] : instancer.primvarSamples)
     if (!instancer.primvars.contains(name)) return "'primvars:" + name.str() + "' has samples, but no value";
   return {};
 }
 
-std::string finish(const MaterialNetwork& network) {
+std::string finished(const MaterialNetwork& network) {
   for (const auto& [terminal, connection] : network.terminals)
     if (!network.nodes.contains(connection.upstreamNode))
       return terminal.str() + " names " + connection.upstreamNode.str() + ", which is no node of the material";
@@ -599,8 +618,21 @@ std::string finish(const MaterialNetwork& network) {
   return {};
 }
 
-const std::span<const Field> kOpenOfMeshes = kMeshes, kOpenOfInstancers = kInstancers, kOpenOfMaterials = kMaterials,
-                             kOpenOfSettings = kOpenSettings;
+}  // namespace
+
+std::span<const Field> open_rows(const PrimDescription& prim) {
+  return std::visit([](const auto& object) { return rows_of(object); }, prim);
+}
+FieldResult set_open_field(PrimDescription* prim, const Path& id, const std::string& name, const Value& value) {
+  return std::visit([&](auto& object) { return set_open(&object, id, name, value); }, *prim);
+}
+void append_open_fields(const PrimDescription& prim, const Path& id, Fields* fields) {
+  std::visit([&](const auto& object) { append_open(object, id, fields); }, prim);
+}
+std::string finish(const PrimDescription& prim) {
+  return std::visit([](const auto& object) { return finished(object); }, prim);
+}
+
 const std::span<const OtherParameter> kOtherOfTextures = kOfTextures, kOtherOfDisplacements = kOfDisplacements,
                                       kOtherOfMeshes = kOfMeshes, kOtherOfLights = kOfLights,
                                       kOtherOfCameras = kOfCameras;

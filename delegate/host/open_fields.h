@@ -33,25 +33,15 @@ class SubsetFields {
   bool removes_ = false;
 };
 /// All but the fields of subsets.
-FieldResult set_open_field(MeshDescription* mesh, const std::string& name, const Value& value);
-FieldResult set_open_field(InstancerDescription* instancer, const std::string& name, const Value& value);
-FieldResult set_open_field(LightDescription* light, const std::string& name, const Value& value);
-FieldResult set_open_field(CameraDescription* camera, const std::string& name, const Value& value);
-FieldResult set_open_field(RenderSettingsDescription* settings, const std::string& name, const Value& value);
+FieldResult set_open_field(PrimDescription* prim, const Path& id, const std::string& name, const Value& value);
+/// The open fields from which set_open_field() makes the same prim.
+void append_open_fields(const PrimDescription& prim, const Path& id, Fields* fields);
+/// Checks a prim whose fields are all set. Returns a fault, or "".
+std::string finish(const PrimDescription& prim);
 /// The name of a node in fields of the material: without its path where it lies below the material.
 std::string node_name(const Path& material, const Path& node);
 /// The node of that name: below the material, or, where the name begins with a slash, of that path.
 Path node_path(const Path& material, const std::string& name);
-FieldResult set_open_field(MaterialNetwork* network, const Path& id, const std::string& name, const Value& value);
-
-// The open fields from which set_open_field() makes the same prim.
-void append_open_fields(const MeshDescription& mesh, Fields* fields);
-void append_open_fields(const InstancerDescription& instancer, Fields* fields);
-void append_open_fields(const LightDescription& light, Fields* fields);
-void append_open_fields(const CameraDescription& camera, Fields* fields);
-void append_open_fields(const RenderSettingsDescription& settings, Fields* fields);
-void append_open_fields(const MaterialNetwork& network, const Path& id, Fields* fields);
-
 /// A parameter that is in no table of core: a text, such as the name of a file, or numbers.
 struct OtherParameter {
   const char* name;
@@ -77,27 +67,25 @@ void visit_table(std::string_view schema, const Visit& visit) {
   if (schema == "render_settings") visit(setting_parameters(), RenderSettings(), none);
 }
 
-/// The tables of one kind of prim. Open fields have parts of their names in capitals: "primvars:NAME:indices". They
-/// have no functions.
+/// One kind of prim. Open fields have parts of their names in capitals: "primvars:NAME:indices". They have no
+/// functions.
 struct Kind {
   const char* name;  // "light": all types of lights
   std::span<const Field> fields, open;
   const char* parameters;  // the schema of core's table of its parameters
+  DirtyBits others;        // what an edit of members without a row marks
+  bool (RenderIndex::*insert)(const Token& type, SceneDelegate* scene, const Path& id);  // null: an instancer
+  PrimDescription defaults = {};
 };
+/// All that have fields.
 std::span<const Kind> kinds();
-extern const std::span<const Field> kOpenOfMeshes, kOpenOfInstancers, kOpenOfMaterials, kOpenOfSettings;
+const Kind& kind_of(const PrimDescription& prim);
+/// The bits that an edit marks. Both are of one kind.
+DirtyBits difference(const PrimDescription& a, const PrimDescription& b);
+/// The open fields of a kind.
+std::span<const Field> open_rows(const PrimDescription& prim);
 /// A part of the name is in capitals.
 bool is_pattern(std::string_view name);
-
-// Checks of a prim whose fields are all set. Each returns a fault, or "".
-template <class T>
-std::string finish(const T&) {
-  return {};
-}
-std::string finish(const MeshDescription& mesh);
-std::string finish(const InstancerDescription& instancer);
-std::string finish(const MaterialNetwork& network);
-std::string finish(const RenderSettingsDescription& settings);
 
 /// The names of the parameters of a schema, for messages.
 std::vector<std::string> parameter_names(std::string_view schema);

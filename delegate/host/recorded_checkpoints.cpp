@@ -54,7 +54,7 @@ std::string RecordedCheckpoints::note(const RenderSettingsDescription& d) const 
                          {"fields", nlohmann::json::object()},
                          {"settings", nlohmann::json::object()}};
   if (!colors_.is_null()) note["colors"] = colors_;
-  for (const auto& [name, value] : GetFields(frame)) note["fields"][name] = support::json_of(value);
+  for (const auto& [name, value] : GetFields({}, frame)) note["fields"][name] = support::json_of(value);
   for (const RenderSettingDescriptor& setting : delegate_->GetRenderSettingDescriptors())
     note["settings"][setting.key.str()] = support::json_of(delegate_->GetRenderSetting(setting.key));
   for (const char* name : kCameraMatrices)

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <utility>
 
-#include "delegate/host/scene_fields.h"
+#include "delegate/host/open_fields.h"
 #include "delegate/support/lookup.h"
 
 namespace alabaster::hd::host {
@@ -11,13 +11,6 @@ namespace {
 
 using support::find_in;
 using support::value_in;
-
-/// A member of the prim of that path; without one, the member's default.
-template <class T, class Member>
-Member member_of(const std::map<Path, T>& prims, const Path& id, Member T::*member) {
-  const T* prim = find_in(prims, id);
-  return prim ? prim->*member : T().*member;
-}
 
 /// Copies an array of one of the types that Sync takes as they are, with the elements from `first` on replaced. False:
 /// it is of another type, `part` is, or it ends before them.
@@ -35,69 +28,93 @@ bool replace_part(Value* array, size_t first, const Value& part) {
   return fits;
 }
 
+PrimvarDescriptor descriptor_of(const Token& name, const PrimvarValue& primvar) {
+  return {name, primvar.interpolation, primvar.role, !primvar.indices.empty()};
+}
+PrimvarDescriptor descriptor_of(const Token& name, const Value&) {
+  return {name, Interpolation::instance, Token(), false};
+}
+template <class Primvar>
+std::vector<PrimvarDescriptor> descriptors_of(const std::map<Token, Primvar>& primvars) {
+  std::vector<PrimvarDescriptor> descriptors;
+  for (const auto& [name, primvar] : primvars) descriptors.push_back(descriptor_of(name, primvar));
+  return descriptors;
+}
+
+Value value_of(const PrimvarValue& primvar, Array<int32_t>* indices) {
+  if (indices) *indices = primvar.indices;
+  return primvar.value;
+}
+Value value_of(const Value& primvar, Array<int32_t>*) {
+  return primvar;
+}
+template <class Primvar>
+Value primvar_of(const std::map<Token, Primvar>& primvars, const Token& name, Array<int32_t>* indices) {
+  const Primvar* primvar = find_in(primvars, name);
+  return primvar ? value_of(*primvar, indices) : Value();
+}
+
+using Indices = std::map<Path, Array<int32_t>>;
+const Indices& indices_of(const PrimDescription* prim) {
+  static const Indices none;
+  const auto* instancer = prim ? std::get_if<InstancerDescription>(prim) : nullptr;
+  return instancer ? instancer->indices : none;
+}
+
+/// Another type of light is another prim.
+bool is_same_prim(const PrimDescription& a, const PrimDescription& b) {
+  const auto *light = std::get_if<LightDescription>(&a), *other = std::get_if<LightDescription>(&b);
+  return a.index() == b.index() && (!light || light->type == other->type);
+}
+
 }  // namespace
 
 struct RetainedSceneDelegate::State {
-  std::map<Path, MeshDescription> meshes;
-  std::map<Path, InstancerDescription> instancers;
-  std::map<Path, MaterialNetwork> materials;
-  std::map<Path, LightDescription> lights;
-  std::map<Path, CameraDescription> cameras;
-  std::map<Path, RenderBufferDescriptor> buffers;
-  std::map<Path, RenderSettingsDescription> settings;
+  Prims prims;
   RenderIndex* index = nullptr;
   bool is_whole = false;  // there is an index, and it has all prims
   RetainedSceneDelegate* scene = nullptr;
 
-  /// Calls visit(map) with the prims of each kind, in the order in which they enter an index.
-  template <class Visit>
-  void for_each_kind(const Visit& visit) {
-    visit(settings), visit(buffers), visit(cameras), visit(materials), visit(lights), visit(instancers), visit(meshes);
+  /// Enters a prim into the index. False: memory ran out.
+  bool insert(const Path& id, const PrimDescription& prim) const {
+    const Kind& kind = kind_of(prim);
+    if (!kind.insert) return index->InsertInstancer(scene, id);
+    const auto* light = std::get_if<LightDescription>(&prim);
+    const std::vector<Token>& known = index->GetRenderDelegate()->GetSupportedSprimTypes();
+    if (light && std::find(known.begin(), known.end(), light->type) == known.end()) return true;
+    return (index->*kind.insert)(light ? light->type : Token(kind.name), scene, id);
   }
-
-  // Each enters a prim into the index. False: memory ran out.
-  bool insert(const Path& id, const MeshDescription&) { return index->InsertRprim("mesh", scene, id); }
-  bool insert(const Path& id, const InstancerDescription&) { return index->InsertInstancer(scene, id); }
-  bool insert(const Path& id, const MaterialNetwork&) { return index->InsertSprim("material", scene, id); }
-  bool insert(const Path& id, const CameraDescription&) { return index->InsertSprim("camera", scene, id); }
-  bool insert(const Path& id, const RenderBufferDescriptor&) { return index->InsertBprim("renderBuffer", scene, id); }
-  bool insert(const Path& id, const RenderSettingsDescription&) {
-    return index->InsertBprim("renderSettings", scene, id);
-  }
-  bool insert(const Path& id, const LightDescription& light) {
-    const std::vector<Token> known = index->GetRenderDelegate()->GetSupportedSprimTypes();
-    if (std::find(known.begin(), known.end(), light.type) == known.end()) return true;
-    return index->InsertSprim(light.type, scene, id);
-  }
-
-  /// Stores `value`, in the place of a prim of another kind that has this path.
-  template <class T>
-  void set(std::map<Path, T>& map, const Path& id, T value) {
-    const auto found = map.find(id);
-    if (found != map.end()) {
-      if (index) index->GetChangeTracker().MarkDirty(id, difference(found->second, value));
-      found->second = std::move(value);
-      return;
-    }
-    bool is_of_another_kind = false;
-    for_each_kind([&](const auto& prims) { is_of_another_kind |= prims.contains(id); });
-    if (is_of_another_kind) scene->Remove(id);
-    const auto entered = map.emplace(id, std::move(value)).first;
-    if (!index) return;
-    const bool has_others = std::exchange(is_whole, false);
-    is_whole = insert(id, entered->second) && has_others;
-  }
-  void mark(const Path& id, DirtyBits bits) {
+  void mark(const Path& id, DirtyBits bits) const {
     if (index && index->Has(id)) index->GetChangeTracker().MarkDirty(id, bits);
   }
   /// Prototypes whose indices differ pull them again; so do those that came or went.
-  void mark_prototypes(const InstancerDescription& a, const InstancerDescription& b) {
-    for (const auto& [prototype, indices] : a.indices) {
-      const auto* other = find_in(b.indices, prototype);
+  void mark_prototypes(const PrimDescription* before, const PrimDescription* after) const {
+    const Indices &a = indices_of(before), &b = indices_of(after);
+    for (const auto& [prototype, indices] : a) {
+      const auto* other = find_in(b, prototype);
       if (!other || !(*other == indices)) mark(prototype, dirty::kInstanceIndex);
     }
-    for (const auto& [prototype, indices] : b.indices)
-      if (!find_in(a.indices, prototype)) mark(prototype, dirty::kInstanceIndex);
+    for (const auto& [prototype, indices] : b)
+      if (!find_in(a, prototype)) mark(prototype, dirty::kInstanceIndex);
+  }
+
+  /// What `get` takes of the prim of that path; of a T with the defaults where there is none of a kind that has it.
+  template <class T, class Get>
+  auto pull(const Path& id, const Get& get) const {
+    using Result = std::decay_t<decltype(get(T()))>;
+    const auto take = [&get]<class Prim>(const Prim& prim) -> Result {
+      if constexpr (std::is_invocable_r_v<Result, const Get&, const Prim&>)
+        return get(prim);
+      else
+        return get(T());
+    };
+    const auto* prim = find_in(prims, id);
+    return prim ? std::visit(take, *prim) : take(T());
+  }
+  template <class T>
+  T whole(const Path& id) const {
+    const T* prim = FindPrim<T>(prims, id);
+    return prim ? *prim : T();
   }
 };
 
@@ -108,24 +125,46 @@ RetainedSceneDelegate::~RetainedSceneDelegate() {
   Depopulate();
 }
 
-void RetainedSceneDelegate::SetMesh(const Path& id, MeshDescription mesh) {
-  state_->set(state_->meshes, id, std::move(mesh));
+void RetainedSceneDelegate::Set(const Path& id, PrimDescription prim) {
+  State& s = *state_;
+  if (const auto found = s.prims.find(id); found != s.prims.end()) {
+    if (is_same_prim(found->second, prim)) {
+      if (s.index) s.index->GetChangeTracker().MarkDirty(id, difference(found->second, prim));
+      s.mark_prototypes(&found->second, &prim);
+      found->second = std::move(prim);
+      return;
+    }
+    Remove(id);
+  }
+  const PrimDescription& entered = s.prims.emplace(id, std::move(prim)).first->second;
+  if (!s.index) return;
+  const bool has_others = std::exchange(s.is_whole, false);
+  s.is_whole = s.insert(id, entered) && has_others;
+  s.mark_prototypes(nullptr, &entered);
 }
 
-void RetainedSceneDelegate::SetInstancer(const Path& id, InstancerDescription instancer) {
-  const InstancerDescription before = value_in(state_->instancers, id);
-  state_->set(state_->instancers, id, std::move(instancer));
-  state_->mark_prototypes(before, state_->instancers[id]);
+bool RetainedSceneDelegate::Remove(const Path& id) {
+  State& s = *state_;
+  const auto found = s.prims.find(id);
+  if (found == s.prims.end()) return false;
+  if (s.index) s.index->Remove(id);
+  const auto gone = s.prims.extract(found);  // takes no memory, which may have run out
+  s.mark_prototypes(&gone.mapped(), nullptr);
+  return true;
+}
+
+const Prims& RetainedSceneDelegate::GetPrims() const {
+  return state_->prims;
 }
 
 bool RetainedSceneDelegate::SetInstanceValues(const Path& instancer, size_t first,
                                               const std::map<Token, Value>& elements) {
-  const auto found = state_->instancers.find(instancer);
-  if (found == state_->instancers.end()) return false;
+  auto* prim = find_in(state_->prims, instancer);
+  auto* held = prim ? std::get_if<InstancerDescription>(prim) : nullptr;
+  if (!held) return false;
   if (elements.empty()) return true;
-  InstancerDescription& held = found->second;
-  std::map<Token, Value> primvars = held.primvars;
-  std::map<Token, TimeSamples<Value>> samples = held.primvarSamples;
+  std::map<Token, Value> primvars = held->primvars;
+  std::map<Token, TimeSamples<Value>> samples = held->primvarSamples;
   for (const auto& [primvar, part] : elements) {
     const auto now = primvars.find(primvar);
     if (now == primvars.end() || !replace_part(&now->second, first, part)) return false;
@@ -134,69 +173,15 @@ bool RetainedSceneDelegate::SetInstanceValues(const Path& instancer, size_t firs
       for (Value& sample : moving->second.values)
         if (!replace_part(&sample, first, part)) return false;
   }
-  held.primvars.swap(primvars);
-  held.primvarSamples.swap(samples);
+  held->primvars.swap(primvars);
+  held->primvarSamples.swap(samples);
   state_->mark(instancer, dirty::kPrimvar);
   return true;
 }
 
-void RetainedSceneDelegate::SetMaterial(const Path& id, MaterialNetwork network) {
-  state_->set(state_->materials, id, std::move(network));
-}
-
-void RetainedSceneDelegate::SetLight(const Path& id, LightDescription light) {
-  const auto* before = find_in(state_->lights, id);
-  if (before && !(before->type == light.type)) Remove(id);  // another type is another prim
-  state_->set(state_->lights, id, std::move(light));
-}
-
-void RetainedSceneDelegate::SetCamera(const Path& id, CameraDescription camera) {
-  state_->set(state_->cameras, id, std::move(camera));
-}
-
-void RetainedSceneDelegate::SetRenderBuffer(const Path& id, RenderBufferDescriptor buffer) {
-  state_->set(state_->buffers, id, std::move(buffer));
-}
-
-void RetainedSceneDelegate::SetRenderSettings(const Path& id, RenderSettingsDescription settings) {
-  state_->set(state_->settings, id, std::move(settings));
-}
-
-bool RetainedSceneDelegate::Remove(const Path& id) {
-  State& s = *state_;
-  const InstancerDescription instancer = value_in(s.instancers, id);  // first: memory may run out
-  bool is_here = false;
-  s.for_each_kind([&](const auto& prims) { is_here |= prims.contains(id); });
-  if (!is_here) return false;
-  if (s.index) s.index->Remove(id);
-  s.for_each_kind([&](auto& prims) { prims.erase(id); });
-  s.mark_prototypes(instancer, {});
-  return true;
-}
-
-const std::map<Path, MeshDescription>& RetainedSceneDelegate::GetMeshes() const {
-  return state_->meshes;
-}
-const std::map<Path, InstancerDescription>& RetainedSceneDelegate::GetInstancers() const {
-  return state_->instancers;
-}
-const std::map<Path, MaterialNetwork>& RetainedSceneDelegate::GetMaterials() const {
-  return state_->materials;
-}
-const std::map<Path, LightDescription>& RetainedSceneDelegate::GetLights() const {
-  return state_->lights;
-}
-const std::map<Path, CameraDescription>& RetainedSceneDelegate::GetCameras() const {
-  return state_->cameras;
-}
-const std::map<Path, RenderSettingsDescription>& RetainedSceneDelegate::GetAllRenderSettings() const {
-  return state_->settings;
-}
-
 void RetainedSceneDelegate::Populate(RenderIndex* index) {
   Depopulate();
-  State& s = *state_;
-  s.index = index;
+  state_->index = index;
   PopulateRest();
 }
 
@@ -204,10 +189,9 @@ bool RetainedSceneDelegate::PopulateRest() {
   State& s = *state_;
   if (!s.index || s.is_whole) return true;
   bool whole = true;
-  s.for_each_kind([&](const auto& prims) {
-    for (const auto& [id, value] : prims)
-      if (!s.index->Has(id)) whole = s.insert(id, value) && whole;
-  });
+  for (size_t kind = std::variant_size_v<PrimDescription>; kind-- > 0;)
+    for (const auto& [id, prim] : s.prims)
+      if (prim.index() == kind && !s.index->Has(id)) whole = s.insert(id, prim) && whole;
   return s.is_whole = whole;
 }
 
@@ -215,113 +199,105 @@ void RetainedSceneDelegate::Depopulate() {
   State& s = *state_;
   if (!s.index) return;
   s.is_whole = false;
-  auto remove_all = [&](const auto& prims) {
-    for (const auto& entry : prims) s.index->Remove(entry.first);
-  };
-  remove_all(s.meshes), remove_all(s.instancers), remove_all(s.lights), remove_all(s.materials);
-  remove_all(s.cameras), remove_all(s.buffers), remove_all(s.settings);
+  for (size_t kind = 0; kind < std::variant_size_v<PrimDescription>; ++kind)
+    for (const auto& [id, prim] : s.prims)
+      if (prim.index() == kind) s.index->Remove(id);
   s.index = nullptr;
 }
 
 MeshTopology RetainedSceneDelegate::GetMeshTopology(const Path& id) {
-  return member_of(state_->meshes, id, &MeshDescription::topology);
+  return state_->pull<MeshDescription>(id, [](const auto& prim) -> decltype((prim.topology)) { return prim.topology; });
 }
 SubdivTags RetainedSceneDelegate::GetSubdivTags(const Path& id) {
-  return member_of(state_->meshes, id, &MeshDescription::subdivTags);
+  return state_->pull<MeshDescription>(id,
+                                       [](const auto& prim) -> decltype((prim.subdivTags)) { return prim.subdivTags; });
 }
 DisplayStyle RetainedSceneDelegate::GetDisplayStyle(const Path& id) {
-  return member_of(state_->meshes, id, &MeshDescription::displayStyle);
+  return state_->pull<MeshDescription>(
+      id, [](const auto& prim) -> decltype((prim.displayStyle)) { return prim.displayStyle; });
 }
 Matrix4d RetainedSceneDelegate::GetTransform(const Path& id) {
-  if (const auto* light = find_in(state_->lights, id)) return light->transform;
-  if (const auto* camera = find_in(state_->cameras, id)) return camera->transform;
-  return member_of(state_->meshes, id, &MeshDescription::transform);
+  return state_->pull<MeshDescription>(id,
+                                       [](const auto& prim) -> decltype((prim.transform)) { return prim.transform; });
 }
 bool RetainedSceneDelegate::GetVisible(const Path& id) {
-  if (const auto* light = find_in(state_->lights, id)) return light->visible;
-  return member_of(state_->meshes, id, &MeshDescription::visible);
+  return state_->pull<MeshDescription>(id, [](const auto& prim) -> decltype((prim.visible)) { return prim.visible; });
 }
 bool RetainedSceneDelegate::GetDoubleSided(const Path& id) {
-  return member_of(state_->meshes, id, &MeshDescription::doubleSided);
+  return state_->pull<MeshDescription>(
+      id, [](const auto& prim) -> decltype((prim.doubleSided)) { return prim.doubleSided; });
 }
 CullStyle RetainedSceneDelegate::GetCullStyle(const Path& id) {
-  return member_of(state_->meshes, id, &MeshDescription::cullStyle);
+  return state_->pull<MeshDescription>(id,
+                                       [](const auto& prim) -> decltype((prim.cullStyle)) { return prim.cullStyle; });
 }
 Token RetainedSceneDelegate::GetRenderTag(const Path& id) {
-  return member_of(state_->meshes, id, &MeshDescription::renderTag);
+  return state_->pull<MeshDescription>(id,
+                                       [](const auto& prim) -> decltype((prim.renderTag)) { return prim.renderTag; });
 }
 std::vector<Token> RetainedSceneDelegate::GetCategories(const Path& id) {
-  return member_of(state_->meshes, id, &MeshDescription::categories);
+  return state_->pull<MeshDescription>(id,
+                                       [](const auto& prim) -> decltype((prim.categories)) { return prim.categories; });
 }
 Path RetainedSceneDelegate::GetMaterialId(const Path& id) {
-  return member_of(state_->meshes, id, &MeshDescription::material);
+  return state_->pull<MeshDescription>(id, [](const auto& prim) -> decltype((prim.material)) { return prim.material; });
 }
 
 std::vector<PrimvarDescriptor> RetainedSceneDelegate::GetPrimvarDescriptors(const Path& id) {
-  std::vector<PrimvarDescriptor> descriptors;
-  if (const auto* mesh = find_in(state_->meshes, id))
-    for (const auto& [name, primvar] : mesh->primvars)
-      descriptors.push_back({name, primvar.interpolation, primvar.role, !primvar.indices.empty()});
-  if (const auto* instancer = find_in(state_->instancers, id))
-    for (const auto& [name, value] : instancer->primvars)
-      descriptors.push_back({name, Interpolation::instance, Token(), false});
-  return descriptors;
+  return state_->pull<MeshDescription>(
+      id, [](const auto& prim) -> decltype(descriptors_of(prim.primvars)) { return descriptors_of(prim.primvars); });
 }
-
 Value RetainedSceneDelegate::GetPrimvar(const Path& id, const Token& name, Array<int32_t>* indices) {
   if (indices) *indices = {};
-  if (const auto* instancer = find_in(state_->instancers, id)) return value_in(instancer->primvars, name);
-  const auto* mesh = find_in(state_->meshes, id);
-  const PrimvarValue* primvar = mesh ? find_in(mesh->primvars, name) : nullptr;
-  if (!primvar) return {};
-  if (indices) *indices = primvar->indices;
-  return primvar->value;
+  return state_->pull<MeshDescription>(id, [&](const auto& prim) -> decltype(primvar_of(prim.primvars, name, indices)) {
+    return primvar_of(prim.primvars, name, indices);
+  });
 }
 
 TimeSamples<Matrix4d> RetainedSceneDelegate::SampleTransform(const Path& id) {
-  if (const auto* camera = find_in(state_->cameras, id)) return camera->transformSamples;
-  return member_of(state_->meshes, id, &MeshDescription::transformSamples);
+  return state_->pull<MeshDescription>(
+      id, [](const auto& prim) -> decltype((prim.transformSamples)) { return prim.transformSamples; });
 }
 TimeSamples<Value> RetainedSceneDelegate::SamplePrimvar(const Path& id, const Token& name) {
-  if (const auto* instancer = find_in(state_->instancers, id)) return value_in(instancer->primvarSamples, name);
-  const auto* mesh = find_in(state_->meshes, id);
-  return mesh ? value_in(mesh->primvarSamples, name) : TimeSamples<Value>();
+  return state_->pull<MeshDescription>(id, [&](const auto& prim) -> decltype(value_in(prim.primvarSamples, name)) {
+    return value_in(prim.primvarSamples, name);
+  });
 }
 TimeSamples<Matrix4d> RetainedSceneDelegate::SampleInstancerTransform(const Path& id) {
-  return member_of(state_->instancers, id, &InstancerDescription::transformSamples);
+  return RetainedSceneDelegate::SampleTransform(id);
 }
 
 Path RetainedSceneDelegate::GetInstancerId(const Path& id) {
-  if (const auto* instancer = find_in(state_->instancers, id)) return instancer->parent;
-  return member_of(state_->meshes, id, &MeshDescription::instancer);
+  if (const auto* instancer = FindPrim<InstancerDescription>(state_->prims, id)) return instancer->parent;
+  return state_->pull<MeshDescription>(id,
+                                       [](const auto& prim) -> decltype((prim.instancer)) { return prim.instancer; });
 }
 Matrix4d RetainedSceneDelegate::GetInstancerTransform(const Path& id) {
-  return member_of(state_->instancers, id, &InstancerDescription::transform);
+  return RetainedSceneDelegate::GetTransform(id);
 }
 Array<int32_t> RetainedSceneDelegate::GetInstanceIndices(const Path& instancerId, const Path& prototypeId) {
-  const auto* instancer = find_in(state_->instancers, instancerId);
-  return instancer ? value_in(instancer->indices, prototypeId) : Array<int32_t>();
+  return value_in(indices_of(find_in(state_->prims, instancerId)), prototypeId);
 }
 std::vector<std::vector<Token>> RetainedSceneDelegate::GetInstanceCategories(const Path& id) {
-  return member_of(state_->instancers, id, &InstancerDescription::categories);
+  return state_->whole<InstancerDescription>(id).categories;
 }
 
 MaterialNetwork RetainedSceneDelegate::GetMaterialResource(const Path& id) {
-  return value_in(state_->materials, id);
+  return state_->whole<MaterialNetwork>(id);
 }
 Value RetainedSceneDelegate::GetLightParamValue(const Path& id, const Token& name) {
-  const auto* light = find_in(state_->lights, id);
-  return light ? value_in(light->parameters, name) : Value();
+  return state_->pull<LightDescription>(id, [&](const auto& prim) -> decltype(value_in(prim.parameters, name)) {
+    return value_in(prim.parameters, name);
+  });
 }
 Value RetainedSceneDelegate::GetCameraParamValue(const Path& id, const Token& name) {
-  const auto* camera = find_in(state_->cameras, id);
-  return camera ? value_in(camera->parameters, name) : Value();
+  return RetainedSceneDelegate::GetLightParamValue(id, name);
 }
 RenderBufferDescriptor RetainedSceneDelegate::GetRenderBufferDescriptor(const Path& id) {
-  return value_in(state_->buffers, id);
+  return state_->whole<RenderBufferDescriptor>(id);
 }
 RenderSettingsDescription RetainedSceneDelegate::GetRenderSettings(const Path& id) {
-  return value_in(state_->settings, id);
+  return state_->whole<RenderSettingsDescription>(id);
 }
 
 }  // namespace alabaster::hd::host

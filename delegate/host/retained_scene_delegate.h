@@ -2,7 +2,11 @@
 // scene readers and hosts that have no scene delegate of their own.
 #pragma once
 
+#include <algorithm>
+#include <iterator>
 #include <memory>
+#include <optional>
+#include <variant>
 
 #include "delegate/host/render_index.h"
 
@@ -57,6 +61,66 @@ struct LightDescription {
 
 using hd::CameraDescription;
 
+/// A prim: its type is its kind, and its members are its fields (scene_fields.h). This is the one list of kinds; each
+/// has its row in scene_fields.cpp. An index loses prims in this order, and gets them in the reverse order.
+using PrimDescription = std::variant<MeshDescription, InstancerDescription, MaterialNetwork, LightDescription,
+                                     CameraDescription, RenderSettingsDescription, RenderBufferDescriptor>;
+using Prims = std::map<Path, PrimDescription>;
+
+/// Null: there is no prim of that path, or it is of another kind.
+template <class T>
+const T* FindPrim(const Prims& prims, const Path& path) {
+  const auto found = prims.find(path);
+  return found == prims.end() ? nullptr : std::get_if<T>(&found->second);
+}
+
+/// The prims of one kind among all, which must outlive it. It reads as a map from paths to T.
+template <class T>
+class PrimsOf {
+ public:
+  using key_type = Path;
+  using mapped_type = T;
+  using value_type = std::pair<const Path&, const T&>;
+
+  class Iterator {
+   public:
+    using iterator_category = std::input_iterator_tag;
+    using value_type = PrimsOf::value_type;
+    using difference_type = std::ptrdiff_t;
+    using pointer = std::optional<value_type>;
+    using reference = value_type;
+
+    Iterator(Prims::const_iterator at, Prims::const_iterator end) : at_(at), end_(end) { skip_others(); }
+    reference operator*() const { return {at_->first, std::get<T>(at_->second)}; }
+    pointer operator->() const { return **this; }
+    Iterator& operator++() {
+      ++at_;
+      skip_others();
+      return *this;
+    }
+    bool operator==(const Iterator& o) const { return at_ == o.at_; }
+
+   private:
+    void skip_others() {
+      while (at_ != end_ && !std::holds_alternative<T>(at_->second)) ++at_;
+    }
+    Prims::const_iterator at_, end_;
+  };
+
+  explicit PrimsOf(const Prims& prims) : prims_(&prims) {}
+  Iterator begin() const { return {prims_->begin(), prims_->end()}; }
+  Iterator end() const { return {prims_->end(), prims_->end()}; }
+  Iterator find(const Path& path) const { return contains(path) ? Iterator(prims_->find(path), prims_->end()) : end(); }
+  bool contains(const Path& path) const { return FindPrim<T>(*prims_, path) != nullptr; }
+  const T& at(const Path& path) const { return std::get<T>(prims_->at(path)); }
+  bool empty() const { return begin() == end(); }
+  size_t size() const { return size_t(std::distance(begin(), end())); }
+  bool operator==(const PrimsOf& o) const { return std::equal(begin(), end(), o.begin(), o.end()); }
+
+ private:
+  const Prims* prims_;
+};
+
 /// Memory that the host edits in place (Array::version) is told to be changed by setting the description again, with a
 /// new version of the array.
 ///
@@ -67,8 +131,26 @@ class ALABASTER_API RetainedSceneDelegate : public SceneDelegate {
   RetainedSceneDelegate();
   ~RetainedSceneDelegate() override;
 
-  void SetMesh(const Path& id, MeshDescription mesh);
-  void SetInstancer(const Path& id, InstancerDescription instancer);
+  void Set(const Path& id, PrimDescription prim);
+  /// False: there is no prim of that path.
+  bool Remove(const Path& id);
+  const Prims& GetPrims() const;
+
+  // The same for one kind.
+  void SetMesh(const Path& id, MeshDescription mesh) { Set(id, std::move(mesh)); }
+  void SetInstancer(const Path& id, InstancerDescription instancer) { Set(id, std::move(instancer)); }
+  void SetMaterial(const Path& id, MaterialNetwork network) { Set(id, std::move(network)); }
+  void SetLight(const Path& id, LightDescription light) { Set(id, std::move(light)); }
+  void SetCamera(const Path& id, CameraDescription camera) { Set(id, std::move(camera)); }
+  void SetRenderSettings(const Path& id, RenderSettingsDescription settings) { Set(id, std::move(settings)); }
+  void SetRenderBuffer(const Path& id, RenderBufferDescriptor buffer) { Set(id, buffer); }
+  auto GetMeshes() const { return PrimsOf<MeshDescription>(GetPrims()); }
+  auto GetInstancers() const { return PrimsOf<InstancerDescription>(GetPrims()); }
+  auto GetMaterials() const { return PrimsOf<MaterialNetwork>(GetPrims()); }
+  auto GetLights() const { return PrimsOf<LightDescription>(GetPrims()); }
+  auto GetCameras() const { return PrimsOf<CameraDescription>(GetPrims()); }
+  auto GetAllRenderSettings() const { return PrimsOf<RenderSettingsDescription>(GetPrims()); }
+
   /// Replaces elements of an instancer's primvars, from `first` on; in their motion samples, too: these stand still.
   /// Costs a copy of each array, SetInstancer a comparison, too. False, and nothing is
   /// changed: there is no such primvar, or an array is of another type than its elements or ends before them.
@@ -76,20 +158,6 @@ class ALABASTER_API RetainedSceneDelegate : public SceneDelegate {
   bool SetInstanceValues(const Path& instancer, const Token& primvar, size_t first, const Value& elements) {
     return SetInstanceValues(instancer, first, {{primvar, elements}});
   }
-  void SetMaterial(const Path& id, MaterialNetwork network);
-  void SetLight(const Path& id, LightDescription light);
-  void SetCamera(const Path& id, CameraDescription camera);
-  void SetRenderBuffer(const Path& id, RenderBufferDescriptor buffer);
-  void SetRenderSettings(const Path& id, RenderSettingsDescription settings);
-  /// False: there is no prim of that path.
-  bool Remove(const Path& id);
-
-  const std::map<Path, MeshDescription>& GetMeshes() const;
-  const std::map<Path, InstancerDescription>& GetInstancers() const;
-  const std::map<Path, MaterialNetwork>& GetMaterials() const;
-  const std::map<Path, LightDescription>& GetLights() const;
-  const std::map<Path, CameraDescription>& GetCameras() const;
-  const std::map<Path, RenderSettingsDescription>& GetAllRenderSettings() const;
 
   /// Inserts everything into `index` and keeps it informed. The index must outlive this, or Depopulate comes first.
   /// A prim that others remove from the index is not made again.

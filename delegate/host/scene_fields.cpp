@@ -1,17 +1,16 @@
 #include "delegate/host/scene_fields.h"
 
 #include <algorithm>
-#include <tuple>
+#include <array>
 
 #include "delegate/host/open_fields.h"
+#include "delegate/support/lookup.h"
 #include "delegate/support/mesh_words.h"
 #include "delegate/support/nearest_name.h"
-#include "delegate/support/scene_kinds.h"
 
 namespace alabaster::hd::host {
 namespace {
 
-constexpr std::string_view kLights = "light";
 using Mesh = MeshDescription;
 constexpr Field kMesh[] = {
     field<&Mesh::topology, &MeshTopology::scheme>("scheme", dirty::kTopology,
@@ -78,6 +77,9 @@ constexpr Field kMesh[] = {
     field<&Mesh::categories>("categories", dirty::kCategories,
                              "Names that the parameters lightLink and shadowLink of lights may give."),
 };
+Kind row_of(const Mesh& defaults) {
+  return {"mesh", kMesh, open_rows(defaults), "mesh", dirty::kAll, &RenderIndex::InsertRprim, defaults};
+}
 constexpr Field kInstancer[] = {
     field<&InstancerDescription::transform>("transform", dirty::kTransform,
                                             "Applies after those of the instances. Setting it takes away its samples."),
@@ -86,10 +88,25 @@ constexpr Field kInstancer[] = {
     field<&InstancerDescription::parent>("parent", dirty::kInstancer | dirty::kInstanceIndex,
                                          "Path of the instancer that draws this one."),
 };
+Kind row_of(const InstancerDescription& defaults) {
+  return {"instancer", kInstancer, open_rows(defaults), "", dirty::kClean, nullptr, defaults};
+}
+Kind row_of(const MaterialNetwork& defaults) {
+  return {"material",
+          {},
+          open_rows(defaults),
+          "disney_material",
+          dirty::kResource | dirty::kParams,
+          &RenderIndex::InsertSprim,
+          defaults};
+}
 constexpr Field kLight[] = {
     field<&LightDescription::transform>("transform", dirty::kTransform, "Light space to world space."),
     field<&LightDescription::visible>("visible", dirty::kVisibility, "False: the light is off."),
 };
+Kind row_of(const LightDescription& defaults) {
+  return {"light", kLight, {}, "lights", dirty::kAll, &RenderIndex::InsertSprim, defaults};
+}
 constexpr Field kCamera[] = {
     field<&CameraDescription::transform>(
         "transform", dirty::kTransform,
@@ -97,6 +114,9 @@ constexpr Field kCamera[] = {
     field<&CameraDescription::transformSamples>("transform:samples", dirty::kTransform,
                                                 "Matrices at times, of what moves."),
 };
+Kind row_of(const CameraDescription& defaults) {
+  return {"camera", kCamera, {}, "camera", dirty::kAll, &RenderIndex::InsertSprim, defaults};
+}
 using Settings = RenderSettingsDescription;
 constexpr Field kSettings[] = {
     field<&Settings::camera>("camera", dirty::kParams, "Path of the camera."),
@@ -117,6 +137,22 @@ constexpr Field kSettings[] = {
     field<&Settings::includedPurposes>("includedPurposes", dirty::kParams,
                                        "Purposes of USD whose meshes are drawn: default, render, proxy, guide."),
 };
+Kind row_of(const Settings& defaults) {
+  return {"renderSettings",          kSettings, open_rows(defaults), "render_settings", dirty::kParams,
+          &RenderIndex::InsertBprim, defaults};
+}
+Kind row_of(const RenderBufferDescriptor& defaults) {
+  return {"renderBuffer", {}, {}, "", dirty::kDescription, &RenderIndex::InsertBprim, defaults};
+}
+
+template <size_t... kPlaces>
+std::array<Kind, sizeof...(kPlaces)> rows_of(std::index_sequence<kPlaces...>) {
+  return {row_of(std::variant_alternative_t<kPlaces, PrimDescription>())...};
+}
+std::span<const Kind> all_kinds() {
+  static const auto all = rows_of(std::make_index_sequence<std::variant_size_v<PrimDescription>>());
+  return all;
+}
 constexpr Field kProduct[] = {
     field<&RenderProduct::file>("file", dirty::kParams, "The file to write: .exr, .png, .tif or .jpg."),
     field<&RenderProduct::dataType>(
@@ -174,17 +210,6 @@ void choose_surface(const Fields& fields, const Path& id, MaterialNetwork* netwo
   if (!surface.empty()) network->terminals["surface"] = {surface, "out"};
 }
 
-using Kinds = std::tuple<Mesh, InstancerDescription, MaterialNetwork, LightDescription, CameraDescription, Settings>;
-template <class T, class... Types>
-constexpr size_t place_of(const std::tuple<Types...>*) {
-  constexpr bool kIsT[] = {std::is_same_v<T, Types>...};
-  return static_cast<size_t>(std::find(std::begin(kIsT), std::end(kIsT), true) - std::begin(kIsT));
-}
-template <class T>
-const Kind& kind_of() {
-  return kinds()[place_of<T>(static_cast<Kinds*>(nullptr))];
-}
-
 std::vector<std::string> parts_of(std::string_view name) {
   std::vector<std::string> parts(1);
   for (const char c : name)
@@ -212,70 +237,61 @@ std::string near_input(const std::string& name, const Path& id, const MaterialNe
   return input.empty() ? input : "; did you mean '" + node + "." + input + "'?";
 }
 
-template <class T>
-std::string unknown(const std::string& name, const Path& id, const T& object) {
-  const Kind& kind = kind_of<T>();
-  std::string label = kind.name;
-  if constexpr (std::is_same_v<T, LightDescription>) label = object.type.str();
-  if constexpr (std::is_same_v<T, Settings>) label += " prim";
+std::string unknown(const std::string& name, const Path& id, const PrimDescription& prim) {
+  const Kind& kind = kind_of(prim);
+  const auto* material = std::get_if<MaterialNetwork>(&prim);
+  const bool is_settings = std::holds_alternative<Settings>(prim);
+  const std::string label = is_settings ? "renderSettings prim" : TypeOf(prim).str();
   std::vector<std::string> known;
-  if (!kind.fields.empty()) known = parameter_names(kind.parameters);  // those of materials belong to nodes
+  if (!material) known = parameter_names(kind.parameters);  // those of materials belong to nodes
   for (const auto& table : {kind.fields, kind.open})
     for (const Field& field : table)
       if (const std::string one = is_pattern(field.name) ? filled_pattern(field.name, name) : field.name; !one.empty())
         known.push_back(one);
-  if constexpr (std::is_same_v<T, Settings>)
+  if (is_settings)
     for (const Field& field : kProductFields)
       known.push_back(filled_pattern("products:N:" + std::string(field.name), name));
   std::string near = support::DidYouMean(name, known);
-  if constexpr (std::is_same_v<T, MaterialNetwork>)
-    if (near.empty()) near = near_input(name, id, object);
+  if (material && near.empty()) near = near_input(name, id, *material);
   return (label == "instancer" ? "an " : "a ") + label + " has no field '" + name + "'" + near;
 }
 
-template <class T>
-FieldResult set_field(const Path& id, const std::string& name, const Value& value, T* object) {
-  if (const FieldResult result = set_row(kind_of<T>().fields, object, name, value)) {
-    if constexpr (requires { object->transformSamples; })
-      if (name == "transform") object->transformSamples = {};
+FieldResult set_field(const Path& id, const std::string& name, const Value& value, PrimDescription* prim) {
+  const auto set = [&](auto& object) {
+    FieldResult result = set_row(kind_of(*prim).fields, &object, name, value);
+    if constexpr (requires { object.transformSamples; })
+      if (result && name == "transform") object.transformSamples = {};
     return result;
-  }
-  if constexpr (std::is_same_v<T, MaterialNetwork>)
-    return set_open_field(object, id, name, value);
-  else
-    return set_open_field(object, name, value);
+  };
+  const FieldResult result = std::visit(set, *prim);
+  return result ? result : set_open_field(prim, id, name, value);
 }
 
-/// Sets the fields of the prim `id`, or of a camera without an id.
-template <class T>
-std::string fill_fields(const Fields& fields, const Path& id, T* object) {
-  [[maybe_unused]] bool chooses =
-      std::none_of(fields.begin(), fields.end(), [](const auto& field) { return field.first == "surface"; });
-  if constexpr (std::is_same_v<T, MaterialNetwork>) chooses = chooses && object->nodes.empty();
-  std::vector<GeomSubset> none, *subsets = &none;
-  if constexpr (std::is_same_v<T, Mesh>) subsets = &object->topology.geomSubsets;
-  SubsetFields of_subsets(subsets);
+/// Sets the fields of the prim `id`, or of a camera or settings without an id.
+std::string fill_fields(const Fields& fields, const Path& id, PrimDescription* prim) {
+  auto* const mesh = std::get_if<Mesh>(prim);
+  auto* const material = std::get_if<MaterialNetwork>(prim);
+  const bool chooses = material && material->nodes.empty() &&
+                       std::none_of(fields.begin(), fields.end(), [](const auto& f) { return f.first == "surface"; });
+  std::vector<GeomSubset> none;
+  SubsetFields of_subsets(mesh ? &mesh->topology.geomSubsets : &none);
   for (const auto& [name, value] : in_order(fields)) {
-    const bool is_of_subset = std::is_same_v<T, Mesh> && name.starts_with("subsets:");
-    const FieldResult result = is_of_subset ? of_subsets.set(name, value) : set_field(id, name, value, object);
-    if (!result) return unknown(name, id, *object);
+    const bool is_of_subset = mesh && name.starts_with("subsets:");
+    const FieldResult result = is_of_subset ? of_subsets.set(name, value) : set_field(id, name, value, prim);
+    if (!result) return unknown(name, id, *prim);
     if (!result->empty()) return *result;
   }
   of_subsets.finish();
-  if constexpr (std::is_same_v<T, MaterialNetwork>)
-    if (chooses) choose_surface(fields, id, object);
-  return finish(*object);
+  if (chooses) choose_surface(fields, id, material);
+  return finish(*prim);
 }
 
 template <class T>
-T description_of(void (RetainedSceneDelegate::*set)(const Path&, T));
-
-template <class T>
-DirtyBits row_difference(const T& a, const T& b) {
-  DirtyBits bits = dirty::kClean;
-  for (const Field& field : kind_of<T>().fields)
-    if ((bits & field.dirty) != field.dirty && !field.equal(&a, &b)) bits |= field.dirty;
-  return bits;
+std::string read_fields(const Fields& fields, T* object) {
+  PrimDescription prim = *object;
+  std::string fault = fill_fields(fields, {}, &prim);
+  *object = std::get<T>(std::move(prim));
+  return fault;
 }
 
 }  // namespace
@@ -283,16 +299,17 @@ DirtyBits row_difference(const T& a, const T& b) {
 const std::span<const Field> kProductFields = kProduct;
 
 std::span<const Kind> kinds() {
-  static const std::vector<Kind> all = {
-      // in the order of Kinds
-      {"mesh", kMesh, kOpenOfMeshes, "mesh"},
-      {"instancer", kInstancer, kOpenOfInstancers, ""},
-      {"material", {}, kOpenOfMaterials, "disney_material"},
-      {"light", kLight, {}, "lights"},
-      {"camera", kCamera, {}, "camera"},
-      {"renderSettings", kSettings, kOpenOfSettings, "render_settings"},
-  };
-  return all;
+  return all_kinds().first(all_kinds().size() - 1);  // the last is that of render buffers
+}
+const Kind& kind_of(const PrimDescription& prim) {
+  return all_kinds()[prim.index()];
+}
+std::string_view KindOf(const PrimDescription& prim) {
+  return kind_of(prim).name;
+}
+Token TypeOf(const PrimDescription& prim) {
+  if (const auto* light = std::get_if<LightDescription>(&prim)) return light->type;
+  return std::holds_alternative<RenderBufferDescriptor>(prim) ? Token() : Token(kind_of(prim).name);
 }
 
 FieldResult set_row(std::span<const Field> table, void* object, std::string_view name, const Value& value) {
@@ -306,78 +323,43 @@ void append_rows(std::span<const Field> table, const void* object, const std::st
     if (!field.equal(object, field.defaults())) fields->emplace_back(prefix + field.name, field.get(field, object));
 }
 
-namespace {
-template <class T, class... Id>
-Fields all_fields(const T& object, const Id&... id) {
+Fields GetFields(const Path& path, const PrimDescription& prim) {
   Fields fields;
-  append_rows(kind_of<T>().fields, &object, "", &fields);
-  append_open_fields(object, id..., &fields);
+  std::visit([&](const auto& object) { append_rows(kind_of(prim).fields, &object, "", &fields); }, prim);
+  append_open_fields(prim, path, &fields);
   return fields;
-}
-}  // namespace
-
-Fields GetFields(const MeshDescription& mesh) {
-  return all_fields(mesh);
-}
-Fields GetFields(const InstancerDescription& instancer) {
-  return all_fields(instancer);
-}
-Fields GetFields(const LightDescription& light) {
-  return all_fields(light);
-}
-Fields GetFields(const CameraDescription& camera) {
-  return all_fields(camera);
-}
-Fields GetFields(const RenderSettingsDescription& settings) {
-  return all_fields(settings);
-}
-Fields GetFields(const MaterialNetwork& network, const Path& id) {
-  return all_fields(network, id);
 }
 
 SetResult SetPrim(RetainedSceneDelegate* scene, const Path& path, const Token& kind, const Fields& fields) {
   if (path.empty()) return {true, "the path is empty"};
   std::vector<std::string> known(std::begin(kLightTypes), std::end(kLightTypes));
   const bool is_light = std::find(known.begin(), known.end(), kind.str()) != known.end();
-  for (const Kind& one : kinds())
-    if (one.name != kLights) known.emplace_back(one.name);
-  SetResult result{true, "there is no kind of prim '" + kind.str() + "'" + support::DidYouMean(kind.str(), known)};
-  support::for_each_kind<RetainedSceneDelegate>([&](auto, auto set) {
-    using T = decltype(description_of(set));
-    const std::string_view name = kind_of<T>().name;
-    if (name == kLights ? !is_light : name != kind.str()) return;
-    T made{};
-    if constexpr (std::is_same_v<T, LightDescription>) made.type = kind;
-    result.fault = fill_fields(fields, path, &made);
-    if (result.fault.empty()) (scene->*set)(path, std::move(made));
-  });
-  return result;
+  for (const Kind& one : kinds()) {
+    PrimDescription made = one.defaults;
+    auto* light = std::get_if<LightDescription>(&made);
+    if (!light) known.emplace_back(one.name);
+    if (light ? !is_light : one.name != kind.str()) continue;
+    if (light) light->type = kind;
+    SetResult result{true, fill_fields(fields, path, &made)};
+    if (result.fault.empty()) scene->Set(path, std::move(made));
+    return result;
+  }
+  return {true, "there is no kind of prim '" + kind.str() + "'" + support::DidYouMean(kind.str(), known)};
 }
 
 SetResult EditPrim(RetainedSceneDelegate* scene, const Path& path, const Fields& fields) {
-  SetResult result{false, {}};
-  support::for_each_kind<RetainedSceneDelegate>([&](auto get, auto set) {
-    const auto& all = (scene->*get)();
-    const auto found = all.find(path);
-    if (result.found || found == all.end()) return;
-    auto made = found->second;
-    result = {true, fill_fields(fields, path, &made)};
-    if (result.fault.empty()) (scene->*set)(path, std::move(made));
-  });
-  if (!result.found) result.fault = NoSuchPrim(*scene, path);
+  const auto found = scene->GetPrims().find(path);
+  if (found == scene->GetPrims().end() || TypeOf(found->second).empty()) return {false, NoSuchPrim(*scene, path)};
+  PrimDescription made = found->second;
+  SetResult result{true, fill_fields(fields, path, &made)};
+  if (result.fault.empty()) scene->Set(path, std::move(made));
   return result;
 }
 
 std::vector<std::pair<Path, Token>> ListPrims(const RetainedSceneDelegate& scene) {
   std::vector<std::pair<Path, Token>> prims;
-  support::for_each_kind<RetainedSceneDelegate>([&](auto get, auto set) {
-    using T = decltype(description_of(set));
-    for (const auto& [path, prim] : (scene.*get)())
-      if constexpr (std::is_same_v<T, LightDescription>)
-        prims.emplace_back(path, prim.type);
-      else
-        prims.emplace_back(path, kind_of<T>().name);
-  });
+  for (const auto& [path, prim] : scene.GetPrims())
+    if (const Token kind = TypeOf(prim); !kind.empty()) prims.emplace_back(path, kind);
   return prims;
 }
 
@@ -388,67 +370,58 @@ std::string NoSuchPrim(const RetainedSceneDelegate& scene, const Path& path) {
 }
 
 std::string ReadCamera(const Fields& fields, CameraDescription* camera) {
-  return fill_fields(fields, {}, camera);
+  return read_fields(fields, camera);
 }
 std::string ReadSettings(const Fields& fields, RenderSettingsDescription* settings) {
-  return fill_fields(fields, {}, settings);
+  return read_fields(fields, settings);
 }
 
 namespace {
 
-bool same_primvar(const Mesh& a, const Mesh& b, const Token& name) {
-  const auto x = a.primvars.find(name), y = b.primvars.find(name);
-  if (x == a.primvars.end() || y == b.primvars.end()) return x == a.primvars.end() && y == b.primvars.end();
-  return x->second == y->second;
+DirtyBits bits_of_primvar(const Token& name) {
+  if (name == Token("points")) return dirty::kPoints;
+  return name == Token("normals") ? dirty::kNormals | dirty::kPrimvar : dirty::kPrimvar;
 }
 
-bool same_primvars_but(const Mesh& a, const Mesh& b, const Token& left_out) {
-  auto others = [&](const Mesh& mesh) { return mesh.primvars.size() - mesh.primvars.count(left_out); };
-  if (others(a) != others(b)) return false;
+/// The bits that an edit of open fields marks.
+template <class T>
+DirtyBits open_difference(const T& a, const T& b) {
+  if constexpr (requires { a.parameters; })
+    if (!(a.parameters == b.parameters)) return dirty::kParams | dirty::kResource;
+  return dirty::kClean;
+}
+DirtyBits open_difference(const Mesh& a, const Mesh& b) {
+  DirtyBits bits = dirty::kClean;
+  if (!(a.topology.geomSubsets == b.topology.geomSubsets)) bits |= dirty::kTopology;
+  if (!(a.primvarSamples == b.primvarSamples)) bits |= dirty::kPoints;
   for (const auto& [name, value] : a.primvars)
-    if (!(name == left_out) && !same_primvar(a, b, name)) return false;
-  return true;
+    if (const auto* after = support::find_in(b.primvars, name); !after || !(*after == value))
+      bits |= bits_of_primvar(name);
+  for (const auto& [name, value] : b.primvars)
+    if (!a.primvars.contains(name)) bits |= bits_of_primvar(name);
+  return bits;
 }
-
-}  // namespace
-
-// A member that has no row yet marks all.
-DirtyBits difference(const Mesh& a, const Mesh& b) {
-  DirtyBits bits = row_difference(a, b);
-  if (!(a.topology.geomSubsets == b.topology.geomSubsets) ||
-      !(a.topology.invisiblePoints == b.topology.invisiblePoints))
-    bits |= dirty::kTopology;
-  if (!same_primvar(a, b, "points") || !(a.primvarSamples == b.primvarSamples)) bits |= dirty::kPoints;
-  if (!same_primvar(a, b, "normals")) bits |= dirty::kNormals | dirty::kPrimvar;
-  if (!same_primvars_but(a, b, "points")) bits |= dirty::kPrimvar;
-  return bits == dirty::kClean && !(a == b) ? dirty::kAll : bits;
-}
-
-DirtyBits difference(const InstancerDescription& a, const InstancerDescription& b) {
-  DirtyBits bits = row_difference(a, b);
+DirtyBits open_difference(const InstancerDescription& a, const InstancerDescription& b) {
+  DirtyBits bits = dirty::kClean;
   if (!(a.primvars == b.primvars) || !(a.primvarSamples == b.primvarSamples)) bits |= dirty::kPrimvar;
   if (!(a.categories == b.categories)) bits |= dirty::kCategories;
   return bits;
 }
 
-DirtyBits difference(const LightDescription& a, const LightDescription& b) {
-  const bool same = a.parameters == b.parameters;
-  return row_difference(a, b) | (same ? dirty::kClean : dirty::kParams | dirty::kResource);
-}
+}  // namespace
 
-DirtyBits difference(const CameraDescription& a, const CameraDescription& b) {
-  const bool same = a.parameters == b.parameters;
-  return row_difference(a, b) | (same ? dirty::kClean : dirty::kParams | dirty::kResource);
-}
-
-DirtyBits difference(const MaterialNetwork& a, const MaterialNetwork& b) {
-  return a == b ? dirty::kClean : dirty::kResource | dirty::kParams;
-}
-DirtyBits difference(const RenderBufferDescriptor& a, const RenderBufferDescriptor& b) {
-  return a == b ? dirty::kClean : dirty::kDescription;
-}
-DirtyBits difference(const Settings& a, const Settings& b) {
-  return a == b ? dirty::kClean : dirty::kParams;
+DirtyBits difference(const PrimDescription& a, const PrimDescription& b) {
+  const Kind& kind = kind_of(a);
+  return std::visit(
+      [&]<class T>(const T& before) {
+        const T& after = std::get<T>(b);
+        DirtyBits bits = open_difference(before, after);
+        for (const Field& field : kind.fields)
+          if ((bits & field.dirty) != field.dirty && !field.equal(&before, &after)) bits |= field.dirty;
+        if (bits == dirty::kClean && kind.others != dirty::kClean && !(before == after)) bits = kind.others;
+        return bits;
+      },
+      a);
 }
 
 }  // namespace alabaster::hd::host

@@ -27,14 +27,13 @@ ALABASTER_API SetResult SetPrim(RetainedSceneDelegate* scene, const Path& path, 
 ALABASTER_API SetResult EditPrim(RetainedSceneDelegate* scene, const Path& path, const Fields& fields);
 /// The sentence about a path that no prim has, with the nearest path that one has.
 ALABASTER_API std::string NoSuchPrim(const RetainedSceneDelegate& scene, const Path& path);
-// The fields that SetPrim makes the same prim of. A light's kind is its type.
-ALABASTER_API Fields GetFields(const MeshDescription& mesh);
-ALABASTER_API Fields GetFields(const InstancerDescription& instancer);
-ALABASTER_API Fields GetFields(const LightDescription& light);
-ALABASTER_API Fields GetFields(const CameraDescription& camera);
-ALABASTER_API Fields GetFields(const RenderSettingsDescription& settings);
-/// Nodes that do not lie below `id`, the material's path, have their own paths as names.
-ALABASTER_API Fields GetFields(const MaterialNetwork& network, const Path& id);
+/// "mesh", "light" and the like.
+ALABASTER_API std::string_view KindOf(const PrimDescription& prim);
+/// What SetPrim makes the prim of: its kind, or a light's type. Empty: a render buffer, which has no fields.
+ALABASTER_API Token TypeOf(const PrimDescription& prim);
+/// The fields that SetPrim makes the same prim of. Nodes of a material that do not lie below its path have their own
+/// paths as names.
+ALABASTER_API Fields GetFields(const Path& path, const PrimDescription& prim);
 /// A camera, or settings, that are no prim: changes the named fields. Returns a fault, or "".
 [[nodiscard]] ALABASTER_API std::string ReadCamera(const Fields& fields, CameraDescription* camera);
 [[nodiscard]] ALABASTER_API std::string ReadSettings(const Fields& fields, RenderSettingsDescription* settings);
@@ -52,14 +51,5 @@ ALABASTER_API FieldType TypeOfField(const Token& kind, const std::string& name);
 
 /// The names of all parameters that a light may have.
 ALABASTER_API std::vector<std::string> LightParameterNames();
-
-/// The bits that an edit from `a` to `b` marks.
-DirtyBits difference(const MeshDescription& a, const MeshDescription& b);
-DirtyBits difference(const InstancerDescription& a, const InstancerDescription& b);
-DirtyBits difference(const LightDescription& a, const LightDescription& b);
-DirtyBits difference(const CameraDescription& a, const CameraDescription& b);
-DirtyBits difference(const MaterialNetwork& a, const MaterialNetwork& b);
-DirtyBits difference(const RenderBufferDescriptor& a, const RenderBufferDescriptor& b);
-DirtyBits difference(const RenderSettingsDescription& a, const RenderSettingsDescription& b);
 
 }  // namespace alabaster::hd::host

@@ -15,6 +15,13 @@ void take_samples(hd::SceneDelegate& scene, const hd::Path& id, std::initializer
 
 }  // namespace
 
+/// The indices of prototypes may be taken before their instancer is.
+hd::host::InstancerDescription& SceneCapture::instancer(const hd::Path& id) {
+  auto& prim = prims_[id];
+  if (auto* held = std::get_if<hd::host::InstancerDescription>(&prim)) return *held;
+  return prim.emplace<hd::host::InstancerDescription>();
+}
+
 void SceneCapture::TakeMesh(hd::SceneDelegate& scene, const hd::Path& id) {
   hd::host::MeshDescription mesh;
   mesh.topology = scene.GetMeshTopology(id);
@@ -40,8 +47,8 @@ void SceneCapture::TakeMesh(hd::SceneDelegate& scene, const hd::Path& id) {
   mesh.categories = scene.GetCategories(id);
   const auto indices = mesh.instancer.empty() ? hd::Array<int32_t>() : scene.GetInstanceIndices(mesh.instancer, id);
   const std::lock_guard lock(mutex_);
-  if (!mesh.instancer.empty()) instancers_[mesh.instancer].indices[id] = indices;
-  meshes_[id] = std::move(mesh);
+  if (!mesh.instancer.empty()) instancer(mesh.instancer).indices[id] = indices;
+  prims_[id] = std::move(mesh);
 }
 
 void SceneCapture::TakeInstancer(hd::SceneDelegate& scene, const hd::Path& id) {
@@ -61,8 +68,8 @@ void SceneCapture::TakeInstancer(hd::SceneDelegate& scene, const hd::Path& id) {
       &samples);
   auto categories = scene.GetInstanceCategories(id);
   const std::lock_guard lock(mutex_);
-  if (!parent.empty()) instancers_[parent].indices[id] = indices;
-  auto& held = instancers_[id];
+  if (!parent.empty()) instancer(parent).indices[id] = indices;
+  auto& held = instancer(id);
   held.transform = transform, held.parent = parent, held.primvars = std::move(primvars);
   held.transformSamples = std::move(motion), held.primvarSamples = std::move(samples);
   held.categories = std::move(categories);
@@ -71,7 +78,7 @@ void SceneCapture::TakeInstancer(hd::SceneDelegate& scene, const hd::Path& id) {
 void SceneCapture::TakeMaterial(hd::SceneDelegate& scene, const hd::Path& id) {
   auto network = scene.GetMaterialResource(id);
   const std::lock_guard lock(mutex_);
-  materials_[id] = std::move(network);
+  prims_[id] = std::move(network);
 }
 
 void SceneCapture::TakeLight(hd::SceneDelegate& scene, const hd::Path& id, const hd::Token& type) {
@@ -80,19 +87,20 @@ void SceneCapture::TakeLight(hd::SceneDelegate& scene, const hd::Path& id, const
     if (hd::Value value = scene.GetLightParamValue(id, name); !value.empty()) light.parameters[name] = std::move(value);
   light.visible = scene.GetVisible(id);
   const std::lock_guard lock(mutex_);
-  lights_[id] = std::move(light);
+  prims_[id] = std::move(light);
 }
 
 void SceneCapture::Remove(const hd::Path& id) {
   const std::lock_guard lock(mutex_);
-  meshes_.erase(id), instancers_.erase(id), materials_.erase(id), lights_.erase(id);
-  for (auto& [instancer, held] : instancers_) held.indices.erase(id);
+  prims_.erase(id);
+  for (auto& [path, prim] : prims_)
+    if (auto* held = std::get_if<hd::host::InstancerDescription>(&prim)) held->indices.erase(id);
 }
 
 std::string SceneCapture::Write(const std::string& file, const hd::RenderPassState& state,
                                 const std::map<hd::Token, hd::Value>& settings) const {
   const std::lock_guard lock(mutex_);
-  return hd::archive::WritePass(file, {meshes_, instancers_, materials_, lights_, {}, {}}, state, settings);
+  return hd::archive::WritePass(file, prims_, state, settings);
 }
 
 }  // namespace alabaster::hydra

@@ -21,11 +21,10 @@ class SceneCapture {
                     const std::map<hd::Token, hd::Value>& settings) const;
 
  private:
+  hd::host::InstancerDescription& instancer(const hd::Path& id);
+
   mutable std::mutex mutex_;
-  std::map<hd::Path, hd::host::MeshDescription> meshes_;
-  std::map<hd::Path, hd::host::InstancerDescription> instancers_;
-  std::map<hd::Path, hd::MaterialNetwork> materials_;
-  std::map<hd::Path, hd::host::LightDescription> lights_;
+  hd::host::Prims prims_;
 };
 
 }  // namespace alabaster::hydra

@@ -69,7 +69,7 @@ std::optional<MeshResult> build_one(const MeshJob& job, SceneParam* param, const
 SceneFaults BuiltMeshes::faults(const Records& records, const support::Selection& selection) const {
   SceneFaults faults;
   for (const auto& [path, held] : held_)
-    if (held.built.fault && is_shown(selection, path, std::get<MeshRecord>(records.at(path))))
+    if (held.built.fault && is_shown(selection, path, *find_record<MeshRecord>(records, path)))
       faults.emplace(path, *held.built.fault);
   return faults;
 }
@@ -88,7 +88,7 @@ std::vector<BuiltMeshes::Entry*> BuiltMeshes::collect(const Scene& scene, const 
   std::map<Path, Held> made;
   std::vector<Entry*> to_build;
   for (const auto& [path, record] : records) {
-    const auto* mesh = std::get_if<MeshRecord>(&record);
+    const auto* mesh = std::any_cast<MeshRecord>(&record);
     if (!mesh || !mesh->visible || !mesh->source || !mesh->slots) continue;
     MeshRequest request;
     in_name_of(path.str(),

@@ -2,12 +2,12 @@
 // path.
 #pragma once
 
+#include <any>
 #include <array>
 #include <map>
 #include <optional>
 #include <string_view>
 #include <unordered_map>
-#include <variant>
 
 #include "core/camera/camera.h"
 #include "core/material/texture_lookup.h"
@@ -74,15 +74,14 @@ struct SettingsRecord {
   bool operator==(const SettingsRecord&) const = default;
 };
 
-using Record = std::variant<std::monostate, MeshRecord, InstancerRecord, MaterialRecord, LightRecord, CameraRecord,
-                            SettingsRecord>;
+using Record = std::any;  // one of the above; nothing: the prim is gone
 using Records = std::map<Path, Record>;
 
 /// Null: there is none of that path, or it is of another kind.
 template <class T>
 const T* find_record(const Records& records, const Path& path) {
   const auto found = records.find(path);
-  return found == records.end() ? nullptr : std::get_if<T>(&found->second);
+  return found == records.end() ? nullptr : std::any_cast<T>(&found->second);
 }
 
 /// Finds the materials of records, which many meshes share: each path is searched for once.
@@ -106,7 +105,7 @@ class MaterialLookup {
 
 /// True for cameras and settings, which no snapshot has: a render compares them when it starts.
 inline bool is_camera_or_settings(const Record& record) {
-  return std::holds_alternative<CameraRecord>(record) || std::holds_alternative<SettingsRecord>(record);
+  return record.type() == typeid(CameraRecord) || record.type() == typeid(SettingsRecord);
 }
 
 }  // namespace alabaster::hd::prims

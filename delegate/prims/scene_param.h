@@ -27,7 +27,7 @@ using ReadRecord = std::function<Record(const CancelToken&)>;
 
 struct Edit {
   Path id;
-  Record record;               // monostate: the prim is gone
+  Record record;               // nothing: the prim is gone
   ReadRecord read;             // unless empty: makes the record; the builder's to call
   bool waits_for_use = false;  // a material: `read` is called once a visible mesh has it
 };

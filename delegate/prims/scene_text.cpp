@@ -163,7 +163,7 @@ std::string dump_scene(const Translation& translation, const Records& cameras) {
       text += "  color of temperature " + Value(Vec3f(glow.r, glow.g, glow.b)).to_string() + "\n";
   }
   for (const auto& [path, record] : cameras)
-    if (const auto* camera = std::get_if<CameraRecord>(&record)) text += camera_text(path, camera->camera);
+    if (const auto* camera = std::any_cast<CameraRecord>(&record)) text += camera_text(path, camera->camera);
   return text;
 }
 

@@ -31,7 +31,7 @@ class CategorySets {
  public:
   explicit CategorySets(const Records& records) {
     for (const auto& [path, record] : records)
-      if (const auto* light = std::get_if<LightRecord>(&record); light && light->visible)
+      if (const auto* light = std::any_cast<LightRecord>(&record); light && light->visible)
         for (const Token& name : {light->light_link, light->shadow_link})
           if (!name.empty()) numbers_[name];
     uint32_t last = 0;
@@ -122,7 +122,7 @@ support::HoldPlacements hold_placements_in(std::shared_ptr<MemoryBudget> budget)
 std::optional<Shutter> shutter_of(const Records& records) {
   std::optional<Shutter> all;
   for (const auto& [path, record] : records)
-    if (const auto* camera = std::get_if<CameraRecord>(&record))
+    if (const auto* camera = std::any_cast<CameraRecord>(&record))
       all = all ? united(*all, camera->shutter()) : camera->shutter();
   return all;
 }
@@ -451,7 +451,7 @@ struct SceneTranslator::Run {
     if (answers.size() == kMostAnswers) return {};
     std::vector<std::string> names;
     for (const auto& [name, record] : records)
-      if (std::holds_alternative<T>(record)) names.push_back(name.str());
+      if (std::any_cast<T>(&record)) names.push_back(name.str());
     if constexpr (std::is_same_v<T, MaterialRecord>)
       for (const Edit& edit : parts.unread)
         if (edit.waits_for_use) names.push_back(edit.id.str());
@@ -479,8 +479,8 @@ struct SceneTranslator::Run {
       for (const Token& name : names) all.insert(name.str());
     };
     for (const auto& [path, record] : records) {
-      if (const auto* mesh = std::get_if<MeshRecord>(&record)) add_all(mesh->categories);
-      const auto* instancer = std::get_if<InstancerRecord>(&record);
+      if (const auto* mesh = std::any_cast<MeshRecord>(&record)) add_all(mesh->categories);
+      const auto* instancer = std::any_cast<InstancerRecord>(&record);
       if (instancer && instancer->categories)
         for (const std::vector<Token>& of_instance : *instancer->categories) add_all(of_instance);
     }
@@ -495,8 +495,8 @@ Translation SceneTranslator::translate(const Parts& parts) {
   run.out.shutter = parts.shutter;
   run.out.memory = std::make_shared<MemoryReservation>(parts.memory, MemoryUse::scene);
   for (const auto& [path, record] : parts.records) {
-    if (const auto* mesh = std::get_if<MeshRecord>(&record)) run.add_mesh(path, *mesh);
-    if (const auto* light = std::get_if<LightRecord>(&record); light && light->visible) run.add_light(path, *light);
+    if (const auto* mesh = std::any_cast<MeshRecord>(&record)) run.add_mesh(path, *mesh);
+    if (const auto* light = std::any_cast<LightRecord>(&record); light && light->visible) run.add_light(path, *light);
   }
   run.report_open_clear();
   run.out.scene.category_sets = run.category_sets.take();

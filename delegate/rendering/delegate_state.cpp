@@ -106,7 +106,7 @@ const prims::SettingsRecord* DelegateState::settings_prim() const {
       return prims::find_record<prims::SettingsRecord>(cameras_and_settings_, named);
     }
   for (const auto& [path, record] : cameras_and_settings_)
-    if (const auto* settings = std::get_if<prims::SettingsRecord>(&record)) return settings;
+    if (const auto* settings = std::any_cast<prims::SettingsRecord>(&record)) return settings;
   return nullptr;
 }
 
@@ -143,7 +143,7 @@ std::string DelegateState::nearest_camera(const Path& path) const {
   std::vector<std::string> known;
   const std::lock_guard lock(mutex_);
   for (const auto& [name, record] : cameras_and_settings_)
-    if (std::holds_alternative<prims::CameraRecord>(record)) known.push_back(name.str());
+    if (std::any_cast<prims::CameraRecord>(&record)) known.push_back(name.str());
   return support::DidYouMean(path.str(), known);
 }
 
@@ -207,7 +207,7 @@ void DelegateState::split_edits() {
       const std::lock_guard lock(mutex_);
       if (is_own)
         cameras_and_settings_[edit.id] = std::move(edit.record);
-      else if (std::holds_alternative<std::monostate>(edit.record))
+      else if (!edit.record.has_value())
         is_own = cameras_and_settings_.erase(edit.id) != 0;
     }
     if (is_own)

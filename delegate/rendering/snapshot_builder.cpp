@@ -198,7 +198,7 @@ void SnapshotBuilder::refuse(const std::bad_alloc& e) {
 std::set<Path> SnapshotBuilder::used_materials(const std::map<Path, prims::Edit*>& edits) const {
   std::set<Path> used;
   const auto add = [&](const prims::Record& record) {
-    const auto* mesh = std::get_if<prims::MeshRecord>(&record);
+    const auto* mesh = std::any_cast<prims::MeshRecord>(&record);
     if (mesh && mesh->visible) used.insert(mesh->materials.begin(), mesh->materials.end());
   };
   for (const auto& [path, record] : records_)
@@ -236,8 +236,8 @@ void SnapshotBuilder::read_files(const CancelToken& cancel) {
 prims::SceneFaults SnapshotBuilder::faults() const {
   prims::SceneFaults all = meshes_.faults(records_, view_->selection);
   for (const auto& [path, record] : records_) {
-    const auto* material = std::get_if<prims::MaterialRecord>(&record);
-    const auto* light = std::get_if<prims::LightRecord>(&record);
+    const auto* material = std::any_cast<prims::MaterialRecord>(&record);
+    const auto* light = std::any_cast<prims::LightRecord>(&record);
     const std::optional<std::string>& fault = material ? material->fault : light ? light->fault : std::nullopt;
     if (fault) all.emplace(path, *fault);
   }
@@ -254,7 +254,7 @@ void SnapshotBuilder::apply_edits() {
     prims::Record& held = records_[edit->id];
     replaced_.push_back(std::move(held));
     held = std::move(edit->record);
-    if (std::holds_alternative<std::monostate>(held)) records_.erase(edit->id);
+    if (!held.has_value()) records_.erase(edit->id);
     edit = edits_.erase(edit);
   }
 }

@@ -3,6 +3,7 @@
 
 #include <string>
 #include <utility>
+#include <vector>
 
 namespace alabaster::hd::support {
 
@@ -18,6 +19,13 @@ template <class Map, class Key>
 typename Map::mapped_type value_in(const Map& values, const Key& name) {
   const auto* value = find_in(values, name);
   return value ? *value : typename Map::mapped_type();
+}
+
+template <class Map>
+std::vector<typename Map::key_type> keys_of(const Map& values) {
+  std::vector<typename Map::key_type> keys;
+  for (const auto& entry : values) keys.push_back(entry.first);
+  return keys;
 }
 
 /// The first of the list of that name; null where there is none.

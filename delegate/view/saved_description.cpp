@@ -174,7 +174,7 @@ class Description {
     scene.SetMesh(kBackdrop, mesh);
     scene.SetMaterial(mesh.material, c_.scene->GetMaterials().at(mesh.material));
     const std::string file = (folder_ / backdrop_).string();
-    const std::string problem = hd::archive::WriteArchive(file, hd::archive::PrimsOf(scene));
+    const std::string problem = hd::archive::WriteArchive(file, scene.GetPrims());
     return problem.empty() || fail(file + " could not be written: " + problem + ".");
   }
 

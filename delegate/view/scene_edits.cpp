@@ -48,12 +48,12 @@ hd::Value stored_value(const ParameterRow& row, const hd::Value& shown) {
 
 SceneEdits::SceneEdits(hd::host::RetainedSceneDelegate* scene) : scene_(scene) {
   for (const auto& [path, network] : scene->GetMaterials()) {
-    Fields loaded = hd::host::GetFields(network, path);
+    Fields loaded = hd::host::GetFields(path, network);
     const std::string node = surface_prefix(loaded);
     if (!node.empty()) materials_.push_back(path), prims_[path] = {"", node, std::move(loaded)};
   }
   for (const auto& [path, light] : scene->GetLights())
-    lights_.push_back(path), prims_[path] = {light.type.str(), "", hd::host::GetFields(light)};
+    lights_.push_back(path), prims_[path] = {light.type.str(), "", hd::host::GetFields(path, light)};
 }
 
 const SceneEdits::Prim* SceneEdits::find(const hd::Path& prim) const {

@@ -282,7 +282,7 @@ std::optional<Picked> ViewSession::pick(double x, double y) {
       hd::host::Pick(*loaded_->index(), loaded_->scene, state_, {pixel.x, pixel.y, pixel.x + 1, pixel.y + 1});
   if (hits.empty()) return std::nullopt;
   Picked picked{hits[0], {}, {(pixel.x + 0.5) / size_.x, (pixel.y + 0.5) / size_.y}};
-  const auto* mesh = hd::support::find_in(loaded_->scene.GetMeshes(), picked.hit.path);
+  const auto* mesh = hd::host::FindPrim<hd::host::MeshDescription>(loaded_->scene.GetPrims(), picked.hit.path);
   if (!mesh) return picked;
   picked.material = mesh->material;
   for (const hd::GeomSubset& subset : mesh->topology.geomSubsets)

@@ -37,33 +37,17 @@ void normalize(std::map<Token, Value>* values) {
       value = real;
     }
 }
-template <class Map, class Edit>
-Map normalized(Map prims, const Edit& edit) {
-  for (auto& [path, prim] : prims) edit(prim);
+host::Prims normalized(const RetainedSceneDelegate& scene) {
+  host::Prims prims = scene.GetPrims();
+  for (auto& [path, prim] : prims) {
+    if (auto* light = std::get_if<host::LightDescription>(&prim)) normalize(&light->parameters);
+    if (auto* network = std::get_if<MaterialNetwork>(&prim))
+      for (auto& [node_path, node] : network->nodes) normalize(&node.parameters);
+    if (auto* settings = std::get_if<RenderSettingsDescription>(&prim))
+      for (RenderProduct& product : settings->products)
+        product.file = std::filesystem::path(product.file).filename(), product.within.clear();
+  }
   return prims;
-}
-auto settings_of(const RetainedSceneDelegate& scene) {
-  return normalized(scene.GetAllRenderSettings(), [](RenderSettingsDescription& settings) {
-    for (RenderProduct& product : settings.products)
-      product.file = std::filesystem::path(product.file).filename(), product.within.clear();
-  });
-}
-auto lights_of(const RetainedSceneDelegate& scene) {
-  return normalized(scene.GetLights(), [](host::LightDescription& light) { normalize(&light.parameters); });
-}
-auto materials_of(const RetainedSceneDelegate& scene) {
-  return normalized(scene.GetMaterials(), [](MaterialNetwork& network) {
-    for (auto& [path, node] : network.nodes) normalize(&node.parameters);
-  });
-}
-
-void expect_same(const RetainedSceneDelegate& a, const RetainedSceneDelegate& b, const std::string& name) {
-  EXPECT_TRUE(a.GetMeshes() == b.GetMeshes()) << name;
-  EXPECT_TRUE(a.GetInstancers() == b.GetInstancers()) << name;
-  EXPECT_TRUE(materials_of(a) == materials_of(b)) << name;
-  EXPECT_TRUE(lights_of(a) == lights_of(b)) << name;
-  EXPECT_TRUE(a.GetCameras() == b.GetCameras()) << name;
-  EXPECT_TRUE(settings_of(a) == settings_of(b)) << name;
 }
 
 // promise: pipeline.archive
@@ -78,11 +62,11 @@ TEST(Archive, BundledScenesComeBackWhole) {
     if (!file.ok) continue;  // another kind of JSON
     ++count;
     const std::string archive = (folder.path() + "/scene.alab");
-    ASSERT_EQ(WriteArchive(archive, PrimsOf(scene)), "") << entry.path();
+    ASSERT_EQ(WriteArchive(archive, scene.GetPrims()), "") << entry.path();
     ASSERT_TRUE(ReadArchive(archive, &again, {}, {.allow_outside = true}).ok) << entry.path();
-    expect_same(scene, again, entry.path().string());
+    EXPECT_TRUE(normalized(scene) == normalized(again)) << entry.path();
     const std::string first = bytes_of(archive);
-    ASSERT_EQ(WriteArchive(archive, PrimsOf(again)), "");
+    ASSERT_EQ(WriteArchive(archive, again.GetPrims()), "");
     EXPECT_TRUE(first == bytes_of(archive)) << entry.path() << ": written again, it has other bytes";
   }
   EXPECT_GT(count, 5);
@@ -134,7 +118,7 @@ void fill(RetainedSceneDelegate* scene) {
 
 std::string write(const TemporaryFolder& folder, const RetainedSceneDelegate& scene) {
   std::string file = (folder.path() + "/scene.alab");
-  EXPECT_EQ(WriteArchive(file, PrimsOf(scene)), "");
+  EXPECT_EQ(WriteArchive(file, scene.GetPrims()), "");
   return file;
 }
 
@@ -146,16 +130,14 @@ TEST(Archive, EveryFormOfValueComesBack) {
   const std::string file = write(folder, scene);
   std::string said;
   ASSERT_TRUE(ReadArchive(file, &again, [&](const Diagnostic& d) { said = d.text; }).ok) << said;
-  EXPECT_TRUE(scene.GetMaterials() == again.GetMaterials());
   const auto &before = scene.GetMeshes().at("/mesh"), &after = again.GetMeshes().at("/mesh");
   EXPECT_EQ(before.primvarSamples, after.primvarSamples);
   EXPECT_EQ(before.topology, after.topology);
   EXPECT_EQ(before.primvars.at("half"), after.primvars.at("half"));
   EXPECT_TRUE(std::isnan((*after.primvars.at("points").value.get<Array<Vec3f>>())[3].z));
-  EXPECT_TRUE(scene.GetInstancers() == again.GetInstancers());
-  EXPECT_TRUE(scene.GetLights() == again.GetLights());
-  EXPECT_TRUE(scene.GetCameras() == again.GetCameras());
-  EXPECT_TRUE(settings_of(scene) == settings_of(again));
+  host::Prims given = normalized(scene), read = normalized(again);
+  given.erase("/mesh"), read.erase("/mesh");  // a NaN differs from itself
+  EXPECT_TRUE(given == read);
   const std::string first = bytes_of(file);
   write(folder, again);
   EXPECT_TRUE(first == bytes_of(file));
@@ -203,7 +185,7 @@ TEST(Archive, ImagesAreNamedOrStored) {
   const auto asset_after = [&](const WriteOptions& options, const DiagnosticSink& sink) {
     RetainedSceneDelegate again;
     const std::string file = (folder.path() + "/scene.alab");
-    EXPECT_EQ(WriteArchive(file, PrimsOf(scene), {}, options), "");
+    EXPECT_EQ(WriteArchive(file, scene.GetPrims(), {}, options), "");
     if (sink) std::ofstream((folder.path() + "/image.png")) << "another one";
     EXPECT_TRUE(ReadArchive(file, &again, sink).ok);
     return *again.GetMaterials().at("/wax").nodes.at("/wax/image").parameters.at("file").get<AssetPath>();
@@ -230,7 +212,7 @@ TEST(Archive, AChangedAddedOrRemovedTileIsReported) {
   network.nodes["/wax/image"].nodeTypeId = "AlabasterTexture";
   network.nodes["/wax/image"].parameters["file"] = AssetPath{"t.<UDIM>.png", root + "/t.<UDIM>.png", nullptr};
   scene.SetMaterial("/wax", network);
-  ASSERT_EQ(WriteArchive(file, PrimsOf(scene)), "");
+  ASSERT_EQ(WriteArchive(file, scene.GetPrims()), "");
   const auto said = [&] {
     std::string codes;
     RetainedSceneDelegate again;
@@ -256,7 +238,7 @@ TEST(Archive, FilesOutsideAreRefused) {
   std::ofstream(folder.path() + "/secret.png") << "text";
   const std::string file = folder.path() + "/below/scene.alab";
   const auto fault_of = [&](const RetainedSceneDelegate& scene, bool allowed) {
-    EXPECT_EQ(WriteArchive(file, PrimsOf(scene)), "");
+    EXPECT_EQ(WriteArchive(file, scene.GetPrims()), "");
     std::string said;
     RetainedSceneDelegate again;
     ReadArchive(file, &again, [&](const Diagnostic& d) { said += d.text; }, {.allow_outside = allowed});
@@ -298,7 +280,7 @@ TEST(Archive, UnusualNamesComeBack) {
   scene.SetMaterial("/none", {});
   scene.SetCamera("/plain", {});
   scene.SetInstancer("/empty", {});
-  expect_same(scene, (ReadArchive(write(folder, scene), &again, {}), again), "");
+  EXPECT_TRUE(normalized(scene) == normalized((ReadArchive(write(folder, scene), &again, {}), again)));
   RetainedSceneDelegate copy;
   ASSERT_TRUE(ReadArchive(write(folder, scene), &copy, {}, {.root = "/copy"}).ok);
   EXPECT_EQ(copy.GetMaterials().at("/copy/elsewhere").terminals.at("surface").upstreamNode, Path("/copy/n"));
@@ -403,7 +385,7 @@ TEST(Archive, ConfigsAreFilesOrNames) {
   const TemporaryFolder folder;
   RetainedSceneDelegate scene;
   const std::string file = folder.path() + "/scene.alab";
-  ASSERT_EQ(WriteArchive(file, PrimsOf(scene), {{}, {"built-in", "built-in", nullptr}}), "");
+  ASSERT_EQ(WriteArchive(file, scene.GetPrims(), {{}, {"built-in", "built-in", nullptr}}), "");
   EXPECT_EQ(ReadArchive(file, &scene, {}).info.color_config.resolved, "built-in");
 }
 

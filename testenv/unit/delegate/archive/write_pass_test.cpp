@@ -33,7 +33,7 @@ class WritePassTest : public ::testing::Test {
   ~WritePassTest() override { std::filesystem::remove_all(folder_); }
 
   std::string file() const { return (folder_ / "copy.alab").string(); }
-  std::string write() { return WritePass(file(), PrimsOf(stage_.scene), state_, settings_); }
+  std::string write() { return WritePass(file(), stage_.scene.GetPrims(), state_, settings_); }
 
   static Pixels picture(Stage& stage, RenderPassState state, const std::map<Token, Value>& settings) {
     for (const auto& [name, value] : settings) stage.delegate->SetRenderSetting(name, value);
@@ -112,7 +112,7 @@ TEST_P(BundledScenes, HaveTheSamePicture) {
     without.products.clear();
     read.SetRenderSettings(path, without);
   }
-  ASSERT_EQ(WriteArchive(file(), PrimsOf(read), result.info, {.embed_images = true}), "");
+  ASSERT_EQ(WriteArchive(file(), read.GetPrims(), result.info, {.embed_images = true}), "");
   EXPECT_EQ(picture_of(file(), false), picture());
 }
 
@@ -205,7 +205,7 @@ TEST_F(WritePassTest, SaysWhyNothingIsWritten) {
     RenderPassState state = state_;
     std::map<Token, Value> settings = settings_;
     edit(state, settings);
-    return WritePass(file(), PrimsOf(stage_.scene), state, settings);
+    return WritePass(file(), stage_.scene.GetPrims(), state, settings);
   };
   using State = RenderPassState;
   using Settings = std::map<Token, Value>;

@@ -1,4 +1,5 @@
 // The options of a load are layers over the file's description, and each value keeps its origin for messages.
+#include "delegate/support/lookup.h"
 #include "testenv/unit/delegate/description/scene_fixture.h"
 
 namespace alabaster::hd::description {
@@ -153,7 +154,7 @@ TEST_F(Layers, SizeAndCropComeOverThoseOfAllProducts) {
   const std::string text = R"({"settings": {"resolution": [16, 12], "crop": [0, 0, 8, 8]},
       "products": [{"file": "a.exr"}, {"file": "b.exr", "resolution": [8, 6]}, {"file": "c.exr", "crop": [1, 1, 4, 4]}]})";
   const auto forget = [this] {
-    for (const auto& [path, settings] : std::map(scene.GetAllRenderSettings())) scene.Remove(path);
+    for (const Path& path : support::keys_of(scene.GetAllRenderSettings())) scene.Remove(path);
   };
   EXPECT_EQ(describe(text).further_settings.size(), 2u);
   forget();

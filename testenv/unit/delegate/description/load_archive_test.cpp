@@ -3,6 +3,7 @@
 
 #include "delegate/archive/archive.h"
 #include "delegate/description/render_description.h"
+#include "delegate/support/lookup.h"
 #include "testenv/support/gltf_testing.h"
 
 namespace alabaster::hd::description {
@@ -40,7 +41,7 @@ class LoadArchive : public ::testing::Test {
     made.SetRenderSettings("/wide", settings);
     settings.settings["samples"] = int64_t(3), settings.products.clear();
     made.SetRenderSettings("/quick", settings);
-    EXPECT_EQ(archive::WriteArchive(folder_.path() + "/a.alab", archive::PrimsOf(made), {.settings = "/main"}), "");
+    EXPECT_EQ(archive::WriteArchive(folder_.path() + "/a.alab", made.GetPrims(), {.settings = "/main"}), "");
   }
   SceneFile load(const std::string& document, const LoadOptions& options = {}) {
     const std::string file = document.empty() ? folder_.path() + "/a.alab" : folder_.write("scene.json", document);
@@ -49,8 +50,7 @@ class LoadArchive : public ::testing::Test {
   }
 
   void clear() {
-    const std::map<Path, host::MeshDescription> meshes = scene_.GetMeshes();
-    for (const auto& [path, mesh] : meshes) scene_.Remove(path);
+    for (const Path& path : support::keys_of(scene_.GetMeshes())) scene_.Remove(path);
   }
 
   TemporaryFolder folder_;
@@ -106,7 +106,7 @@ TEST_F(LoadArchive, ModelsOfEqualPathsAreAllThere) {
   mesh.primvars["points"].value = Array<Vec3f>{{0, 0, 0}};
   for (const char* path : {"/gltf/one/nodes/0_a/0", "/copy/body", "/copy2/gltf/one/nodes/0_a/0"})
     made.SetMesh(path, mesh);
-  ASSERT_EQ(archive::WriteArchive(folder_.path() + "/b.alab", archive::PrimsOf(made)), "");
+  ASSERT_EQ(archive::WriteArchive(folder_.path() + "/b.alab", made.GetPrims()), "");
   folder_.write("one.gltf",
                 R"({"asset":{"version":"2.0"},"scene":0,"scenes":[{"nodes":[0]}],"nodes":[{"mesh":0,"name":"a"}],
     "meshes":[{"primitives":[{"attributes":{"POSITION":0}}]}],
@@ -130,7 +130,7 @@ TEST_F(LoadArchive, PrimsOfLoadingReplaceNoOthers) {
   host::MeshDescription mesh;
   mesh.primvars["points"].value = Array<Vec3f>{{0, 0, 0}, {1, 1, 1}};
   for (const char* path : {"/camera", "/render", "/lights/key"}) made.SetMesh(path, mesh);
-  ASSERT_EQ(archive::WriteArchive(folder_.path() + "/a.alab", archive::PrimsOf(made)), "");
+  ASSERT_EQ(archive::WriteArchive(folder_.path() + "/a.alab", made.GetPrims()), "");
   const SceneFile file = load("");
   ASSERT_TRUE(file.ok) << said_;
   EXPECT_EQ(scene_.GetMeshes().size(), 3u);
@@ -145,7 +145,7 @@ TEST_F(LoadArchive, DoesNotRaiseTheLimitOfMemoryAndNamesAMissingCamera) {
   settings.camera = "/gone";
   settings.settings["memoryLimit"] = int64_t(16777216);
   made.SetRenderSettings("/main", settings);
-  ASSERT_EQ(archive::WriteArchive(folder_.path() + "/a.alab", archive::PrimsOf(made)), "");
+  ASSERT_EQ(archive::WriteArchive(folder_.path() + "/a.alab", made.GetPrims()), "");
   const SceneFile file = load("");
   ASSERT_TRUE(file.ok);
   EXPECT_FALSE(scene_.GetAllRenderSettings().at("/main").settings.contains("memoryLimit"));
@@ -177,7 +177,7 @@ TEST_F(LoadArchive, IsRefusedWhereMemoryDoesNotHoldIt) {
   host::MeshDescription mesh;
   mesh.primvars["points"].value = Array<Vec3f>(std::vector<Vec3f>(100000));
   large.SetMesh("/large", mesh);
-  ASSERT_EQ(archive::WriteArchive(folder_.path() + "/a.alab", archive::PrimsOf(large)), "");
+  ASSERT_EQ(archive::WriteArchive(folder_.path() + "/a.alab", large.GetPrims()), "");
   const SceneFile file = load("", options);
   EXPECT_FALSE(file.ok);
   EXPECT_EQ(file.cause, LoadCause::out_of_memory);

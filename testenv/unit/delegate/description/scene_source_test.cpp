@@ -132,9 +132,9 @@ TEST_F(SceneSourceTest, WithoutAnAnimationOrASceneNothingMoves) {
   SceneSource source;
   EXPECT_EQ(source.Pose(1, {}), LoadCause::input) << "nothing is loaded";
   ASSERT_TRUE(source.Load(folder_ / "lit.gltf", &scene, {}, {}).ok);
-  const auto before = scene.GetMeshes();
+  const host::Prims before = scene.GetPrims();
   EXPECT_EQ(source.Pose(1, {}), LoadCause::none);
-  EXPECT_TRUE(before == scene.GetMeshes());
+  EXPECT_TRUE(before == scene.GetPrims());
   EXPECT_FALSE(source.Load(folder_ / "none.gltf", &scene, {}, {}).ok);
   EXPECT_EQ(source.Pose(1, {}), LoadCause::input);
 }

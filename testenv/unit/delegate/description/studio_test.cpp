@@ -27,7 +27,7 @@ class StudioTest : public SceneFiles {
     for (const auto& [path, light] : scene.GetLights()) all += path.str() + " ";
     return all;
   }
-  bool has_backdrop() const { return scene.GetMeshes().count(kBackdrop) > 0; }
+  bool has_backdrop() const { return scene.GetMeshes().contains(kBackdrop); }
   Vec3d light_place(const std::string& name) const {
     return scene.GetLights().at(Path("/lights/" + name)).transform.translation();
   }
@@ -97,7 +97,7 @@ TEST_F(StudioTest, OffAddsASoftDome) {
   EXPECT_EQ(file.notes, (std::vector<std::string>{"no camera: framed the scene", "no light: added a soft dome"}));
   EXPECT_EQ(lights(), "/lights/default_dome ");
   EXPECT_FALSE(has_backdrop());
-  EXPECT_FALSE(scene.GetMaterials().count("/materials/studio_backdrop"));
+  EXPECT_FALSE(scene.GetMaterials().contains("/materials/studio_backdrop"));
 }
 
 TEST_F(StudioTest, ACameraAmongTheObjectsHasADome) {

@@ -27,11 +27,10 @@ struct Row {
 
 /// Each row by itself: scene_set, scene_edit, the same again, and back to the default.
 template <class T>
-void check(const Token& kind, const Fields& plain, const std::vector<Row<T>>& rows,
-           const std::map<Path, T>& (RetainedSceneDelegate::*get)() const) {
+void check(const Token& kind, const Fields& plain, const std::vector<Row<T>>& rows) {
   const Path path = "/prim";
   DrawnScene s;
-  const auto now = [&]() -> const T& { return (s.scene.*get)().at(path); };
+  const auto now = [&]() -> const T& { return std::get<T>(s.scene.GetPrims().at(path)); };
   for (const Row<T>& row : rows) {
     SCOPED_TRACE(kind.str() + ": " + row.name);
     s.set(path, kind, plain);
@@ -160,16 +159,14 @@ TEST(SceneFields, MeshFieldsArriveInTheScene) {
     rows.push_back(std::move(row));
   }
   expect_all(rows_of_table("kMesh"), names_of(rows));
-  check(Token("mesh"), {{"primvars:st", Array<Vec2f>{Vec2f(0)}}}, rows, &RetainedSceneDelegate::GetMeshes);
+  check<Mesh>(Token("mesh"), {{"primvars:st", Array<Vec2f>{Vec2f(0)}}}, rows);
   const Value points = Array<Vec3f>{Vec3f(1)};
-  check(Token("mesh"), {{"primvars:points", points}},
-        {{"primvars:points:samples", samples(points, points), dirty::kPoints,
-          [](const Mesh& mesh) { return mesh.primvarSamples.contains("points"); }}},
-        &RetainedSceneDelegate::GetMeshes);
-  check(Token("mesh"), {{"subsets:a:faces", kInts}},
-        {{"subsets:a:material", Path("/wax"), dirty::kTopology,
-          [](const Mesh& mesh) { return mesh.topology.geomSubsets[0].materialId == Path("/wax"); }}},
-        &RetainedSceneDelegate::GetMeshes);
+  check<Mesh>(Token("mesh"), {{"primvars:points", points}},
+              {{"primvars:points:samples", samples(points, points), dirty::kPoints,
+                [](const Mesh& mesh) { return mesh.primvarSamples.contains("points"); }}});
+  check<Mesh>(Token("mesh"), {{"subsets:a:faces", kInts}},
+              {{"subsets:a:material", Path("/wax"), dirty::kTopology,
+                [](const Mesh& mesh) { return mesh.topology.geomSubsets[0].materialId == Path("/wax"); }}});
 }
 
 TEST(SceneFields, OptionsOfMeshesAreConstantPrimvars) {
@@ -199,11 +196,10 @@ TEST(SceneFields, InstancerFieldsArriveInTheScene) {
        [](const T& it) { return it.indices.contains("/quad") && it.indices.at("/quad") == kInts; }},
   };
   expect_all(rows_of_table("kInstancer"), names_of(rows));
-  check(Token("instancer"), {}, rows, &RetainedSceneDelegate::GetInstancers);
+  check(Token("instancer"), {}, rows);
   check(Token("instancer"), {{"primvars:hydra:instanceScales", Array<Vec3f>{Vec3f(1)}}},
         std::vector<Row<T>>{{"primvars:hydra:instanceScales:samples", samples(kFloats, kFloats), dirty::kPrimvar,
-                             [](const T& it) { return it.primvarSamples.contains("hydra:instanceScales"); }}},
-        &RetainedSceneDelegate::GetInstancers);
+                             [](const T& it) { return it.primvarSamples.contains("hydra:instanceScales"); }}});
 }
 
 /// A parameter of lights or cameras, with a value beside the default.
@@ -247,7 +243,7 @@ TEST(SceneFields, LightFieldsArriveInTheScene) {
   for (const auto& [name, value] : values) rows.push_back(parameter<T>(name, value));
   expect_all(rows_of_table("kLight"), names_of(rows));
   expect_all(names_of_schema("lights.json"), names_of(rows));
-  for (const char* kind : {"rectLight", "domeLight"}) check(Token(kind), {}, rows, &RetainedSceneDelegate::GetLights);
+  for (const char* kind : {"rectLight", "domeLight"}) check(Token(kind), {}, rows);
   for (const char* kind : kLightTypes) {
     RetainedSceneDelegate scene;
     EXPECT_EQ(SetPrim(&scene, "/light", Token(kind), {}).fault, "");
@@ -285,7 +281,7 @@ TEST(SceneFields, CameraFieldsArriveInTheScene) {
   }
   expect_all(rows_of_table("kCamera"), names_of(rows));
   expect_all(names_of_schema("camera.json"), names_of(rows));
-  check(Token("camera"), {}, rows, &RetainedSceneDelegate::GetCameras);
+  check(Token("camera"), {}, rows);
 }
 
 using Settings = RenderSettingsDescription;
@@ -312,7 +308,7 @@ TEST(SceneFields, RenderSettingsFieldsArriveInTheScene) {
        [](const Settings& it) { return it.settings.contains("samples") && it.settings.at("samples") == Value(3); }},
   };
   expect_all(rows_of_table("kSettings"), names_of(rows));
-  check(Token("renderSettings"), {}, rows, &RetainedSceneDelegate::GetAllRenderSettings);
+  check(Token("renderSettings"), {}, rows);
 }
 
 TEST(SceneFields, ProductFieldsArriveInTheScene) {
@@ -340,8 +336,7 @@ TEST(SceneFields, ProductFieldsArriveInTheScene) {
   };
   expect_all(rows_of_table("kProduct"), names_of(rows, "products:0:"));
   rows.erase(rows.begin());  // without a file there is no product
-  check(Token("renderSettings"), {{"products:0:file", "a.exr"}, {"products:0:vars:b", "depth"}}, rows,
-        &RetainedSceneDelegate::GetAllRenderSettings);
+  check(Token("renderSettings"), {{"products:0:file", "a.exr"}, {"products:0:vars:b", "depth"}}, rows);
   DrawnScene s;
   const auto products = [&] { return s.scene.GetAllRenderSettings().at("/settings").products; };
   s.set("/settings", Token("renderSettings"),
@@ -386,8 +381,7 @@ TEST(SceneFields, MaterialFieldsArriveInTheScene) {
             {"image.file", AssetPath{"a.png", "a.png", nullptr}, marks,
              [&](const T& it) { return node(it, "image").parameters.contains("file"); }},
             {"displacement", "image", marks, [](const T& it) { return it.terminals.contains("displacement"); }},
-        },
-        &RetainedSceneDelegate::GetMaterials);
+        });
 }
 
 }  // namespace
