@@ -354,23 +354,6 @@ void SubsetFields::finish() {
 namespace {
 
 template <class T>
-std::span<const Field> rows_of(const T&) {
-  return {};
-}
-std::span<const Field> rows_of(const MeshDescription&) {
-  return kMeshes;
-}
-std::span<const Field> rows_of(const InstancerDescription&) {
-  return kInstancers;
-}
-std::span<const Field> rows_of(const MaterialNetwork&) {
-  return kMaterials;
-}
-std::span<const Field> rows_of(const RenderSettingsDescription&) {
-  return kOpenSettings;
-}
-
-template <class T>
 FieldResult set_open(T*, const Path&, const std::string&, const Value&) {
   return std::nullopt;
 }
@@ -621,7 +604,11 @@ std::string finished(const MaterialNetwork& network) {
 }  // namespace
 
 std::span<const Field> open_rows(const PrimDescription& prim) {
-  return std::visit([](const auto& object) { return rows_of(object); }, prim);
+  if (std::holds_alternative<MeshDescription>(prim)) return kMeshes;
+  if (std::holds_alternative<InstancerDescription>(prim)) return kInstancers;
+  if (std::holds_alternative<MaterialNetwork>(prim)) return kMaterials;
+  if (std::holds_alternative<RenderSettingsDescription>(prim)) return kOpenSettings;
+  return {};
 }
 FieldResult set_open_field(PrimDescription* prim, const Path& id, const std::string& name, const Value& value) {
   return std::visit([&](auto& object) { return set_open(&object, id, name, value); }, *prim);

@@ -70,23 +70,6 @@ struct Drawn {
   RenderPassState state;
 };
 
-TEST(Edits, ManyEditsGiveTheBytesOfAFreshDelegate) {
-  Drawn edited(4), fresh(4);
-  constexpr int kSteps = 60;
-  for (int step = 0; step <= kSteps; ++step) {
-    edit(&edited.stage.scene, step);
-    edited.stage.index->SyncAll();
-    edited.pass->Execute(edited.state);
-    if (step % 8 == 0) std::this_thread::sleep_for(milliseconds(step));
-  }
-  edit(&fresh.stage.scene, kSteps);
-  fresh.stage.index->SyncAll();
-  ASSERT_TRUE(Stage::finish(*edited.pass, edited.state));
-  ASSERT_TRUE(Stage::finish(*fresh.pass, fresh.state));
-  EXPECT_EQ(Stage::pixels<float>(edited.buffer), Stage::pixels<float>(fresh.buffer));
-  EXPECT_EQ(edited.stage.dump(), fresh.stage.dump());
-}
-
 // The body's faces, but for those of /glow. A material that gives light and does not scatter.
 void give_faces(host::RetainedSceneDelegate* scene, Array<int32_t> faces) {
   host::MeshDescription body = scene->GetMeshes().at("/body");
