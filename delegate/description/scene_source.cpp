@@ -46,7 +46,7 @@ struct SceneSource::Open {
       if (fault == gltf::GltfFault::out_of_memory) state.note_cause(LoadCause::out_of_memory);
       if (!prims) throw LoadFailed();
       removed.insert(removed.end(), prims->removed.begin(), prims->removed.end());
-      take(std::move(prims->prims), model.motion, &posed);
+      take(&prims->prims, model.motion, &posed);
     }
     change(&posed);
     show(posed, removed);
@@ -54,8 +54,8 @@ struct SceneSource::Open {
 
  private:
   // A light has what it was given when it was loaded, and is moved alone; one that was removed is not there.
-  void take(host::Prims prims, const TimeSamples<Matrix4d>& motion, host::RetainedSceneDelegate* posed) const {
-    for (auto& [path, prim] : prims) {
+  void take(host::Prims* prims, const TimeSamples<Matrix4d>& motion, host::RetainedSceneDelegate* posed) const {
+    for (auto& [path, prim] : *prims) {
       if (const auto* light = std::get_if<host::LightDescription>(&prim)) {
         const auto* loaded = host::FindPrim<host::LightDescription>(scene->GetPrims(), path);
         if (!loaded) continue;
@@ -65,7 +65,7 @@ struct SceneSource::Open {
       }
       posed->Set(path, std::move(prim));
     }
-    if (!motion.values.empty()) move_prims(support::keys_of(prims), motion, posed);
+    if (!motion.values.empty()) move_prims(support::keys_of(*prims), motion, posed);
   }
 
   void change(host::RetainedSceneDelegate* posed) {

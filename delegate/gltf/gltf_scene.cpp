@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <exception>
 #include <functional>
-#include <set>
 #include <utility>
 
 #include "core/math/float_environment.h"
@@ -36,14 +35,6 @@ GltfFault run_guarded(Report& report, const std::function<bool()>& work) {
 template <class T>
 std::vector<Path> paths_of(const host::Prims& prims) {
   return support::keys_of(host::PrimsOf<T>(prims));
-}
-
-// Paths of meshes and instancers, in that order: a mesh is removed before its instancer.
-std::vector<Path> placed_paths(const host::Prims& prims) {
-  std::vector<Path> paths = paths_of<host::MeshDescription>(prims);
-  const std::vector<Path> instancers = paths_of<host::InstancerDescription>(prims);
-  paths.insert(paths.end(), instancers.begin(), instancers.end());
-  return paths;
 }
 
 constexpr int kShutterSamples = 5;
@@ -137,7 +128,7 @@ struct GltfSource::Open {
   Document document;
   NodeAnimation animation;
   std::optional<SceneTranslator> translator;
-  std::vector<Path> posed;  // meshes and instancers of the last pose
+  std::vector<Path> posed;  // the prims of the last pose
 
   bool load(const std::string& file, host::RetainedSceneDelegate* scene, Report& report, GltfSummary* summary) {
     document.summary.files.push_back(file);
@@ -180,11 +171,8 @@ struct GltfSource::Open {
       MotionSampler(options, &pose.prims).run(pose_at, report);
     }
     translator->forget_shapes();
-    std::vector<Path> now = placed_paths(pose.prims);
-    const std::set<Path> kept(now.begin(), now.end());
-    const std::vector<Path> before = std::exchange(posed, std::move(now));
-    for (const Path& path : before)
-      if (!kept.contains(path)) pose.removed.push_back(path);
+    for (const Path& path : std::exchange(posed, support::keys_of(pose.prims)))
+      if (!pose.prims.contains(path)) pose.removed.push_back(path);
     return pose;
   }
 

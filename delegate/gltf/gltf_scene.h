@@ -67,7 +67,7 @@ ALABASTER_API size_t WeldVertices(host::MeshDescription* mesh);
 
 struct GltfPrims {
   host::Prims prims;
-  std::vector<Path> removed;  // meshes and instancers of the pose before that this pose lacks; meshes first
+  std::vector<Path> removed;  // of the pose before, which this pose lacks
 };
 
 /// A document that is read once and posed at any number of times. It keeps what poses need: the nodes, the animation,

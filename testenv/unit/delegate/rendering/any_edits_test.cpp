@@ -114,6 +114,11 @@ class RandomHost {
               {"radius", number(0.1f, 1)}, {"visible", chance(0.5)}, {"lightLink", Token("near")}};
     return {{"scheme", pick<Token>({"catmullClark", "bilinear"})},
             {"refineLevel", pick({0, 1, 2})},
+            {"orientation", Token("leftHanded")},
+            {"holeIndices", one},
+            {"invisibleFaces", one},
+            {"interpolateBoundary", Token("none")},
+            {"cullStyle", pick<Token>({"back", "front"})},
             {"transform", place()},
             {"transform:samples", moving},
             {"visible", chance(0.5)},
