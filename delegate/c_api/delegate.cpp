@@ -270,6 +270,7 @@ AlabasterStatus record(AlabasterDelegate* handle, const AlabasterRecordOptions* 
     if (!data.scene) throw bad_argument("the delegate draws no scene");
     tell_other_colors(data);
     const Path settings = settings_path(data.scene->scene, in.settings);
+    if (settings.empty()) throw Failure(ALABASTER_NOT_FOUND, "the scene has no render settings");
     const RecordingScope scope(data);
     std::atomic<bool> cancel{false};
     host::RecordOptions options;

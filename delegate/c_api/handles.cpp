@@ -138,13 +138,13 @@ PassData::~PassData() {
 }
 
 Path settings_path(const host::RetainedSceneDelegate& scene, const char* path) {
-  const auto& all = scene.GetAllRenderSettings();
-  if (all.empty()) throw Failure(ALABASTER_NOT_FOUND, "the scene has no render settings");
-  if (!path) return all.begin()->first;
-  if (!all.contains(path))
+  const auto all = scene.GetAllRenderSettings();
+  if (path && !all.contains(path))
     throw Failure(ALABASTER_NOT_FOUND,
                   std::string("there are no render settings ") + path + support::DidYouMeanPath(path, all));
-  return path;
+  if (path) return path;
+  const auto first = all.begin();  // a walk through the scene
+  return first == all.end() ? Path() : first->first;
 }
 
 }  // namespace alabaster::hd::c_api

@@ -273,7 +273,7 @@ void add_delegate_functions(AlabasterApi* api);
 void add_pass_functions(AlabasterApi* api);
 void add_display_functions(AlabasterApi* api);
 
-/// The render settings of that path; of null, the first. Fails if there are none.
+/// The render settings of that path, or fails. Of null, the first; an empty path where there are none.
 Path settings_path(const host::RetainedSceneDelegate& scene, const char* path);
 
 }  // namespace alabaster::hd::c_api

@@ -39,8 +39,7 @@ void allocate(BufferData& data, int32_t width, int32_t height, int32_t format) {
 
 /// The framing of `in`. Members that are null or 0 are those of the scene's render settings, whose path it returns.
 Path frame_pass(const AlabasterFrame& in, const host::RetainedSceneDelegate& scene, RenderPassState& state) {
-  Path path;
-  if (in.settings || !scene.GetAllRenderSettings().empty()) path = settings_path(scene, in.settings);
+  Path path = settings_path(scene, in.settings);
   const auto settings = path.empty() ? RenderSettingsDescription() : scene.GetAllRenderSettings().at(path);
   if (in.width < 0 || in.height < 0)
     throw bad_argument("a frame of " + support::size_text(in.width, in.height) +
