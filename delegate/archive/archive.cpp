@@ -187,7 +187,6 @@ class Reader {
     if (!root.is_object() || !root.contains("prims") || !root["prims"].is_array())
       throw Fault("tensor 'scene.json' has no list of prims");
     for (const json& prim : root["prims"]) read_prim(prim, tensors, scene);
-    place_products(scene);
     if (root.contains("ocio")) result->info.color_config = color_config(root["ocio"], tensors);
     if (const auto settings = root.find("settings"); settings != root.end() && settings->is_string())
       result->info.settings = Path(options_.root + settings->get<std::string>());
@@ -264,9 +263,11 @@ class Reader {
         throw Fault(path + ": '" + field[0].get<std::string>() + "': " + fault.what());
       }
     }
-    const host::SetResult result = SetPrim(scene, Path(placed(path)), Token(text("kind")), fields);
+    const Path id(placed(path));
+    const host::SetResult result = SetPrim(scene, id, Token(text("kind")), fields);
     if (!result.fault.empty()) throw Fault(path + ": " + result.fault);
-    if (text("kind") == "renderSettings") settings_.insert(Path(placed(path)));
+    if (const auto* settings = host::FindPrim<RenderSettingsDescription>(scene->GetPrims(), id))
+      scene->Set(id, with_placed_products(*settings));
   }
   std::string resolved(const std::string& name) const {
     const std::string file = (std::filesystem::path(folder_) / name).lexically_normal();
@@ -274,12 +275,9 @@ class Reader {
     if (!fault.empty()) throw Fault(fault);
     return file;
   }
-  void place_products(host::RetainedSceneDelegate* scene) const {
-    for (const Path& path : settings_) {
-      RenderSettingsDescription settings = scene->GetRenderSettings(path);
-      for (RenderProduct& product : settings.products) product.file = resolved(product.file), product.within = within_;
-      scene->Set(path, std::move(settings));
-    }
+  RenderSettingsDescription with_placed_products(RenderSettingsDescription settings) const {
+    for (RenderProduct& product : settings.products) product.file = resolved(product.file), product.within = within_;
+    return settings;
   }
   AssetPath color_config(const json& given, const TensorReader& tensors) {
     AssetPath config = asset(given, tensors);
@@ -338,7 +336,6 @@ class Reader {
   std::map<std::string, std::shared_ptr<const std::vector<uint8_t>>> stored_;  // by tensor
   std::set<std::pair<std::string, std::string>> compared_;                     // files and digests
   std::set<std::string> paths_;
-  std::set<Path> settings_;
 };
 
 }  // namespace
