@@ -11,24 +11,15 @@ namespace {
 
 using support::keys_of;
 
-// Instancers place their prototypes and the instancers below them.
-template <class Prim>
-bool is_placed_by_another(const Prim& prim) {
-  if constexpr (requires { prim.instancer; })
-    return !prim.instancer.empty();
-  else if constexpr (requires { prim.parent; })
-    return !prim.parent.empty();
-  else
-    return false;
-}
-
 void place_prims(const Matrix4d& transform, host::RetainedSceneDelegate* scene) {
   const auto place = [&transform](auto& prim) {
-    if constexpr (requires { prim.transform; })
-      if (!is_placed_by_another(prim)) prim.transform = prim.transform * transform;
+    bool is_placed = false;  // instancers place their prototypes and the instancers below them
+    if constexpr (requires { prim.instancer; }) is_placed = !prim.instancer.empty();
+    if constexpr (requires { prim.parent; }) is_placed = !prim.parent.empty();
+    if (is_placed) return;
+    if constexpr (requires { prim.transform; }) prim.transform = prim.transform * transform;
     if constexpr (requires { prim.transformSamples; })
-      if (!is_placed_by_another(prim))
-        for (Matrix4d& sample : prim.transformSamples.values) sample = sample * transform;
+      for (Matrix4d& sample : prim.transformSamples.values) sample = sample * transform;
   };
   for (const auto& [path, prim] : scene->GetPrims()) {
     host::PrimDescription placed = prim;
