@@ -403,6 +403,7 @@ FieldResult set_open(InstancerDescription* instancer, const Path&, const std::st
       auto& of_one = instancer->categories[size_t(instance)];
       if (std::find(of_one.begin(), of_one.end(), Token(*category)) == of_one.end()) of_one.emplace_back(*category);
     }
+    while (!instancer->categories.empty() && instancer->categories.back().empty()) instancer->categories.pop_back();
     return "";
   }
   const auto rest = after(name, "primvars:");
