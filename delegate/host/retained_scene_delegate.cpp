@@ -111,10 +111,12 @@ struct RetainedSceneDelegate::State {
     const auto* prim = find_in(prims, id);
     return prim ? std::visit(take, *prim) : take(T());
   }
+  /// One with the defaults where there is none of that path.
   template <class T>
-  T whole(const Path& id) const {
+  const T& held(const Path& id) const {
+    static const T defaults{};
     const T* prim = FindPrim<T>(prims, id);
-    return prim ? *prim : T();
+    return prim ? *prim : defaults;
   }
 };
 
@@ -206,15 +208,13 @@ void RetainedSceneDelegate::Depopulate() {
 }
 
 MeshTopology RetainedSceneDelegate::GetMeshTopology(const Path& id) {
-  return state_->pull<MeshDescription>(id, [](const auto& prim) -> decltype((prim.topology)) { return prim.topology; });
+  return state_->held<MeshDescription>(id).topology;
 }
 SubdivTags RetainedSceneDelegate::GetSubdivTags(const Path& id) {
-  return state_->pull<MeshDescription>(id,
-                                       [](const auto& prim) -> decltype((prim.subdivTags)) { return prim.subdivTags; });
+  return state_->held<MeshDescription>(id).subdivTags;
 }
 DisplayStyle RetainedSceneDelegate::GetDisplayStyle(const Path& id) {
-  return state_->pull<MeshDescription>(
-      id, [](const auto& prim) -> decltype((prim.displayStyle)) { return prim.displayStyle; });
+  return state_->held<MeshDescription>(id).displayStyle;
 }
 Matrix4d RetainedSceneDelegate::GetTransform(const Path& id) {
   return state_->pull<MeshDescription>(id,
@@ -224,12 +224,10 @@ bool RetainedSceneDelegate::GetVisible(const Path& id) {
   return state_->pull<MeshDescription>(id, [](const auto& prim) -> decltype((prim.visible)) { return prim.visible; });
 }
 bool RetainedSceneDelegate::GetDoubleSided(const Path& id) {
-  return state_->pull<MeshDescription>(
-      id, [](const auto& prim) -> decltype((prim.doubleSided)) { return prim.doubleSided; });
+  return state_->held<MeshDescription>(id).doubleSided;
 }
 CullStyle RetainedSceneDelegate::GetCullStyle(const Path& id) {
-  return state_->pull<MeshDescription>(id,
-                                       [](const auto& prim) -> decltype((prim.cullStyle)) { return prim.cullStyle; });
+  return state_->held<MeshDescription>(id).cullStyle;
 }
 Token RetainedSceneDelegate::GetRenderTag(const Path& id) {
   return state_->pull<MeshDescription>(id,
@@ -279,11 +277,11 @@ Array<int32_t> RetainedSceneDelegate::GetInstanceIndices(const Path& instancerId
   return value_in(indices_of(find_in(state_->prims, instancerId)), prototypeId);
 }
 std::vector<std::vector<Token>> RetainedSceneDelegate::GetInstanceCategories(const Path& id) {
-  return state_->whole<InstancerDescription>(id).categories;
+  return state_->held<InstancerDescription>(id).categories;
 }
 
 MaterialNetwork RetainedSceneDelegate::GetMaterialResource(const Path& id) {
-  return state_->whole<MaterialNetwork>(id);
+  return state_->held<MaterialNetwork>(id);
 }
 Value RetainedSceneDelegate::GetLightParamValue(const Path& id, const Token& name) {
   return state_->pull<LightDescription>(id, [&](const auto& prim) -> decltype(value_in(prim.parameters, name)) {
@@ -294,10 +292,10 @@ Value RetainedSceneDelegate::GetCameraParamValue(const Path& id, const Token& na
   return RetainedSceneDelegate::GetLightParamValue(id, name);
 }
 RenderBufferDescriptor RetainedSceneDelegate::GetRenderBufferDescriptor(const Path& id) {
-  return state_->whole<RenderBufferDescriptor>(id);
+  return state_->held<RenderBufferDescriptor>(id);
 }
 RenderSettingsDescription RetainedSceneDelegate::GetRenderSettings(const Path& id) {
-  return state_->whole<RenderSettingsDescription>(id);
+  return state_->held<RenderSettingsDescription>(id);
 }
 
 }  // namespace alabaster::hd::host
