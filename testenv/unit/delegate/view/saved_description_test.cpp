@@ -3,6 +3,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "delegate/support/lookup.h"
 #include "testenv/unit/delegate/description/scene_fixture.h"
 #include "testenv/unit/delegate/view/row_of.h"
 
@@ -161,7 +162,7 @@ TEST_F(SavedDescription, ALensIsKeptToTheBit) {
     RetainedSceneDelegate fresh;
     save_and_load("lit.gltf", loaded);
     expect_same_camera(loaded);
-    for (const auto& [path, mesh] : std::map(again.GetMeshes())) again.Remove(path);
+    for (const hd::Path& path : hd::support::keys_of(again.GetMeshes())) again.Remove(path);
   }
 }
 
