@@ -15,7 +15,8 @@ struct LightWeight {
 /// Adds the light that the sampled lights send by way of the vertex, and the expectation of `control`, which takes the
 /// light of the exit lobe there; null: there is none.
 ///
-/// Shadow rays end at clear surfaces too: light finds its way through them by BSDF sampling alone.
+/// Shadow rays go straight on through clear sheets, and end at clear solids: light finds its way through those by BSDF
+/// sampling alone.
 void sample_lights(const PathContext& context, const Vertex& v, const VertexBsdf& bsdf, ControlVariate* control,
                    Path* path);
 

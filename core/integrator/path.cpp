@@ -35,6 +35,11 @@ void Path::join(const Path& branch, uint32_t count) {
   layers->multiple += from.multiple * share;
 }
 
+bool Path::may_pass_sheet(const Vertex& v) const {
+  const DisneyParameters& constants = v.instance->material(v.triangle.triangle).constants;
+  return depth > 0 && constants.thin && constants.spec_trans > 0;
+}
+
 void Path::leave(const PathContext& context, const Vertex& v, const VertexBsdf& bsdf, const ScatterSample& sample) {
   if (seeks_layer()) layer = {Layer::Kind::local, sample.specular};
   if (features && !is_mirror(v, sample.lobe)) features = nullptr;
@@ -48,11 +53,11 @@ void Path::leave(const PathContext& context, const Vertex& v, const VertexBsdf& 
     const bool is_smooth = v.leaves_from_smooth(sample.wi) && reaches_smooth_surface(context, v);
     origin = v.origins[is_smooth ? Vertex::kSmooth : Vertex::kFacet].p;
   }
-  const bool passes_sheet =
-      sample.lobe == Lobe::straight && depth > 0 && v.instance->material(v.triangle.triangle).constants.thin;
+  const bool passes_sheet = sample.lobe == Lobe::straight && may_pass_sheet(v);
   if (passes_sheet) {
     if (straight == 0) light_origin = ray.org;
     straight += ray.tmax;
+    ++sheets;
   } else {
     straight = 0;
     lights = &context.scene.lights_of(*v.instance);

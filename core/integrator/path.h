@@ -1,4 +1,4 @@
-// The state that a path carries from vertex to vertex. leave(), pass() and enter() alone set its next segment.
+// The state that a path carries from vertex to vertex. leave(), pass() and enter() set its next segment.
 #pragma once
 
 #include <limits>
@@ -77,7 +77,8 @@ struct Path {
   Vec3f light_origin{0, 0, 0};
   float straight = 0;        // distance from there to the ray's origin; 0: it is the ray's origin
   bool from_vertex = false;  // lights were sampled at the ray's origin: those with a shadow link count
-  uint32_t depth = 0;        // bounces; a walk is one
+  uint32_t depth = 0;        // vertices before the present one; a walk has one
+  uint32_t sheets = 0;       // of those, sheets that it went straight through: no bounces
   uint32_t branches = 1;     // that leave the present vertex
   MediumStack media;         // that the ray is in
   AirPockets air;            // bodies that the ray is in, in air
@@ -96,6 +97,9 @@ struct Path {
     radiance += light;
     if (layers) (seeks_layer() ? Layer{Layer::Kind::below, Rgb(0.0f), kManyEvents} : layer).add(light, layers);
   }
+  bool may_bounce(const PathContext& context) const { return depth - sheets < context.settings.max_depth; }
+  /// True if the path may go straight on through the vertex as shadow rays do.
+  bool may_pass_sheet(const Vertex& v) const;
   /// True where the next vertex that scatters decides the layer.
   bool seeks_layer() const { return layers && layer.kind == Layer::Kind::seen; }
 

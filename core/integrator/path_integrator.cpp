@@ -110,7 +110,7 @@ bool find_next_vertex(const PathContext& context, const PixelSampler& sampler, P
     path->add(emission);
     if (record) record->meet_light(emission);
   }
-  if (path->depth >= context.settings.max_depth) return end(context, "maxDepth");
+  if (!path->may_bounce(context) && !path->may_pass_sheet(*v)) return end(context, "maxDepth");
   return true;
 }
 
@@ -119,6 +119,7 @@ bool scatter(const PathContext& context, Vertex* v, const VertexBsdf& bsdf, cons
              const std::optional<ControlVariate>& control, Path* path) {
   ScatterSample sample;
   if (!bsdf.sample(u.bsdf, &sample)) return end(context, "no direction was sampled");
+  if (!path->may_bounce(context) && sample.lobe != Lobe::straight) return end(context, "maxDepth");
   path->throughput *= sample.weight;
   if (sample.lobe == Lobe::subsurface) {
     path->enter(context, v, control, u.roulette);  // no bounce yet: the exit is the next vertex
@@ -139,7 +140,7 @@ void follow_path(const PathContext& context, const PixelSampler& sampler, Path* 
     path->branches = path->depth == 0 ? bsdf.branches() : 1;
     std::optional<ControlVariate> control = bsdf.control_variate(v.u.light);
     if (control) bsdf.seek_exit_lobe();
-    sample_lights(context, v, bsdf, control ? &*control : nullptr, path);
+    if (path->may_bounce(context)) sample_lights(context, v, bsdf, control ? &*control : nullptr, path);
 
     // BSDF sampling.
     if (path->branches == 1) {

@@ -77,8 +77,8 @@ float value_at(const PathContext& context, const SubsurfaceExit& exit, float Dis
 
 /// Sets path->media to those beyond *exit. Where the index falls from the entry to the exit, the share (low / high)^2
 /// of the walks passes, and the others come out at the entry: *exit becomes it (random_walk.md, "Clear bodies that
-/// touch"). For lobes at both ends.
-void cross_to_media(const PathContext& context, const PixelSampler& sampler, const Vertex& entry, Path* path,
+/// touch"). For lobes at both ends. True: it has become the entry.
+bool cross_to_media(const PathContext& context, const PixelSampler& sampler, const Vertex& entry, Path* path,
                     SubsurfaceExit* exit) {
   const MediumStack beyond = media_beyond(context, *exit, *entry.instance->body, *path);
   const float share = sqr(beyond.index() / path->media.index());
@@ -87,9 +87,10 @@ void cross_to_media(const PathContext& context, const PixelSampler& sampler, con
       u[3] >= value_at(context, *exit, &DisneyParameters::spec_trans)) {
     exit->hit = entry.triangle;
     exit->direction = entry.hit.ng;
-  } else {
-    path->media = beyond;
+    return true;
   }
+  path->media = beyond;
+  return false;
 }
 
 /// The layers over the exit, of a material that has some. `at`: the vertex there. `dir`: along which the path came to
@@ -147,8 +148,7 @@ Exit find_exit(const PathContext& context, const PixelSampler& sampler, Path* pa
   // Find the media beyond the exit.
   const Rgb index = path->media.indices();
   const bool may_cross = !path->media.empty() || !body.touched.empty();
-  if (may_cross) [[unlikely]]
-    cross_to_media(context, sampler, entry, path, &*exit);
+  const bool is_back = may_cross && cross_to_media(context, sampler, entry, path, &*exit);
   if (body.is_union() && !path->air.empty()) [[unlikely]]  // the walk left the union's medium
     path->air.leave(body.members.front().instance);
   const Instance& instance = context.scene.instance(exit->hit.instance);
@@ -157,7 +157,7 @@ Exit find_exit(const PathContext& context, const PixelSampler& sampler, Path* pa
   // Leave by the clear share of an interface: a vertex that is seen from inside. What it reflects walks on in the body.
   // A path that came by an entry lobe is multiplied by the albedo of the exit lobe here, as the next walk has no entry.
   // A profile does not know from where the light comes to the interface.
-  if (material.constants.spec_trans > 0 && context.mode() != SubsurfaceMode::diffusion) [[unlikely]] {
+  if (material.constants.spec_trans > 0 && !is_back && context.mode() != SubsurfaceMode::diffusion) [[unlikely]] {
     const VertexSamples u{sampler.draw(Dimension::exit_light, path->depth),
                           sampler.draw(Dimension::exit_bsdf, path->depth), path->walk.roulette};
     Vertex clear;
@@ -204,6 +204,7 @@ Exit find_exit(const PathContext& context, const PixelSampler& sampler, Path* pa
   else
     v->u.bsdf = sampler.draw(Dimension::exit_bsdf, path->depth);
   v->u.roulette = path->walk.roulette;
+  v->moved.reset();
   const Placement& placement = instance.at(exit->hit, &v->moved);
   static_cast<SurfacePoint&>(v->hit) =
       on_side(surface_point(mesh, exit->hit, placement.object_to_world, placement.world_to_object), exit->direction);

@@ -1,5 +1,5 @@
 // A vertex of a path: a point on a surface, where light is sampled and the path goes on. make_vertex() and find_exit()
-// alone write one.
+// make one, and resolve_interface() finds what lies on its sides.
 #pragma once
 
 #include "core/geometry/surface_hit.h"

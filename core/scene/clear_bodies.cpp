@@ -46,11 +46,13 @@ bool contains(const Bounds& outer, const Bounds& inner) {
   return outer.contains(inner.lower) && outer.contains(inner.upper);
 }
 
-// True if the mesh of `outer`, which is closed, has the point inside (render space).
+// True if a shell of `outer`, whose mesh is closed, has the point inside (render space).
 bool is_inside(const Instance& outer, const Vec3f& p, std::pmr::vector<TriangleHit>* hits) {
   const Ray ray{outer.world_to_object.point(p), normalize(Vec3f(0.36f, 0.48f, 0.8f))};
   outer.prototype->object->intersect_all(ray, hits);
-  return hits->size() % 2 == 1;
+  int entered = 0;
+  for (const TriangleHit& hit : *hits) entered += dot(hit.normal, ray.dir) > 0 ? 1 : -1;
+  return entered != 0;
 }
 
 // The bodies that light walks in, and which others lie within one of them.
@@ -59,7 +61,8 @@ class WalkedIn {
   explicit WalkedIn(const SceneSnapshot& snapshot) {
     std::vector<Bounds> boxes;
     for (const Instance& instance : snapshot.instances) {
-      const Bounds box = light_walks_in(instance) ? bounds_in_render_space(instance) : Bounds();
+      const bool may_hold = light_walks_in(instance) && instance.prototype->mesh.closed;
+      const Bounds box = may_hold ? bounds_in_render_space(instance) : Bounds();
       if (box.empty()) continue;
       boxes.push_back(box);
       instances_.push_back(&instance);
