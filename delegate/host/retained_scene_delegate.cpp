@@ -111,12 +111,10 @@ struct RetainedSceneDelegate::State {
     const auto* prim = find_in(prims, id);
     return prim ? std::visit(take, *prim) : take(T());
   }
-  /// One with the defaults where there is none of that path.
   template <class T>
-  const T& held(const Path& id) const {
-    static const T defaults{};
+  T held(const Path& id) const {
     const T* prim = FindPrim<T>(prims, id);
-    return prim ? *prim : defaults;
+    return prim ? *prim : T();
   }
 };
 
@@ -208,13 +206,13 @@ void RetainedSceneDelegate::Depopulate() {
 }
 
 MeshTopology RetainedSceneDelegate::GetMeshTopology(const Path& id) {
-  return state_->held<MeshDescription>(id).topology;
+  return state_->pull<MeshDescription>(id, [](const MeshDescription& prim) { return prim.topology; });
 }
 SubdivTags RetainedSceneDelegate::GetSubdivTags(const Path& id) {
-  return state_->held<MeshDescription>(id).subdivTags;
+  return state_->pull<MeshDescription>(id, [](const MeshDescription& prim) { return prim.subdivTags; });
 }
 DisplayStyle RetainedSceneDelegate::GetDisplayStyle(const Path& id) {
-  return state_->held<MeshDescription>(id).displayStyle;
+  return state_->pull<MeshDescription>(id, [](const MeshDescription& prim) { return prim.displayStyle; });
 }
 Matrix4d RetainedSceneDelegate::GetTransform(const Path& id) {
   return state_->pull<MeshDescription>(id,
@@ -224,10 +222,10 @@ bool RetainedSceneDelegate::GetVisible(const Path& id) {
   return state_->pull<MeshDescription>(id, [](const auto& prim) -> decltype((prim.visible)) { return prim.visible; });
 }
 bool RetainedSceneDelegate::GetDoubleSided(const Path& id) {
-  return state_->held<MeshDescription>(id).doubleSided;
+  return state_->pull<MeshDescription>(id, [](const MeshDescription& prim) { return prim.doubleSided; });
 }
 CullStyle RetainedSceneDelegate::GetCullStyle(const Path& id) {
-  return state_->held<MeshDescription>(id).cullStyle;
+  return state_->pull<MeshDescription>(id, [](const MeshDescription& prim) { return prim.cullStyle; });
 }
 Token RetainedSceneDelegate::GetRenderTag(const Path& id) {
   return state_->pull<MeshDescription>(id,
@@ -277,7 +275,7 @@ Array<int32_t> RetainedSceneDelegate::GetInstanceIndices(const Path& instancerId
   return value_in(indices_of(find_in(state_->prims, instancerId)), prototypeId);
 }
 std::vector<std::vector<Token>> RetainedSceneDelegate::GetInstanceCategories(const Path& id) {
-  return state_->held<InstancerDescription>(id).categories;
+  return state_->pull<InstancerDescription>(id, [](const InstancerDescription& prim) { return prim.categories; });
 }
 
 MaterialNetwork RetainedSceneDelegate::GetMaterialResource(const Path& id) {
