@@ -89,6 +89,8 @@ double largest_turn(const std::vector<Matrix4d>& poses) {
   return largest;
 }
 
+constexpr double kLargestTurn = 3 * kPiDouble / 180;  // between poses
+
 Affine between(const Affine& a, const Affine& b, float f) {
   const auto mix = [f](const Vec3f& p, const Vec3f& q) { return p * (1 - f) + q * f; };
   return {mix(a.x, b.x), mix(a.y, b.y), mix(a.z, b.z), mix(a.t, b.t)};
@@ -119,6 +121,20 @@ Matrix4d interpolate(const TimeSamples<Matrix4d>& samples, double time) {
   return interpolate(samples.values[after - 1], samples.values[after], (time - from) / (to - from));
 }
 
+std::vector<double> times_of_turns(const TimeSamples<Matrix4d>& samples) {
+  std::vector<double> times;
+  for (size_t i = 0; i < samples.times.size(); ++i) {
+    if (i > 0) {
+      const double from = samples.times[i - 1], length = samples.times[i] - from;
+      const auto steps =
+          static_cast<int>(std::ceil(largest_turn({samples.values[i - 1], samples.values[i]}) / kLargestTurn));
+      for (int k = 1; k < steps; ++k) times.push_back(from + length * k / steps);
+    }
+    times.push_back(samples.times[i]);
+  }
+  return times;
+}
+
 size_t even_pose_count(const std::vector<double>& times, const Shutter& shutter, size_t most) {
   if (!(shutter.length() > 0) || times.size() < 2) return 1;
   if (times.front() >= shutter.close || times.back() <= shutter.open) return 1;
@@ -147,7 +163,6 @@ std::vector<Matrix4d> even_poses(const TimeSamples<Matrix4d>& samples, const Shu
   const size_t count = even_pose_count(samples.times, shutter, kMostWithoutTurns);
   std::vector<Matrix4d> out = poses(count);
   if (std::all_of(out.begin(), out.end(), [&](const Matrix4d& m) { return m == out.front(); })) return {out.front()};
-  constexpr double kLargestTurn = 3 * kPiDouble / 180;
   const double wanted = std::ceil(largest_turn(out) / kLargestTurn);
   const size_t most = (kMostPoses - 1) / (count - 1);
   const size_t finer = wanted > 1 ? std::min(static_cast<size_t>(wanted), most) : 1;

@@ -63,6 +63,10 @@ Affine inverse(const Affine& map);
 /// entry by entry.
 Matrix4d interpolate(const TimeSamples<Matrix4d>& samples, double time);
 
+/// The samples' times, and as many between as a turn needs: no step turns by more than 3 degrees. At these a motion is
+/// joined with another one, as what stands away from its axis would else cut the corners.
+std::vector<double> times_of_turns(const TimeSamples<Matrix4d>& samples);
+
 /// How many even poses over the shutter show all samples: each sample lies on a pose, up to `most` poses, beyond which
 /// corners of the motion are rounded. 1 if nothing changes.
 size_t even_pose_count(const std::vector<double>& times, const Shutter& shutter, size_t most);

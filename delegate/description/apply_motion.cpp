@@ -8,14 +8,17 @@
 namespace alabaster::hd::description {
 namespace {
 
-// own(t) * inverse(motion(0)) * motion(t), at the times of both.
+// own(t) * inverse(motion(0)) * motion(t), at the times of both and as many between as they turn.
 template <class T>
 void move(const Path& path, T prim, const TimeSamples<Matrix4d>& motion, host::RetainedSceneDelegate* scene) {
   const TimeSamples<Matrix4d> own =
       prim.transformSamples.values.empty() ? TimeSamples<Matrix4d>{{0}, {prim.transform}} : prim.transformSamples;
   const Matrix4d back = transform_at(motion, 0).inverse();
-  std::set<double> times(motion.times.begin(), motion.times.end());
-  times.insert(own.times.begin(), own.times.end());
+  std::set<double> times;
+  for (const TimeSamples<Matrix4d>& one : {motion, own}) {
+    const std::vector<double> turns = times_of_turns({one.times, one.values});
+    times.insert(turns.begin(), turns.end());
+  }
   prim.transformSamples = {};
   for (const double time : times) {
     prim.transformSamples.times.push_back(time);

@@ -235,8 +235,8 @@ struct SceneTranslator::Run {
   static std::vector<double> sample_times(const std::vector<const InstancerRecord*>& instancers) {
     std::vector<double> times;
     for (const InstancerRecord* one : instancers)
-      for (const auto* own : {&one->motion.times, &one->moving_points.times})
-        times.insert(times.end(), own->begin(), own->end());
+      for (const auto& own : {times_of_turns({one->motion.times, one->motion.values}), one->moving_points.times})
+        times.insert(times.end(), own.begin(), own.end());
     return times;
   }
 
@@ -309,7 +309,8 @@ struct SceneTranslator::Run {
   };
 
   PlacedSamples place_at(std::vector<double> times, const Path& path, const MeshRecord& mesh) const {
-    times.insert(times.end(), mesh.motion.times.begin(), mesh.motion.times.end());
+    const std::vector<double> own_times = times_of_turns(mesh.motion);
+    times.insert(times.end(), own_times.begin(), own_times.end());
     std::sort(times.begin(), times.end());
     times.erase(std::unique(times.begin(), times.end()), times.end());
     PlacedSamples samples{times, {}};

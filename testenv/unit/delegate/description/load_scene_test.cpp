@@ -298,6 +298,23 @@ TEST_F(LoadSceneTest, MotionOfModelsMeshesAndCamera) {
   EXPECT_EQ(camera.parameters.at("apertureBlades").number_or(0), 7);
 }
 
+// What stands beside the axis stays at its distance from it: between samples 3 degrees apart it comes nearer by 4e-4.
+TEST_F(LoadSceneTest, WhatTurnsAboutAnotherPointHasSamplesOfItsTurn) {
+  ASSERT_TRUE(describe(R"({"gltf": [{"file": "patch.gltf", "transform": {"translate": [1, 0, 0]}}],
+    "meshes": [{"match": "*", "motion": [{"time": 0, "transform": {}}, {"time": 1, "transform": {"rotate": [0, 170, 0]}}]}]})")
+                  .ok)
+      << errors();
+  const auto& samples = only_mesh().transformSamples;
+  ASSERT_EQ(samples.values.size(), 58u);
+  Vec3d last(1, 0, 0);
+  for (const Matrix4d& sample : samples.values) {
+    const Vec3d p = sample.translation();
+    EXPECT_NEAR(p.length(), 1, 1e-12);
+    EXPECT_LT((p - last).length(), 0.0524);
+    last = p;
+  }
+}
+
 TEST_F(LoadSceneTest, TheSameModelTwice) {
   ASSERT_TRUE(describe(R"({"gltf": [{"file": "patch.gltf"},
     {"file": "patch.gltf", "transform": {"translate": [5, 0, 0]}}], "settings": {"studio": "off"}})")
