@@ -77,7 +77,7 @@ void sample_lights(const PathContext& context, const Vertex& v, const VertexBsdf
         layer.add(path->throughput * arriving, path->layers);
       }
       if (record && !is_black(value.f_cos)) record->light_arrives(path->throughput * arriving, {light->pdf, mis});
-      if (!(value.exit_cos > 0)) continue;
+      if (!control || !(value.exit_cos > 0)) continue;
       Rgb exit = exit_light(value, *light) * visible;
       if (origin == Vertex::kSmooth) exit *= 1 / from.chance;
       control->light += path->through_media(exit, light->distance);

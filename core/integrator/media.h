@@ -22,8 +22,8 @@ class SmallStack {
   SmallStack() {}
   SmallStack(const SmallStack& o) : size_(o.size_) { std::memcpy(items_, o.items_, sizeof(T) * size_); }
   SmallStack& operator=(const SmallStack& o) {
+    if (this != &o) std::memcpy(items_, o.items_, sizeof(T) * o.size_);
     size_ = o.size_;
-    std::memmove(items_, o.items_, sizeof(T) * size_);
     return *this;
   }
 
