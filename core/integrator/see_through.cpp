@@ -1,5 +1,6 @@
 #include "core/integrator/see_through.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include "core/integrator/vertex.h"
@@ -43,10 +44,6 @@ Rgb straight_through(const PathContext& context, const Vec3f& dir, const Triangl
   const InterfaceSide side{v.material.ior / media.index(), false};
   return DisneyTransmissiveBsdf(v.material, v.frame.to_local(-dir), side, context.settings.energy).straight();
 }
-
-}  // namespace
-
-namespace {
 
 // A wall of a union with holes that lies within another member: no surface of the body.
 bool is_hidden(const Instance& instance, const DisneyMaterial& material, const Vec3f& dir, const TriangleHit& hit) {
@@ -151,11 +148,16 @@ bool Transmittance::stops(const TriangleHit& hit) const noexcept {
   const float coverage = coverage_at(context_.scene, dir_, hit, &media_);
   const Rgb straight =
       coverage > 0 && context_.scene.features.clear_sheets ? straight_through(context_, dir_, hit, media_) : Rgb(0.0f);
+  if (coverage >= 1 && is_black(straight)) return true;
   bool any = false;
+  int64_t step = 0;
   for (int c = 0; c < 3; ++c) {
-    const double passed = 1.0 - double(coverage) * (1.0 - double(straight[c]));
+    if (c == 0 || straight[c] != straight[c - 1]) {  // channels are mostly alike
+      const double passed = 1.0 - double(coverage) * (1.0 - double(straight[c]));
+      step = passed > 0 ? static_cast<int64_t>(std::llrint(std::log2(passed) * kUnit)) : kBlack;
+    }
     int64_t& log = log_[static_cast<size_t>(c)];
-    log = passed > 0 && log > kBlack ? log + static_cast<int64_t>(std::llrint(std::log2(passed) * kUnit)) : kBlack;
+    log = std::max(log + step, kBlack);
     any = any || log > kBlack;
   }
   return !any;

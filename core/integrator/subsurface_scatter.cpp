@@ -181,7 +181,8 @@ Exit find_exit(const PathContext& context, const PixelSampler& sampler, Path* pa
   if (may_cross) path->throughput *= index_factor(index, path->media.indices());
 
   // A surface below which light does not walk is opaque from below, too.
-  if (!material.constants.scatters() || !(value_at(context, *exit, &DisneyParameters::metallic) < 1)) {
+  if (!material.constants.scatters() ||
+      (material.constants.metallic > 0 && !(value_at(context, *exit, &DisneyParameters::metallic) < 1))) {
     if (record) record->end("the light met an opaque surface from below");
     return Exit::none;
   }
