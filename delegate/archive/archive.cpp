@@ -1,6 +1,11 @@
 #include "delegate/archive/archive.h"
 
+#include <fcntl.h>
+#include <sys/mman.h>
+#include <sys/stat.h>
+
 #include <algorithm>
+#include <cmath>
 #include <filesystem>
 #include <set>
 
@@ -12,6 +17,7 @@
 #include "delegate/archive/tensors.h"
 #include "delegate/host/scene_fields.h"
 #include "delegate/support/output_file.h"
+#include "delegate/support/process_usage.h"
 
 namespace alabaster::hd::archive {
 namespace {
@@ -65,9 +71,16 @@ class Writer {
     for (const auto& [path, prim] : prims) {
       const auto* settings = std::get_if<RenderSettingsDescription>(&prim);
       const Token kind = host::TypeOf(prim);
-      if (!kind.empty()) add(path, kind, host::GetFields(path, settings ? with_own_files(*settings) : prim));
+      const auto name = info.names.find(path);
+      if (!kind.empty())
+        add(path, kind, name == info.names.end() ? std::string() : name->second,
+            host::GetFields(path, settings ? with_own_files(*settings) : prim));
     }
     json scene = json::object();
+    if (!(info.up == Token("Y"))) scene["upAxis"] = info.up.str();
+    if (info.metersPerUnit != 1) scene["metersPerUnit"] = info.metersPerUnit;
+    if (info.timeCodesPerSecond != 0) scene["timeCodesPerSecond"] = info.timeCodesPerSecond;
+    if (info.range) scene["range"] = *info.range;
     if (!info.settings.empty()) scene["settings"] = info.settings.str();
     if (is_named_config(info.color_config.resolved))
       scene["ocio"] = {{"authored", info.color_config.resolved}};
@@ -103,20 +116,21 @@ class Writer {
     return settings;
   }
   // A prim that SetPrim refuses would make the archive unreadable.
-  void add(const Path& path, const Token& kind, const host::Fields& fields) {
+  void add(const Path& path, const Token& kind, const std::string& name, const host::Fields& fields) {
     host::RetainedSceneDelegate scratch;
     const host::SetResult set = SetPrim(&scratch, path, kind, fields);
     if (!set.fault.empty()) throw Fault(path.str() + ": " + set.fault);
     json written = json::array();
-    for (const auto& [name, value] : fields) {
+    for (const auto& [field, value] : fields) {
       try {
-        written.push_back({name, write_value(value, &tensors_,
-                                             [this](const AssetPath& a) { return asset(a, options_.embed_images); })});
+        written.push_back({field, write_value(value, &tensors_,
+                                              [this](const AssetPath& a) { return asset(a, options_.embed_images); })});
       } catch (const Fault& fault) {
-        throw Fault(path.str() + ": '" + name + "': " + fault.what());
+        throw Fault(path.str() + ": '" + field + "': " + fault.what());
       }
     }
-    const json prim = {{"path", path.str()}, {"kind", kind.str()}, {"fields", std::move(written)}};
+    json prim = {{"path", path.str()}, {"kind", kind.str()}, {"fields", std::move(written)}};
+    if (!name.empty()) prim["name"] = name;
     try {
       prims_ += (prims_.empty() ? "" : ",") + prim.dump();
     } catch (const json::exception&) {
@@ -158,27 +172,62 @@ class Writer {
   std::map<std::string, std::string> images_;  // digest -> tensor
 };
 
+// The last part of a path, or before it, without the number that glTF's reader puts before a name.
+std::string former_name(const std::string& path, bool is_mesh) {
+  std::string name = path.substr(0, is_mesh ? path.rfind('/') : path.size());
+  name.erase(0, name.rfind('/') + 1);
+  const size_t digits = name.find_first_not_of("0123456789");
+  return digits == 0 || digits == std::string::npos || name[digits] != '_' ? name : name.substr(digits + 1);
+}
+
+// Memory of another process, which it has given up the means to change: reading it cannot fail.
+FileBytes map_sealed(int descriptor) {
+  constexpr int kSeals = F_SEAL_SHRINK | F_SEAL_GROW | F_SEAL_WRITE | F_SEAL_SEAL;
+  const int seals = fcntl(descriptor, F_GET_SEALS);
+  struct stat status {};
+  if (seals < 0 || (seals & kSeals) != kSeals || fstat(descriptor, &status) != 0)
+    throw Fault("the memory is not sealed against shrinking, growing, writing and further seals");
+  const auto size = static_cast<size_t>(status.st_size);
+  if (size == 0) return {};  // an error follows: it is too short
+  void* const data = mmap(nullptr, size, PROT_READ, MAP_PRIVATE, descriptor, 0);
+  if (data == MAP_FAILED) throw std::bad_alloc();
+  const std::shared_ptr<const void> owner(data,
+                                          [size](const void* mapped) { munmap(const_cast<void*>(mapped), size); });
+  return {owner, {static_cast<const uint8_t*>(data), size}};
+}
+
 class Reader {
  public:
-  Reader(const std::string& file, const DiagnosticSink& sink, const ReadOptions& options)
+  /// `folder`: where relative names begin.
+  Reader(const std::string& file, std::string folder, const DiagnosticSink& sink, const ReadOptions& options)
       : file_(file),
         sink_(sink),
         options_(options),
-        folder_(std::filesystem::path(file).parent_path().string()),
+        folder_(std::move(folder)),
+        folders_(options.folders),
         memory_(std::make_shared<MemoryBudget>(options.memory_limit)),
-        held_(memory_, MemoryUse::scene) {
+        held_(memory_, MemoryUse::scene) {}
+  void read(host::SceneEdits* edits, ReadResult* result) {
     if (folder_.empty()) folder_ = ".";
-    if (!options.allow_outside) within_ = allowed_folder(folder_);
-  }
-  void read(host::RetainedSceneDelegate* scene, ReadResult* result) {
+    if (!options_.allow_outside) folders_ = {allowed_folder(folder_)};
     const InputFile input(file_, options_.within);
     if (!input) throw Fault(input.reason());
     held_.resize(input.size(), file_);
     const auto bytes = std::make_shared<std::vector<uint8_t>>();
     if (!input.read(bytes.get())) throw Fault("the file could not be read");
-    const MemoryReservation header = for_json(TensorReader::header_of(*bytes));
+    read({bytes, *bytes}, edits, result);
+  }
+  void read_sealed(int descriptor, host::SceneEdits* edits, ReadResult* result) {
+    const FileBytes bytes = map_sealed(descriptor);
+    held_.resize(bytes.all.size(), file_);
+    read(bytes, edits, result);
+  }
+
+ private:
+  void read(const FileBytes& bytes, host::SceneEdits* edits, ReadResult* result) {
+    const MemoryReservation header = for_json(TensorReader::header_of(bytes.all));
     const TensorReader tensors(bytes);
-    check_version(tensors.metadata());
+    version_ = checked_version(tensors.metadata());
     const std::span<const uint8_t> text = tensors.bytes(kScene);
     check_depth(text);
     const MemoryReservation parsed = for_json(text);
@@ -186,48 +235,48 @@ class Reader {
     if (root.is_discarded()) throw Fault("tensor 'scene.json' is not JSON");
     if (!root.is_object() || !root.contains("prims") || !root["prims"].is_array())
       throw Fault("tensor 'scene.json' has no list of prims");
-    for (const json& prim : root["prims"]) read_prim(prim, tensors, scene);
+    for (const json& prim : root["prims"]) read_prim(prim, tensors, edits);
+    if (root.contains("removed")) read_removed(root["removed"], edits);
     if (root.contains("ocio")) result->info.color_config = color_config(root["ocio"], tensors);
-    if (const auto settings = root.find("settings"); settings != root.end() && settings->is_string())
-      result->info.settings = Path(options_.root + settings->get<std::string>());
+    read_info(root, &result->info);
+    result->info.names = edits->names;
     result->memory_bytes = held_.bytes();
     result->ok = true;
   }
-
- private:
+  void read_removed(const json& removed, host::SceneEdits* edits) const {
+    if (!options_.is_answer)
+      throw Fault("it has a list of removed prims, as only the answers of a reader that follows time have");
+    if (!removed.is_array()) throw Fault("the removed prims are no list");
+    for (const json& path : removed) {
+      if (!path.is_string()) throw Fault("a removed prim has no path");
+      edits->removed.emplace_back(path.get<std::string>());
+    }
+  }
+  static void read_info(const json& root, host::SceneInfo* info) {
+    if (const auto settings = root.find("settings"); settings != root.end() && settings->is_string())
+      info->settings = Path(settings->get<std::string>());
+    if (root.contains("upAxis")) info->up = Token(root["upAxis"].is_string() ? root["upAxis"].get<std::string>() : "");
+    if (!(info->up == Token("Y") || info->up == Token("Z"))) throw Fault("its up axis is neither Y nor Z");
+    const auto positive = [&](const char* name, double* number) {
+      if (!root.contains(name)) return;
+      *number = root[name].is_number() ? root[name].get<double>() : 0;
+      if (!(*number > 0 && std::isfinite(*number))) throw Fault(std::string("its ") + name + " is no number above 0");
+    };
+    positive("metersPerUnit", &info->metersPerUnit);
+    positive("timeCodesPerSecond", &info->timeCodesPerSecond);
+    const auto range = root.find("range");
+    if (range == root.end()) return;
+    if (!range->is_array() || range->size() != 2 || !(*range)[0].is_number() || !(*range)[1].is_number() ||
+        !((*range)[0].get<double>() <= (*range)[1].get<double>()))
+      throw Fault("its range is no pair of times, the first of which is not after the last");
+    info->range = {(*range)[0].get<double>(), (*range)[1].get<double>()};
+  }
   MemoryReservation for_json(std::span<const uint8_t> text) const {
     const auto values =
         std::count_if(text.begin(), text.end(), [](uint8_t c) { return c == ',' || c == '[' || c == '{'; });
     return {memory_, MemoryUse::scene, text.size() + size_t(values) * kValueBytes, file_ + ": its list of prims"};
   }
-  // With the root before a path, and before the paths in names: "prototypes:/mesh", "/material/node.input".
-  std::string placed(const std::string& path) const { return path.starts_with('/') ? options_.root + path : path; }
-  std::string placed_name(const std::string& name) const {
-    constexpr std::string_view kPrototypes = "prototypes:", kCategories = "categories:";
-    if (name.starts_with(kPrototypes)) return std::string(kPrototypes) + placed(name.substr(kPrototypes.size()));
-    if (name.starts_with(kCategories) && !options_.root.empty())
-      return std::string(kCategories) + options_.root + " " + name.substr(kCategories.size());
-    return placed(name);
-  }
-  // With the root before the categories that light links name, which are of this scene.
-  Value placed_categories(const std::string& name, Value value) const {
-    if (options_.root.empty()) return value;
-    if (name == "lightLink" || name == "shadowLink") return Token(options_.root + " " + value.text_or(""));
-    const auto* all = value.get<Array<Token>>();
-    if (name != "categories" || !all) return value;
-    std::vector<Token> categories;
-    for (const Token& category : *all) categories.emplace_back(options_.root + " " + category.str());
-    return categories;
-  }
-  Value placed(Value value) const {
-    if (const auto* path = value.get<Path>()) return Path(placed(path->str()));
-    const auto* all = value.get<Array<Path>>();
-    if (!all) return value;
-    std::vector<Path> paths;
-    for (const Path& path : *all) paths.emplace_back(placed(path.str()));
-    return paths;
-  }
-  static void check_version(const json& metadata) {
+  static int checked_version(const json& metadata) {
     const auto text = [&](const char* key) {
       return metadata.is_object() && metadata.contains(key) && metadata[key].is_string()
                  ? metadata[key].get<std::string>()
@@ -241,8 +290,9 @@ class Reader {
     if (std::stoi(version) > kVersion)
       throw Fault("the archive has version " + version + ", and this program reads up to version " +
                   std::to_string(kVersion) + ": use the program that wrote it, or a newer one");
+    return std::stoi(version);
   }
-  void read_prim(const json& prim, const TensorReader& tensors, host::RetainedSceneDelegate* scene) {
+  void read_prim(const json& prim, const TensorReader& tensors, host::SceneEdits* edits) {
     const auto text = [&](const char* key) {
       if (!prim.is_object() || !prim.contains(key) || !prim[key].is_string())
         throw Fault(std::string("a prim has no ") + key);
@@ -256,28 +306,37 @@ class Reader {
     for (const json& field : prim["fields"]) {
       if (!field.is_array() || field.size() != 2 || !field[0].is_string()) throw Fault(path + " has a wrong field");
       try {
-        Value value = read_value(field[1], tensors, [&](const json& a) { return asset(a, tensors); });
-        const auto& name = field[0].get_ref<const std::string&>();
-        fields.emplace_back(placed_name(name), placed_categories(name, placed(std::move(value))));
+        fields.emplace_back(field[0].get<std::string>(),
+                            read_value(field[1], tensors, [&](const json& a) { return asset(a, tensors); }));
       } catch (const Fault& fault) {
         throw Fault(path + ": '" + field[0].get<std::string>() + "': " + fault.what());
       }
     }
-    const Path id(placed(path));
-    const host::SetResult result = SetPrim(scene, id, Token(text("kind")), fields);
+    const Path id(path);
+    if (options_.is_answer && !prim.contains("kind")) {
+      edits->changes[id] = std::move(fields);
+      return;
+    }
+    const host::SetResult result = SetPrim(&made_, id, Token(text("kind")), fields);
     if (!result.fault.empty()) throw Fault(path + ": " + result.fault);
-    if (const auto* settings = host::FindPrim<RenderSettingsDescription>(scene->GetPrims(), id))
-      scene->Set(id, with_placed_products(*settings));
+    host::PrimDescription made = made_.GetPrims().at(id);
+    made_.Remove(id);
+    if (auto* settings = std::get_if<RenderSettingsDescription>(&made)) place_products(settings);
+    const bool is_mesh = std::holds_alternative<host::MeshDescription>(made);
+    std::string name = prim.contains("name") ? text("name") : version_ == 1 ? former_name(path, is_mesh) : "";
+    edits->set(id, std::move(made), std::move(name));
   }
-  std::string resolved(const std::string& name) const {
+  // The file that is meant, and the folder that it must lie in.
+  std::pair<std::string, std::string> resolved(const std::string& name) const {
     const std::string file = (std::filesystem::path(folder_) / name).lexically_normal();
-    const std::string fault = within_.empty() ? "" : outside_fault(within_, file);
+    std::string fault;
+    for (const std::string& folder : folders_)
+      if (fault = outside_fault(folder, file); fault.empty()) return {file, folder};
     if (!fault.empty()) throw Fault(fault);
-    return file;
+    return {file, std::string()};
   }
-  RenderSettingsDescription with_placed_products(RenderSettingsDescription settings) const {
-    for (RenderProduct& product : settings.products) product.file = resolved(product.file), product.within = within_;
-    return settings;
+  void place_products(RenderSettingsDescription* settings) const {
+    for (RenderProduct& product : settings->products) std::tie(product.file, product.within) = resolved(product.file);
   }
   AssetPath color_config(const json& given, const TensorReader& tensors) {
     AssetPath config = asset(given, tensors);
@@ -305,8 +364,7 @@ class Reader {
     const std::string name = text("file");
     path.fault = text("fault");
     if (name.empty()) return path;
-    path.resolved = resolved(name);
-    path.within = within_;
+    std::tie(path.resolved, path.within) = resolved(name);
     check_digest(path, text("digest"));
     return path;
   }
@@ -330,12 +388,65 @@ class Reader {
   std::string file_;
   const DiagnosticSink& sink_;
   const ReadOptions& options_;
-  std::string folder_, within_;
+  std::string folder_;
+  std::vector<std::string> folders_;  // that its files lie in or below; empty: anywhere
+  int version_ = 0;
+  host::RetainedSceneDelegate made_;
   std::shared_ptr<MemoryBudget> memory_;
   MemoryReservation held_;  // the file, over which arrays lie, and copies of what is stored in it
   std::map<std::string, std::shared_ptr<const std::vector<uint8_t>>> stored_;  // by tensor
   std::set<std::pair<std::string, std::string>> compared_;                     // files and digests
   std::set<std::string> paths_;
+};
+
+ReadResult read_guarded(const std::string& file, const DiagnosticSink& sink,
+                        const std::function<void(ReadResult*)>& read) {
+  ReadResult result;
+  const auto fail = [&](const char* code, const char* text) {
+    if (sink) sink({Severity::error, code, file, text});
+  };
+  try {
+    read(&result);
+  } catch (const Fault& fault) {
+    fail("archive", fault.what());
+  } catch (const MemoryRefused& refused) {
+    result.out_of_memory = true;
+    fail("archive.memory", refused.what());
+  } catch (const std::bad_alloc&) {
+    result.out_of_memory = true;
+    fail("archive.memory", "Not enough memory to read the archive.");
+  } catch (const std::exception& e) {
+    fail("archive", e.what());
+  }
+  return result;
+}
+
+class ArchiveSource : public host::SceneSource {
+ public:
+  host::SourceFault Open(const std::string& file, const host::SourceOptions& options,
+                         const DiagnosticSink& sink) override {
+    const size_t limit = options.memory_limit ? options.memory_limit : support::default_memory_limit();
+    const ReadResult read = ReadArchive(
+        file, &edits_, sink, {.allow_outside = options.allow_outside, .within = options.within, .memory_limit = limit});
+    static_cast<host::SceneInfo&>(facts_) = read.info;
+    facts_.files = {file};
+    facts_.is_complete = true;
+    facts_.memory_bytes = read.memory_bytes;
+    return read.ok              ? host::SourceFault::none
+           : read.out_of_memory ? host::SourceFault::out_of_memory
+                                : host::SourceFault::input;
+  }
+  const host::SceneFacts& Facts() const override { return facts_; }
+  host::SourceFault Pose(std::optional<double>, const DiagnosticSink&, host::SceneEdits* edits) override {
+    edits->prims.merge(edits_.prims);
+    edits->names.merge(edits_.names);
+    edits_ = {};
+    return host::SourceFault::none;
+  }
+
+ private:
+  host::SceneFacts facts_;
+  host::SceneEdits edits_;  // until the first pose
 };
 
 }  // namespace
@@ -357,26 +468,29 @@ std::string WriteArchive(const std::string& file, const host::Prims& prims, cons
   }
 }
 
+ReadResult ReadArchive(const std::string& file, host::SceneEdits* edits, const DiagnosticSink& sink,
+                       const ReadOptions& options) {
+  return read_guarded(file, sink, [&](ReadResult* result) {
+    Reader(file, std::filesystem::path(file).parent_path().string(), sink, options).read(edits, result);
+  });
+}
+
+ReadResult ReadSealedArchive(int descriptor, const std::string& name, host::SceneEdits* edits,
+                             const DiagnosticSink& sink, const ReadOptions& options) {
+  return read_guarded(
+      name, sink, [&](ReadResult* result) { Reader(name, "/", sink, options).read_sealed(descriptor, edits, result); });
+}
+
 ReadResult ReadArchive(const std::string& file, host::RetainedSceneDelegate* scene, const DiagnosticSink& sink,
                        const ReadOptions& options) {
-  ReadResult result;
-  const auto fail = [&](const char* code, const char* text) {
-    if (sink) sink({Severity::error, code, file, text});
-  };
-  try {
-    Reader(file, sink, options).read(scene, &result);
-  } catch (const Fault& fault) {
-    fail("archive", fault.what());
-  } catch (const MemoryRefused& refused) {
-    result.out_of_memory = true;
-    fail("archive.memory", refused.what());
-  } catch (const std::bad_alloc&) {
-    result.out_of_memory = true;
-    fail("archive.memory", "Not enough memory to read the archive.");
-  } catch (const std::exception& e) {
-    fail("archive", e.what());
-  }
+  host::SceneEdits edits;
+  ReadResult result = ReadArchive(file, &edits, sink, options);
+  if (result.ok) host::ApplyEdits(std::move(edits), scene);
   return result;
+}
+
+std::unique_ptr<host::SceneSource> MakeArchiveSource() {
+  return std::make_unique<ArchiveSource>();
 }
 
 }  // namespace alabaster::hd::archive

@@ -127,21 +127,21 @@ void check_depth(std::span<const uint8_t> json) {
     throw Fault("its JSON is nested deeper than " + std::to_string(kMostDepth) + " levels");
 }
 
-std::span<const uint8_t> TensorReader::header_of(const std::vector<uint8_t>& file) {
+std::span<const uint8_t> TensorReader::header_of(std::span<const uint8_t> file) {
   uint64_t length = 0;
   if (file.size() < kLengthBytes) throw Fault("the file is too short for an archive");
   for (size_t i = 0; i < kLengthBytes; ++i) length |= uint64_t(file[i]) << (8 * i);
   if (length > kMostHeaderBytes || length > file.size() - kLengthBytes)
     throw Fault("the header would have " + std::to_string(length) + " bytes; the file is cut, or no archive");
-  return std::span(file).subspan(kLengthBytes, size_t(length));
+  return file.subspan(kLengthBytes, size_t(length));
 }
 
-TensorReader::TensorReader(std::shared_ptr<const std::vector<uint8_t>> file) : file_(std::move(file)) {
-  const std::span<const uint8_t> text = header_of(*file_);
+TensorReader::TensorReader(FileBytes file) : file_(std::move(file)) {
+  const std::span<const uint8_t> text = header_of(file_.all);
   check_depth(text);
   const json header = json::parse(text.begin(), text.end(), nullptr, false);
   if (!header.is_object()) throw Fault("the header is no JSON object");
-  const size_t begin = kLengthBytes + text.size(), size = file_->size() - begin;
+  const size_t begin = kLengthBytes + text.size(), size = file_.all.size() - begin;
   for (const auto& [name, entry] : header.items()) {
     if (name == "__metadata__") {
       metadata_ = entry;
@@ -174,33 +174,33 @@ const TensorReader::Tensor& TensorReader::find(const std::string& name, int32_t 
   if (tensor.type != dtype(info.scalar) || (info.bytes > 0 && bytes % info.bytes != 0))
     throw Fault("tensor '" + name + "' is not an array of " + (type == ALABASTER_NONE ? "bytes" : info.name));
   const size_t alignment = info.bytes > 0 ? size_t(info.bytes) / info.components : 1;
-  if (reinterpret_cast<uintptr_t>(file_->data() + tensor.begin) % alignment != 0)
+  if (reinterpret_cast<uintptr_t>(file_.all.data() + tensor.begin) % alignment != 0)
     throw Fault("tensor '" + name + "' is not aligned");
   return tensor;
 }
 
 Value TensorReader::array(const std::string& name, int32_t type) const {
   const Tensor& tensor = find(name, type);
-  const uint8_t* first = file_->data() + tensor.begin;
+  const uint8_t* first = file_.all.data() + tensor.begin;
   const size_t count = (tensor.end - tensor.begin) / GetTypeInfo(type).bytes;
   if (type == ALABASTER_BOOL) {  // bytes other than 0 and 1 are no bools of C++
     if (!flags_.contains(name) && std::any_of(first, first + count, [](uint8_t byte) { return byte > 1; }))
       throw Fault("tensor '" + name + "' has bools that are neither 0 nor 1");
     flags_.insert(name);
   }
-  return Value::array(type, file_, first, count);
+  return Value::array(type, file_.owner, first, count);
 }
 
 Value TensorReader::number(const std::string& name, int32_t type) const {
   const Tensor& tensor = find(name, type);
   if (tensor.end - tensor.begin != GetTypeInfo(type).bytes) throw Fault("tensor '" + name + "' is not one value");
-  if (type == ALABASTER_BOOL) return (*file_)[tensor.begin] != 0;
-  return Value::number(type, file_->data() + tensor.begin);
+  if (type == ALABASTER_BOOL) return file_.all[tensor.begin] != 0;
+  return Value::number(type, file_.all.data() + tensor.begin);
 }
 
 std::span<const uint8_t> TensorReader::bytes(const std::string& name) const {
   const Tensor& tensor = find(name, ALABASTER_NONE);
-  return {file_->data() + tensor.begin, tensor.end - tensor.begin};
+  return {file_.all.data() + tensor.begin, tensor.end - tensor.begin};
 }
 
 }  // namespace alabaster::hd::archive

@@ -51,13 +51,19 @@ class TensorWriter {
 /// Throws Fault if a JSON text is nested too deeply.
 void check_depth(std::span<const uint8_t> json);
 
-/// Tensors of a file that has been read. Throws Fault.
+/// The memory of a file, which was read or is mapped.
+struct FileBytes {
+  std::shared_ptr<const void> owner;
+  std::span<const uint8_t> all;
+};
+
+/// Tensors of a file. Throws Fault.
 class TensorReader {
  public:
   /// `file` begins with the header's length.
-  explicit TensorReader(std::shared_ptr<const std::vector<uint8_t>> file);
+  explicit TensorReader(FileBytes file);
   /// The text of the header. Throws Fault if the file is too short for it.
-  static std::span<const uint8_t> header_of(const std::vector<uint8_t>& file);
+  static std::span<const uint8_t> header_of(std::span<const uint8_t> file);
   const nlohmann::json& metadata() const { return metadata_; }
   /// An array over the file's memory, or a scalar, of that type.
   Value array(const std::string& name, int32_t type) const;
@@ -71,7 +77,7 @@ class TensorReader {
   };
   const Tensor& find(const std::string& name, int32_t type) const;
 
-  std::shared_ptr<const std::vector<uint8_t>> file_;
+  const FileBytes file_;
   std::map<std::string, Tensor> tensors_;
   mutable std::set<std::string> flags_;  // tensors of bools that have been looked through
   nlohmann::json metadata_;

@@ -55,8 +55,7 @@ std::pair<Path, RenderSettingsDescription> own_settings(const host::Prims& prims
 }
 
 std::string write(const std::string& file, const host::Prims& prims, const RenderPassState& state,
-                  const std::map<Token, Value>& settings) {
-  SceneInfo info;
+                  const std::map<Token, Value>& settings, SceneInfo info) {
   auto [path, drawn] = own_settings(prims, settings);
   info.settings = path;
   if (drawn.products.empty()) {
@@ -85,9 +84,9 @@ std::string write(const std::string& file, const host::Prims& prims, const Rende
 }  // namespace
 
 std::string WritePass(const std::string& file, const host::Prims& prims, const RenderPassState& state,
-                      const std::map<Token, Value>& settings) {
+                      const std::map<Token, Value>& settings, SceneInfo info) {
   try {
-    return write(file, prims, state, settings);
+    return write(file, prims, state, settings, std::move(info));
   } catch (const std::bad_alloc&) {
     return "memory ran out";
   } catch (const std::exception& e) {

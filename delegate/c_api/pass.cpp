@@ -203,7 +203,10 @@ AlabasterStatus scene_write(AlabasterScene* handle, const char* file, const Alab
       settings.emplace("renderSettingsPrimPath", path);          // its camera, where the frame has none
     }
     if (!data.loaded.color_config.empty()) settings.emplace("ocio", data.loaded.color_config);
-    const std::string fault = archive::WritePass(&required(file, "file"), data.scene.GetPrims(), state, settings);
+    archive::SceneInfo info = data.loaded.info;
+    info.settings = {}, info.color_config = {}, info.names = data.scene.GetNames();
+    const std::string fault =
+        archive::WritePass(&required(file, "file"), data.scene.GetPrims(), state, settings, std::move(info));
     if (!fault.empty()) throw Failure(ALABASTER_OUTPUT_FAILED, fault);
   });
 }

@@ -15,7 +15,10 @@ int run_convert(const ConvertArguments& arguments) {
   options.size = arguments.size;
   open_scene(arguments, options, console, console.sink(), &session);
   console.require_usage("--output", input_overwritten({arguments.output}, session, arguments.scene));
-  const hd::archive::SceneInfo info = {session.file.settings, {session.colors().ocio, session.colors().ocio, nullptr}};
+  hd::archive::SceneInfo info = session.file.info;
+  info.settings = session.file.settings;
+  info.color_config = {session.colors().ocio, session.colors().ocio, nullptr};
+  info.names = session.scene.GetNames();
   set_writing(true);
   console.require(kOutput, arguments.output,
                   hd::archive::WriteArchive(arguments.output, session.scene.GetPrims(), info,

@@ -23,22 +23,22 @@ namespace {
 
 using hd::description::WorldBox;
 using hd::host::MeshDescription;
+using hd::host::RetainedSceneDelegate;
 using Json = nlohmann::ordered_json;
 
 // A studio and the soft dome are added after all overrides.
-bool is_added(const hd::Path& path) {
-  const std::string name = hd::description::AuthoredName(path, false);
+bool is_added(const RetainedSceneDelegate& scene, const hd::Path& path) {
   return path == hd::Path("/studio/backdrop") || path == hd::Path("/lights/default_dome") ||
-         name.starts_with("studio_");
+         scene.GetName(path).starts_with("studio_");
 }
 
 /// The name by which --set finds a prim, and its path.
-Json named(const hd::Path& path, bool is_mesh) {
+Json named(const RetainedSceneDelegate& scene, const hd::Path& path) {
   Json prim{{"path", path.str()}};
-  if (is_added(path))
+  if (is_added(scene, path))
     prim["added"] = true;
   else
-    prim["name"] = hd::description::AuthoredName(path, is_mesh);
+    prim["name"] = scene.GetName(path);
   return prim;
 }
 
@@ -71,8 +71,7 @@ size_t refined_triangles(const MeshDescription& mesh) {
   return mesh.topology.faceVertexIndices.size() * (growth / 4) * 2;
 }
 
-Json mesh_json(const hd::Path& path, const MeshDescription& mesh, const WorldBox& box) {
-  Json out = named(path, true);
+Json mesh_json(Json out, const MeshDescription& mesh, const WorldBox& box) {
   out["faces"] = mesh.topology.faceVertexCounts.size();
   if (!(mesh.topology.scheme == hd::Token("none")))
     out["scheme"] = mesh.topology.scheme.str(), out["refineLevel"] = mesh.displayStyle.refineLevel;
@@ -97,8 +96,8 @@ void add_geometry(hd::host::RetainedSceneDelegate& scene, Json* out) {
     cage += cage_triangles(mesh);
     refined += refined_triangles(mesh);
     const WorldBox& box = boxes.at(path);
-    meshes.push_back(mesh_json(path, mesh, box));
-    for (int i = 0; i < 3 && mesh.visible && !is_added(path); ++i)
+    meshes.push_back(mesh_json(named(scene, path), mesh, box));
+    for (int i = 0; i < 3 && mesh.visible && !is_added(scene, path); ++i)
       all.min[i] = std::min(all.min[i], box.min[i]), all.max[i] = std::max(all.max[i], box.max[i]);
   }
   for (const auto& [path, instancer] : scene.GetInstancers()) {
@@ -112,15 +111,21 @@ void add_geometry(hd::host::RetainedSceneDelegate& scene, Json* out) {
   (*out)["instancers"] = std::move(instancers);
 }
 
-Json model_json(const hd::gltf::GltfSummary& model) {
+Json model_json(const hd::host::SceneFacts& model) {
   Json animations = Json::array();
   for (const auto& animation : model.animations)
     animations.push_back({{"name", animation.name}, {"seconds", animation.seconds}});
-  return {{"scenes", model.scenes}, {"animations", std::move(animations)}, {"variants", model.variants}};
+  Json out = {{"scenes", model.scenes},
+              {"animations", std::move(animations)},
+              {"variants", model.variants},
+              {"upAxis", model.up.str()},
+              {"metersPerUnit", model.metersPerUnit}};
+  if (model.timeCodesPerSecond > 0) out["timeCodesPerSecond"] = model.timeCodesPerSecond;
+  if (model.range) out["range"] = *model.range;
+  return out;
 }
 
-Json material_json(const hd::Path& path, const hd::MaterialNetwork& network) {
-  Json out = named(path, false);
+Json material_json(Json out, const hd::MaterialNetwork& network) {
   out["nodes"] = Json::array();
   for (const auto& [node_path, node] : network.nodes) {
     Json parameters = Json::object();
@@ -134,13 +139,13 @@ Json material_json(const hd::Path& path, const hd::MaterialNetwork& network) {
 void add_lights_and_cameras(const SceneSession& session, Json* out) {
   Json lights = Json::array(), cameras = Json::array(), renders = Json::array();
   for (const auto& [path, light] : session.scene.GetLights()) {
-    lights.push_back(named(path, false));
+    lights.push_back(named(session.scene, path));
     lights.back()["type"] = light.type.str();
   }
   const auto& settings = session.scene.GetAllRenderSettings();
   const hd::Path used = settings.at(session.file.settings).camera;
   for (const auto& [path, camera] : session.scene.GetCameras()) {
-    cameras.push_back(named(path, false));
+    cameras.push_back(named(session.scene, path));
     cameras.back()["used"] = path == used;
   }
   for (const auto& [path, description] : settings) {
@@ -162,10 +167,10 @@ Json listing_of(SceneSession& session, const std::string& file) {
   Json out{{"scene", file}};
   add_geometry(session.scene, &out);
   out["models"] = Json::array();
-  for (const hd::gltf::GltfSummary& model : session.file.gltf) out["models"].push_back(model_json(model));
+  for (const auto& model : session.file.models) out["models"].push_back(model_json(model));
   out["materials"] = Json::array();
   for (const auto& [path, network] : session.scene.GetMaterials())
-    out["materials"].push_back(material_json(path, network));
+    out["materials"].push_back(material_json(named(session.scene, path), network));
   add_lights_and_cameras(session, &out);
   return out;
 }
@@ -289,6 +294,12 @@ void print_choices(const Json& model) {
   for (size_t i = 0; i < animations.size(); ++i)
     std::printf("  %zu%s: %.4g s\n", i, quoted(animations[i]["name"]).c_str(), animations[i]["seconds"].get<double>());
   print("variants", model["variants"], "--variant");
+  if (model["upAxis"] != "Y") std::printf("up axis: %s\n", shown(model["upAxis"]).c_str());
+  if (model["metersPerUnit"] != 1) std::printf("metres per unit: %.6g\n", model["metersPerUnit"].get<double>());
+  if (model.contains("timeCodesPerSecond"))
+    std::printf("time codes per second: %.6g\n", model["timeCodesPerSecond"].get<double>());
+  if (model.contains("range"))
+    std::printf("time codes: %.6g to %.6g\n", model["range"][0].get<double>(), model["range"][1].get<double>());
 }
 
 void print_materials(const Json& materials) {

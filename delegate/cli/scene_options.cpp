@@ -76,7 +76,7 @@ void open_scene(const SceneArguments& a, const hd::description::LoadOptions& opt
   session->load(a.scene, options, sink);
   session->choose_colors(a.ocio, sink, kInput);
   for (const std::string& note : session->file.notes) console.note("note: " + note);
-  const auto& models = session->file.gltf;
+  const auto& models = session->file.models;
   if (options.time && std::all_of(models.begin(), models.end(), [](const auto& m) { return m.animations.empty(); }))
     sink({hd::Severity::warning, "render.time", a.scene, "It has no animation: every time shows the same."});
 }

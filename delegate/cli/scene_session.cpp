@@ -89,8 +89,7 @@ std::set<std::string> scene_files(const SceneSession& session, const std::string
     for (const auto& [name, value] : parameters)
       if (const auto* image = value.get<hd::AssetPath>()) add_files(image->resolved, &inputs);
   };
-  for (const auto& summary : session.file.gltf) inputs.insert(summary.files.begin(), summary.files.end());
-  for (const auto& archive : session.file.archives) inputs.insert(archive.file);
+  for (const auto& model : session.file.models) inputs.insert(model.files.begin(), model.files.end());
   for (const auto& [path, light] : session.scene.GetLights()) add_images(light.parameters);
   for (const auto& [path, network] : session.scene.GetMaterials())
     for (const auto& [node_path, node] : network.nodes) add_images(node.parameters);

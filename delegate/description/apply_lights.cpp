@@ -65,7 +65,7 @@ void link(LoadState& load, const std::string& pointer, const json& names, const 
   for (size_t i = 0; i < names.size(); ++i) {
     const std::string place = pointer + "/" + std::to_string(i);
     for (const Path& path : find_prims(load, "mesh", names[i], place))
-      if (!matches(names[i], path, true))
+      if (!matches(names[i], path, *load.scene))
         load.warn(place, "Applies to all of mesh '" + path.str() + "', of which the name means a part.");
   }
   load.links[Token(category)] = names.get<std::vector<std::string>>();

@@ -184,7 +184,11 @@ void move_meshes(LoadState& load, const std::string& pointer, const json& motion
       load.fail(pointer, "Mesh '" + path.str() +
                              "' is drawn several times, and moves only with all of its model: give the motion to the "
                              "model.");
-  move_prims(paths, samples, load.scene);
+  for (const Path& path : paths) {
+    host::PrimDescription moved = load.scene->GetPrims().at(path);
+    move_prim(samples, &moved);
+    load.scene->Set(path, std::move(moved));
+  }
 }
 
 }  // namespace

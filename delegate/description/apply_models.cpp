@@ -1,52 +1,118 @@
-#include <filesystem>
+#include <algorithm>
+#include <memory>
 
 #include "delegate/description/apply_motion.h"
 #include "delegate/description/load_state.h"
 #include "delegate/description/placement.h"
 #include "delegate/support/extension.h"
+#include "delegate/support/lookup.h"
 
 namespace alabaster::hd::description {
 namespace {
 
-// Paths of a model begin with its file's stem. A second model of the stem, or one whose paths an archive has, gets a
-// root of its own.
-Path root_for(const std::string& file, LoadState* state) {
-  const std::string names = "/gltf/" + std::filesystem::path(file).stem().string();
+using host::SourceFault;
+
+// Paths -------------------------------------------------------------------------------------------
+
+// True if a set of texts or paths has that path, or one below it.
+template <class Set>
+bool has_at_or_below(const Set& paths, const std::string& path) {
+  if (paths.contains(path)) return true;
+  const auto next = paths.lower_bound(path + "/");
+  if (next == paths.end()) return false;
+  if constexpr (std::is_same_v<typename Set::value_type, Path>)
+    return next->str().starts_with(path + "/");
+  else
+    return next->starts_with(path + "/");
+}
+
+// True if a path is, or lies below, the root of a model.
+bool is_of_model(const LoadState& state, const std::string& path) {
+  for (size_t end = path.size(); end != std::string::npos && end > 0; end = path.rfind('/', end - 1))
+    if (state.model_names.contains(path.substr(0, end))) return true;
+  return false;
+}
+
+// What comes before the paths of a model that would meet those of another.
+std::string free_root(const host::SceneFacts& facts, const host::Prims& prims, LoadState* state) {
+  if (facts.root.empty()) {
+    const bool meets = std::any_of(prims.begin(), prims.end(), [&](const auto& prim) {
+      return state->archive_paths.contains(prim.first) || is_of_model(*state, prim.first.str());
+    });
+    return meets ? free_path(state, "/copy").str() : std::string();
+  }
   std::string root;
-  for (int& copy = state->copies.emplace(names, 1).first->second;
-       has_archive_prims_at(*state, root + names) || !state->model_names.insert(root + names).second;)
+  for (int& copy = state->copies.emplace(facts.root.str(), 1).first->second;
+       has_at_or_below(state->archive_paths, root + facts.root.str()) ||
+       !state->model_names.insert(root + facts.root.str()).second;)
     root = "/copy" + std::to_string(++copy);
-  return Path(root.empty() ? "/" : root);
+  return root;
 }
 
-gltf::GltfOptions options_of(const nlohmann::json& model, const LoadOptions& asked) {
-  gltf::GltfOptions options;
-  options.refine_level = model.value("refineLevel", options.refine_level);
-  options.allow_outside = asked.allow_outside;
-  options.scene = model.value("scene", "");
-  options.animation = model.value("animation", "");
-  options.variant = model.value("variant", "");
-  if (model.contains("time") || asked.time) options.time = model.value("time", 0.0) + asked.time.value_or(0);
-  return options;
+// Render settings of a model ----------------------------------------------------------------------
+
+// A file may lower the limit of memory, and not raise it.
+void drop_loose_limits(const std::string& file, const LoadState& state, host::Prims* prims) {
+  for (auto& [path, prim] : *prims) {
+    auto* settings = std::get_if<RenderSettingsDescription>(&prim);
+    if (!settings) continue;
+    const auto limit = settings->settings.find("memoryLimit");
+    if (limit == settings->settings.end() || !loosens_memory_limit(limit->second.number_or(0))) continue;
+    if (limit->second.number_or(0) != 0)
+      state.report(Severity::warning, "archive.memoryLimit", file + ": " + path.str(),
+                   refused_limit_text(state.options));
+    settings->settings.erase(limit);
+  }
 }
 
-// Has the animation sampled over the shutter, if that is open.
-void sample_shutter(const LoadState& load, gltf::GltfOptions* model) {
+// Settings that differ from the first ones in size and crop alone are planned from these again, so that edits change
+// both.
+std::optional<FramePlan> plan_of(const RenderSettingsDescription& settings, RenderSettingsDescription first) {
+  FramePlan frame;
+  if (settings.width != first.width || settings.height != first.height)
+    frame.resolution = Vec2i(settings.width, settings.height);
+  if (settings.crop != first.crop || frame.resolution) frame.crop = settings.crop;
+  first.width = settings.width, first.height = settings.height;
+  first.crop = settings.crop, first.products = settings.products;
+  return settings == first ? std::optional(frame) : std::nullopt;
+}
+
+// Settings that are not planned from the first ones stay prims of the scene.
+void take_settings(const host::Prims& prims, const Path& chosen, LoadState* state) {
+  const host::PrimsOf<RenderSettingsDescription> all(prims);
+  if (all.empty()) return;
+  const auto first = all.contains(chosen) ? all.find(chosen) : all.begin();
+  state->settings_path = first->first, state->archive_settings = true;
+  state->settings = first->second;
+  state->settings.products.clear();
+  const Path& camera = first->second.camera;
+  if (host::FindPrim<CameraDescription>(prims, camera))
+    state->camera.use = camera.str();
+  else if (!camera.empty())
+    state->report(Severity::warning, "archive.camera", first->first.str(),
+                  "They name the camera '" + camera.str() + "', which the archive does not have.");
+  const auto add_products = [&](const FramePlan& frame, const RenderSettingsDescription& settings) {
+    for (const RenderProduct& product : settings.products) state->products.push_back({frame, product, true});
+  };
+  add_products({}, first->second);
+  for (const auto& [path, settings] : all) {
+    if (path == first->first) continue;
+    if (const auto frame = plan_of(settings, first->second))
+      add_products(*frame, settings);
+    else
+      state->scene->SetRenderSettings(path, settings);
+  }
+}
+
+// Models ------------------------------------------------------------------------------------------
+
+// The shutter of the description, over which animations are sampled.
+FrameShutter shutter_of(const LoadState& load) {
   const nlohmann::json* camera = load.part("camera");
-  const double open = camera ? camera->value("shutterOpen", 0.0) : 0;
-  const double close = camera ? camera->value("shutterClose", 0.0) : 0;
-  if (!(close > open)) return;
-  model->time = model->time.value_or(0);
-  model->frames_per_second = load.options.frames_per_second;
-  model->shutter_open = open / model->frames_per_second;
-  model->shutter_close = close / model->frames_per_second;
+  return {camera ? camera->value("shutterOpen", 0.0) : 0, camera ? camera->value("shutterClose", 0.0) : 0,
+          load.options.frames_per_second};
 }
 
-/// Where a description puts a model. A motion has its first place at time 0.
-struct Placement {
-  std::optional<Matrix4d> transform;
-  TimeSamples<Matrix4d> motion;
-};
 Placement placement_of(LoadState& load, const std::string& pointer, const nlohmann::json& model) {
   Placement placement;
   if (model.contains("transform")) {
@@ -64,45 +130,81 @@ Placement placement_of(LoadState& load, const std::string& pointer, const nlohma
   return placement;
 }
 
-// False after the report of a fault of the file, whose cause is noted.
-bool add_gltf(LoadState& load, const nlohmann::json& model, const AssetPath& file, const Placement& placement) {
-  const LoadOptions& asked = load.options;
-  gltf::GltfOptions options = options_of(model, asked);
-  options.root = root_for(file.resolved, &load);
+// Opens a model, and has it say its prims.
+SourceFault read_model(LoadState& load, const nlohmann::json& entry, const AssetPath& file, OpenModel* model,
+                       host::SceneEdits* edits) {
+  host::SourceOptions options;
+  options.allow_outside = load.options.allow_outside;
   options.within = file.within;
-  sample_shutter(load, &options);
   options.memory_limit = std::max(load.memory->left(), size_t(1));
-  if (placement.transform) options.transform = *placement.transform;
-  OpenModel open;
-  open.time = model.value("time", 0.0);
-  open.motion = placement.motion;
-  const gltf::GltfSummary loaded = open.source.Load(file.resolved, options, load.scene, *load.sink);
-  load.result->gltf.push_back(loaded);
-  if (loaded.fault == gltf::GltfFault::choice && !(asked.scene + asked.animation + asked.variant).empty())
+  options.scene = entry.value("scene", "");
+  options.animation = entry.value("animation", "");
+  options.variant = entry.value("variant", "");
+  options.refine_level = entry.value("refineLevel", options.refine_level);
+  model->shutter = shutter_of(load);
+  model->time = entry.value("time", 0.0);
+  model->memory = load.memory;
+  std::optional<double> time;
+  if (entry.contains("time") || load.options.time || model->shutter.close > model->shutter.open)
+    time = model->time + load.options.time.value_or(0);
+  options.is_timed = time.has_value();
+  const SourceFault fault = model->source->Open(file.resolved, options, *load.sink);
+  return fault == SourceFault::none ? model->pose(time, *load.sink, edits) : fault;
+}
+
+// False after the report of a fault of the file, whose cause is noted.
+bool add_model(LoadState& load, const std::string& pointer, const nlohmann::json& entry) {
+  const AssetPath file = load.asset(pointer + "/file", entry["file"]);
+  auto model = std::make_unique<OpenModel>();
+  model->source = source_of(file.resolved);
+  model->placement = placement_of(load, pointer, entry);
+  if (support::lower_extension(file.resolved) == ".alab")
+    for (const char* key : {"scene", "animation", "variant", "time", "refineLevel"})
+      if (entry.contains(key))
+        load.fail(pointer_append(pointer, key),
+                  "An archive has one scene, at one time, with its own levels of refinement: leave it out.");
+  host::SceneEdits edits;
+  const SourceFault fault = read_model(load, entry, file, model.get(), &edits);
+  const LoadOptions& asked = load.options;
+  if (fault == SourceFault::choice && !(asked.scene + asked.animation + asked.variant).empty())
     load.note_cause(LoadCause::option);
-  else if (!loaded.ok)
-    load.note_cause(loaded.fault == gltf::GltfFault::out_of_memory ? LoadCause::out_of_memory : LoadCause::input);
-  load.held.resize(load.held.bytes() + loaded.memory_bytes, file.resolved);
-  if (!loaded.ok) return false;
-  if (!open.motion.values.empty()) {
-    move_prims(loaded.meshes, open.motion, load.scene);
-    move_prims(loaded.cameras, open.motion, load.scene);
+  else if (fault != SourceFault::none)
+    load.note_cause(fault == SourceFault::out_of_memory ? LoadCause::out_of_memory : LoadCause::input);
+  if (fault != SourceFault::none) return false;
+
+  const host::SceneFacts& facts = model->source->Facts();
+  load.held.resize(load.held.bytes() + facts.memory_bytes, file.resolved);
+  model->root = free_root(facts, edits.prims, &load);
+  model->place(&edits);
+  drop_loose_limits(file.resolved, load, &edits.prims);
+  if (facts.root.empty())
+    for (const auto& [path, prim] : edits.prims) load.archive_paths.insert(path);
+  load.result->models.push_back({facts, support::keys_of(host::PrimsOf<host::MeshDescription>(edits.prims)),
+                                 support::keys_of(host::PrimsOf<host::LightDescription>(edits.prims)),
+                                 support::keys_of(host::PrimsOf<CameraDescription>(edits.prims))});
+  if (pointer.ends_with("/0")) {
+    load.result->info = facts;
+    load.is_complete = facts.is_complete;
+    take_settings(edits.prims, Path(model->root + facts.settings.str()), &load);
+    load.result->color_config = facts.color_config.resolved;
+    load.result->color_config_within = facts.color_config.within;
   }
-  load.models.push_back(std::move(open));
+  std::erase_if(edits.prims,
+                [](const auto& prim) { return std::holds_alternative<RenderSettingsDescription>(prim.second); });
+  host::ApplyEdits(std::move(edits), load.scene);
+  load.models.push_back(std::move(model));
   return true;
 }
 
-bool add_archive(LoadState& load, const std::string& pointer, const nlohmann::json& model, const AssetPath& file,
-                 const Placement& placement) {
-  for (const char* key : {"scene", "animation", "variant", "time", "refineLevel"})
-    if (model.contains(key))
-      load.fail(pointer_append(pointer, key),
-                "An archive has one scene, at one time, with its own levels of refinement: leave it out.");
-  return load_archive(file.resolved, {file.within, pointer.ends_with("/0"), placement.transform, placement.motion},
-                      &load);
-}
-
 }  // namespace
+
+Path free_path(LoadState* state, const std::string& wanted) {
+  std::string path = wanted;
+  for (int& copy = state->copies.emplace(wanted, 1).first->second;
+       has_at_or_below(state->archive_paths, path) || has_at_or_below(state->model_names, path);)
+    path = wanted + std::to_string(++copy);
+  return Path(path);
+}
 
 void apply_models(LoadState& load) {
   const char* const list = load.part("models") ? "models" : "gltf";
@@ -110,11 +212,7 @@ void apply_models(LoadState& load) {
     load.fail("/gltf", "It is the former name of 'models': put all models into that list.");
   bool ok = true;
   load.for_each_entry(list, [&](const std::string& pointer, const nlohmann::json& model) {
-    const AssetPath file = load.asset(pointer + "/file", model["file"]);
-    const Placement placement = placement_of(load, pointer, model);
-    ok = (support::lower_extension(file.resolved) == ".alab" ? add_archive(load, pointer, model, file, placement)
-                                                             : add_gltf(load, model, file, placement)) &&
-         ok;
+    ok = add_model(load, pointer, model) && ok;
   });
   if (!ok) throw LoadFailed();
 }

@@ -8,23 +8,17 @@
 namespace alabaster::hd::description {
 namespace {
 
-// own(t) * inverse(motion(0)) * motion(t), at the times of both and as many between as they turn.
-template <class T>
-void move(const Path& path, T prim, const TimeSamples<Matrix4d>& motion, host::RetainedSceneDelegate* scene) {
-  const TimeSamples<Matrix4d> own =
-      prim.transformSamples.values.empty() ? TimeSamples<Matrix4d>{{0}, {prim.transform}} : prim.transformSamples;
-  const Matrix4d back = transform_at(motion, 0).inverse();
-  std::set<double> times;
-  for (const TimeSamples<Matrix4d>& one : {motion, own}) {
-    const std::vector<double> turns = times_of_turns({one.times, one.values});
-    times.insert(turns.begin(), turns.end());
-  }
-  prim.transformSamples = {};
-  for (const double time : times) {
-    prim.transformSamples.times.push_back(time);
-    prim.transformSamples.values.push_back(transform_at(own, time) * back * transform_at(motion, time));
-  }
-  scene->Set(path, std::move(prim));
+/// Calls visit(prim) unless an instancer places it.
+template <class Visit>
+void visit_placed(host::PrimDescription* prim, const Visit& visit) {
+  const auto by_itself = [&visit](auto& one) {
+    if constexpr (requires { one.instancer; })
+      if (!one.instancer.empty()) return;
+    if constexpr (requires { one.parent; })
+      if (!one.parent.empty()) return;
+    visit(one);
+  };
+  std::visit(by_itself, *prim);
 }
 
 }  // namespace
@@ -48,17 +42,33 @@ TimeSamples<Matrix4d> to_motion(LoadState& load, const std::string& pointer, con
   return samples;
 }
 
-void move_prims(const std::vector<Path>& prims, const TimeSamples<Matrix4d>& motion,
-                host::RetainedSceneDelegate* scene) {
-  std::set<Path> instancers;
-  for (const Path& path : prims) {
-    if (const auto* camera = host::FindPrim<host::CameraDescription>(scene->GetPrims(), path))
-      move(path, *camera, motion, scene);
-    const auto* mesh = host::FindPrim<host::MeshDescription>(scene->GetPrims(), path);
-    if (mesh && mesh->instancer.empty()) move(path, *mesh, motion, scene);
-    if (mesh && !mesh->instancer.empty()) instancers.insert(mesh->instancer);
-  }
-  for (const Path& path : instancers) move(path, scene->GetInstancers().at(path), motion, scene);
+void place_prim(const Matrix4d& transform, host::PrimDescription* prim) {
+  visit_placed(prim, [&]<class T>(T& one) {
+    if constexpr (requires { one.transform; }) one.transform = one.transform * transform;
+    if constexpr (requires { one.transformSamples; })
+      for (Matrix4d& sample : one.transformSamples.values) sample = sample * transform;
+  });
+}
+
+// own(t) * inverse(motion(0)) * motion(t), at the times of both and as many between as they turn.
+void move_prim(const TimeSamples<Matrix4d>& motion, host::PrimDescription* prim) {
+  visit_placed(prim, [&]<class T>(T& one) {
+    if constexpr (requires { one.transformSamples; }) {
+      const TimeSamples<Matrix4d> own =
+          one.transformSamples.values.empty() ? TimeSamples<Matrix4d>{{0}, {one.transform}} : one.transformSamples;
+      const Matrix4d back = transform_at(motion, 0).inverse();
+      std::set<double> times;
+      for (const TimeSamples<Matrix4d>& joined : {motion, own}) {
+        const std::vector<double> turns = times_of_turns({joined.times, joined.values});
+        times.insert(turns.begin(), turns.end());
+      }
+      one.transformSamples = {};
+      for (const double time : times) {
+        one.transformSamples.times.push_back(time);
+        one.transformSamples.values.push_back(transform_at(own, time) * back * transform_at(motion, time));
+      }
+    }
+  });
 }
 
 }  // namespace alabaster::hd::description

@@ -12,9 +12,10 @@ TimeSamples<Matrix4d> to_motion(LoadState& load, const std::string& pointer, con
 /// The transform at a time; of at least one sample.
 Matrix4d transform_at(const TimeSamples<Matrix4d>& samples, double time);
 
-/// Lets the meshes and cameras among `prims` move through the world by what `motion` does from time 0 on, after what
-/// they do themselves. The instancers of meshes move, with all that they place.
-void move_prims(const std::vector<Path>& prims, const TimeSamples<Matrix4d>& motion,
-                host::RetainedSceneDelegate* scene);
+/// Places a prim, after where it is itself. What an instancer places goes with it, so it stays as it is.
+void place_prim(const Matrix4d& transform, host::PrimDescription* prim);
+/// Lets a prim move through the world by what `motion` does from time 0 on, after what it does itself; lights, and what
+/// an instancer places, stay as they are.
+void move_prim(const TimeSamples<Matrix4d>& motion, host::PrimDescription* prim);
 
 }  // namespace alabaster::hd::description

@@ -28,11 +28,12 @@ Frustum visible_frustum(const host::CameraDescription& camera, const RenderSetti
   return {seen.width, seen.height};
 }
 
+// Of a complete model, only where it is the first.
 Path first_camera(const LoadState& state) {
-  for (const gltf::GltfSummary& model : state.result->gltf)
-    if (!model.cameras.empty()) return model.cameras.front();
-  const auto& cameras = state.scene->GetCameras();
-  return state.has_archive && !cameras.empty() ? cameras.begin()->first : Path();
+  for (const SceneFile::Model& model : state.result->models)
+    if (!model.cameras.empty() && (!model.is_complete || &model == &state.result->models.front()))
+      return model.cameras.front();
+  return {};
 }
 
 Path base_camera(const LoadState& state) {
@@ -134,7 +135,7 @@ void complete_lights(LoadState* state, bool own_camera) {
   const bool lit = !scene.GetLights().empty() || any_emission(scene), asked = state->studio == StudioChoice::on;
   state->result->has_light = lit || asked;
   if (lit && !asked) return;
-  if (state->has_archive && !asked) {
+  if (state->is_complete && !asked) {
     state->result->notes.push_back("no light: the scene is drawn as the archive has it (" +
                                    option_text(state->options, "studio", "on") + ": lights and a backdrop)");
     return;

@@ -6,7 +6,6 @@
 #include "core/files/real_path.h"
 #include "core/texture/texture.h"
 #include "core/texture/udim.h"
-#include "delegate/description/scene_names.h"
 #include "delegate/support/lookup.h"
 #include "delegate/support/nearest_name.h"
 
@@ -41,7 +40,7 @@ const NameIndex& names_of(LoadState& load, std::string_view kind) {
   if (!is_new) return found->second;
   const bool is_mesh = kind == "mesh";
   for (const Path& path : paths_of_kind(*load.scene, kind)) {
-    found->second.add(path, is_mesh);
+    found->second.add(path, load.scene->GetName(path));
     if (is_mesh) found->second.add_subsets(path, load.scene->GetMeshes().at(path).topology);
   }
   return found->second;
@@ -52,7 +51,7 @@ std::vector<Path> walk(const LoadState& load, std::string_view kind, const std::
   const bool is_mesh = kind == "mesh";
   std::vector<Path> found;
   for (const Path& path : paths_of_kind(*load.scene, kind))
-    if (matches(pattern, path, is_mesh) ||
+    if (matches(pattern, path, *load.scene) ||
         (is_mesh && !matching_subsets(pattern, load.scene->GetMeshes().at(path).topology).empty()))
       found.push_back(path);
   return found;
@@ -143,20 +142,21 @@ std::vector<Path> find_prims(LoadState& load, std::string_view kind, const std::
   std::vector<Path> found = is_plain_name(pattern) ? names_of(load, kind).find(pattern) : walk(load, kind, pattern);
   if (!found.empty() || load.posing) return found;
   std::map<std::string, std::vector<Path>> named;
-  for (const Path& path : paths_of_kind(*load.scene, kind)) named[AuthoredName(path, kind == "mesh")].push_back(path);
+  for (const Path& path : paths_of_kind(*load.scene, kind)) named[load.scene->GetName(path)].push_back(path);
   load.fail(pointer, "No " + std::string(kind) + " matches '" + pattern + "'." +
                          (named.empty() ? " The scene has none." : nearest_prims(pattern, named)));
   return found;
 }
 
 std::vector<size_t> find_parts(LoadState& load, const std::string& pattern, const Path& mesh) {
-  if (matches(pattern, mesh, true)) return {};
+  if (matches(pattern, mesh, *load.scene)) return {};
   return is_plain_name(pattern) ? names_of(load, "mesh").find_subsets(pattern, mesh)
                                 : matching_subsets(pattern, load.scene->GetMeshes().at(mesh).topology);
 }
 
 void add_name(LoadState& load, std::string_view kind, const Path& path) {
-  if (const auto known = load.names.find(kind); known != load.names.end()) known->second.add(path, kind == "mesh");
+  if (const auto known = load.names.find(kind); known != load.names.end())
+    known->second.add(path, load.scene->GetName(path));
 }
 
 }  // namespace alabaster::hd::description

@@ -8,6 +8,7 @@
 
 #include "core/memory/memory_budget.h"
 #include "delegate/description/json_document.h"
+#include "delegate/description/model.h"
 #include "delegate/description/name_match.h"
 #include "delegate/description/render_description.h"
 #include "delegate/host/scene_fields.h"
@@ -36,13 +37,6 @@ struct ProductPlan {
   std::string place = {};      // its pointer in the description
 };
 
-/// A model of the scene, to be posed.
-struct OpenModel {
-  gltf::GltfSource source;
-  double time = 0;               // of the description, to which LoadOptions::time is added
-  TimeSamples<Matrix4d> motion;  // of the description, or empty
-};
-
 /// Which scenes a studio lights: those without light, all, or none.
 enum class StudioChoice { when_dark, on, off };
 
@@ -64,12 +58,12 @@ struct LoadState {
   StudioChoice studio = StudioChoice::when_dark;
   std::vector<ProductPlan> products;
   std::map<std::array<std::string, 3>, std::string> image_faults;  // by path, folder and layer; empty: it is an image
-  std::shared_ptr<MemoryBudget> memory;  // of loading: the description, and the models one after the other
-  MemoryReservation held, read;          // by what is loaded already, and by the description
-  std::vector<OpenModel> models;
-  std::set<Path> archive_paths;       // of this load; prims of earlier loads into the scene are replaced
-  std::set<std::string> model_names;  // "/gltf/head": paths of a glTF model begin so
-  bool has_archive = false;           // as the first model: no light is added, and a camera only if there is none
+  std::shared_ptr<MemoryBudget> memory;            // of loading: the description, and the models one after the other
+  MemoryReservation held, read;                    // by what is loaded already, and by the description
+  std::vector<std::unique_ptr<OpenModel>> models;  // to be posed
+  std::set<Path> archive_paths;       // of models without a root, of this load: those of earlier loads are replaced
+  std::set<std::string> model_names;  // "/gltf/head": paths of a model whose prims have a root begin so
+  bool is_complete = false;           // the first model is: no light is added, and a camera only if there is none
   std::map<std::string, int> copies;  // the last number that a path was given in order to differ, by that path
   /// Categories of lights: the meshes that a pattern matches have them.
   std::map<Token, std::vector<std::string>> links;
@@ -120,21 +114,6 @@ bool loosens_memory_limit(double mib);
 /// The warning that a limit of a file is not taken.
 std::string refused_limit_text(const LoadOptions& options);
 
-/// Adds the prims of a scene archive, below a root of their own where the scene has prims of their paths.
-struct ArchiveModel {
-  std::string within;
-  /// The description's first model: its render settings, camera and products are taken, and the description changes
-  /// them.
-  bool is_first = true;
-  std::optional<Matrix4d> transform;  // of all prims
-  TimeSamples<Matrix4d> motion;
-};
-bool load_archive(const std::string& file, const ArchiveModel& model, LoadState* state);
-
-/// True if an archive of this load has a prim of the path, or one below it.
-bool has_archive_prims_at(const LoadState& state, const std::string& path);
-/// True if a path is, or lies below, the root of a glTF model of this load.
-bool is_of_model(const LoadState& state, const std::string& path);
 /// `wanted`, or with a number behind it where this load has prims there.
 Path free_path(LoadState* state, const std::string& wanted);
 

@@ -2,32 +2,12 @@
 
 #include <fnmatch.h>
 
-#include <algorithm>
-
-#include "delegate/description/scene_names.h"
 #include "delegate/support/lookup.h"
 
 namespace alabaster::hd::description {
-namespace {
 
-std::string component(const std::string& path, bool before_last) {
-  std::string rest = path;
-  if (before_last) rest.resize(std::min(rest.rfind('/'), rest.size()));
-  const size_t slash = rest.rfind('/');
-  return slash == std::string::npos ? rest : rest.substr(slash + 1);
-}
-
-std::string without_index(const std::string& name) {
-  const size_t digits = name.find_first_not_of("0123456789");
-  if (digits == 0 || digits == std::string::npos || name[digits] != '_') return name;
-  return name.substr(digits + 1);
-}
-
-}  // namespace
-
-void NameIndex::add(const Path& path, bool is_mesh) {
-  const std::string part = component(path.str(), is_mesh);
-  for (const std::string& name : {path.str(), part, without_index(part)}) prims_[name].insert(path);
+void NameIndex::add(const Path& path, const std::string& name) {
+  for (const std::string& known : {path.str(), name}) prims_[known].insert(path);
 }
 
 void NameIndex::add_subsets(const Path& path, const MeshTopology& topology) {
@@ -52,15 +32,9 @@ bool is_plain_name(const std::string& pattern) {
   return pattern.find_first_of("*?[\\") == std::string::npos;
 }
 
-std::string AuthoredName(const Path& path, bool is_mesh) {
-  return without_index(component(path.str(), is_mesh));
-}
-
-bool matches(const std::string& pattern, const Path& path, bool is_mesh) {
-  const std::string part = component(path.str(), is_mesh);
-  for (const std::string& name : {path.str(), part, without_index(part)})
-    if (fnmatch(pattern.c_str(), name.c_str(), 0) == 0) return true;
-  return false;
+bool matches(const std::string& pattern, const Path& path, const host::RetainedSceneDelegate& scene) {
+  return fnmatch(pattern.c_str(), path.str().c_str(), 0) == 0 ||
+         fnmatch(pattern.c_str(), scene.GetName(path).c_str(), 0) == 0;
 }
 
 std::vector<size_t> matching_subsets(const std::string& pattern, const MeshTopology& topology) {

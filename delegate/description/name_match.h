@@ -6,12 +6,12 @@
 #include <string>
 #include <vector>
 
-#include "delegate/api/scene_types.h"
+#include "delegate/host/retained_scene_delegate.h"
 
 namespace alabaster::hd::description {
 
-/// True if `pattern` (a glob with * and ?) matches the prim's path, its last component, or its authored name.
-bool matches(const std::string& pattern, const Path& path, bool is_mesh);
+/// True if `pattern` (a glob with * and ?) matches the prim's path or its artist's name.
+bool matches(const std::string& pattern, const Path& path, const host::RetainedSceneDelegate& scene);
 
 /// The subsets of a mesh that `pattern` matches by their paths, as places in the topology. A pattern that matches the
 /// mesh is not meant for its subsets.
@@ -23,7 +23,7 @@ bool is_plain_name(const std::string& pattern);
 /// The prims of one kind by all names that `matches` knows, so that many plain names are found without a walk for each.
 class NameIndex {
  public:
-  void add(const Path& path, bool is_mesh);
+  void add(const Path& path, const std::string& name);
   void add_subsets(const Path& path, const MeshTopology& topology);
   /// In the order of paths. Meshes that have a subset of the name, too.
   std::vector<Path> find(const std::string& name) const;

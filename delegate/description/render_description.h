@@ -2,7 +2,7 @@
 // LoadScene, which loads any scene file: .json, .gltf, .glb and .alab (archive/archive.h).
 #pragma once
 
-#include "delegate/gltf/gltf_scene.h"
+#include "delegate/host/scene_source.h"
 
 namespace alabaster::hd::description {
 
@@ -49,7 +49,7 @@ struct LoadOptions {
   /// In place of those of the settings, of overrides and of all products.
   std::optional<Vec2i> size;
   std::optional<Rect2i> crop;
-  /// As in gltf::GltfOptions, in place of the description's; an error if it has several models.
+  /// As in host::SourceOptions, in place of the description's; an error if it has several models.
   std::string scene, animation, variant;
   /// Messages name these options as flags, "--camera NAME"; else as arguments, "camera=NAME".
   bool are_flags = false;
@@ -66,12 +66,11 @@ struct SceneFile {
   std::vector<Path> further_settings;  // one for each further resolution or crop of the products
   std::string color_config;            // OCIO config that the description names; empty if none
   std::string color_config_within;     // as of an AssetPath
-  std::vector<gltf::GltfSummary> gltf;
-  struct Archive {
-    std::string file;
-    std::vector<Path> lights, meshes;
+  struct Model : host::SceneFacts {
+    std::vector<Path> meshes, lights, cameras;
   };
-  std::vector<Archive> archives;
+  std::vector<Model> models;
+  host::SceneInfo info;            // up axis, unit and time codes of the first model, which are the scene's
   bool has_light = true;           // of its own, or a studio that was asked for
   bool framed = false;             // there was no camera, and one was placed to show all of the scene
   std::vector<std::string> notes;  // "no camera: framed the scene", "no light: added a soft dome", as the program says

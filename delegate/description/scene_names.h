@@ -1,4 +1,4 @@
-// The prims of a loaded scene for people: the names that authors of models gave, and where they are.
+// Where the prims of a loaded scene are.
 #pragma once
 
 #include <limits>
@@ -7,10 +7,6 @@
 #include "delegate/host/retained_scene_delegate.h"
 
 namespace alabaster::hd::description {
-
-/// The name that the author of a model gave: "skin" for "/gltf/bust/materials/2_skin", "head" for the mesh primitive
-/// "/gltf/bust/nodes/3_head/0". Names in overrides and descriptions match it. `is_mesh`: the path is that of a mesh.
-ALABASTER_API std::string AuthoredName(const Path& path, bool is_mesh);
 
 /// A box in world space; without points `min` is above `max`.
 struct WorldBox {

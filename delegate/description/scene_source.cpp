@@ -3,7 +3,6 @@
 #include <functional>
 
 #include "core/math/float_environment.h"
-#include "delegate/description/apply_motion.h"
 #include "delegate/description/load_state.h"
 #include "delegate/support/lookup.h"
 
@@ -40,34 +39,27 @@ struct SceneSource::Open {
   void pose(double time) {
     host::RetainedSceneDelegate posed;  // what moves
     std::vector<Path> removed;
-    for (OpenModel& model : state.models) {
-      gltf::GltfFault fault = gltf::GltfFault::none;
-      auto prims = model.source.Pose(time + model.time, *state.sink, &fault);
-      if (fault == gltf::GltfFault::out_of_memory) state.note_cause(LoadCause::out_of_memory);
-      if (!prims) throw LoadFailed();
-      removed.insert(removed.end(), prims->removed.begin(), prims->removed.end());
-      take(&prims->prims, model.motion, &posed);
+    for (const auto& model : state.models) {
+      host::SceneEdits edits;
+      const host::SourceFault fault = model->pose(time + model->time, *state.sink, &edits);
+      if (fault == host::SourceFault::out_of_memory) state.note_cause(LoadCause::out_of_memory);
+      if (fault != host::SourceFault::none) throw LoadFailed();
+      model->place(&edits);
+      removed.insert(removed.end(), edits.removed.begin(), edits.removed.end());
+      edits.removed.clear();
+      // Changes are of prims as the description has changed them; one that it removed is not there.
+      for (const auto& [path, fields] : edits.changes)
+        if (const auto* shown = support::find_in(scene->GetPrims(), path)) {
+          posed.Set(path, *shown);
+          posed.SetName(path, scene->GetName(path));
+        }
+      host::ApplyEdits(std::move(edits), &posed);
     }
     change(&posed);
     show(posed, removed);
   }
 
  private:
-  // A light has what it was given when it was loaded, and is moved alone; one that was removed is not there.
-  void take(host::Prims* prims, const TimeSamples<Matrix4d>& motion, host::RetainedSceneDelegate* posed) const {
-    for (auto& [path, prim] : *prims) {
-      if (const auto* light = std::get_if<host::LightDescription>(&prim)) {
-        const auto* loaded = host::FindPrim<host::LightDescription>(scene->GetPrims(), path);
-        if (!loaded) continue;
-        host::LightDescription moved = *loaded;
-        moved.transform = light->transform;
-        prim = std::move(moved);
-      }
-      posed->Set(path, std::move(prim));
-    }
-    if (!motion.values.empty()) move_prims(support::keys_of(*prims), motion, posed);
-  }
-
   void change(host::RetainedSceneDelegate* posed) {
     state.scene = posed;
     state.names.clear();
@@ -81,7 +73,10 @@ struct SceneSource::Open {
   }
 
   void show(const host::RetainedSceneDelegate& posed, const std::vector<Path>& removed) {
-    for (const auto& [path, prim] : posed.GetPrims()) scene->Set(path, prim);
+    for (const auto& [path, prim] : posed.GetPrims()) {
+      scene->Set(path, prim);
+      scene->SetName(path, posed.GetName(path));
+    }
     for (const Path& path : removed) scene->Remove(path);
     pose_camera(&state);
   }

@@ -361,7 +361,7 @@ void load_buffers(const Json& root, const Bytes& binary_chunk, size_t max_bytes,
   const Json& buffers = at(root, "buffers");
   BufferLoader loader(binary_chunk, max_bytes, report, document);
   for (size_t i = 0; i < buffers.size(); ++i) document->buffers.push_back(loader.load(buffers[i], i));
-  for (const auto& [file, bytes] : loader.files()) document->summary.files.push_back(file);
+  for (const auto& [file, bytes] : loader.files()) document->facts.files.push_back(file);
 }
 
 void load_accessors(const Json& root, Report& report, Document* document) {

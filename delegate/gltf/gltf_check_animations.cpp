@@ -131,7 +131,7 @@ void check_animations(Json& root, Report& report, Document* document) {
   AnimationCheck check(root, document, report);
   for (size_t a = 0; a < animations.size() && !report.failed(); ++a) {
     const bool is_used = int(a) == document->animation;
-    document->summary.animations[a].seconds = check.run(animations[a], element_name("animations", a), is_used);
+    document->facts.animations[a].seconds = check.run(animations[a], element_name("animations", a), is_used);
     if (is_used) used.push_back(std::move(animations[a]));
   }
   root["animations"] = std::move(used);

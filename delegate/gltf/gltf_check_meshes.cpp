@@ -342,8 +342,8 @@ size_t target_count(const Json& mesh) {
 // Reading a mesh takes its vectors beside its arrays.
 void check_meshes(const Json& root, Report& report, Document* document) {
   constexpr double kMost = 0x1p60;
-  document->summary.memory_bytes = static_cast<size_t>(std::min(MeshCheck(root, document, report).run(), kMost));
-  hold_more(&document->memory, 2 * document->summary.memory_bytes, "the geometry of its meshes");
+  document->facts.memory_bytes = static_cast<size_t>(std::min(MeshCheck(root, document, report).run(), kMost));
+  hold_more(&document->memory, 2 * document->facts.memory_bytes, "the geometry of its meshes");
 }
 
 }  // namespace alabaster::hd::gltf

@@ -79,18 +79,10 @@ bool check_root(Json& root, Report& report) {
   return !report.failed();
 }
 
-void read_extension_lists(const Json& root, Report& report, Document* document) {
-  const auto read = [&](const char* name, std::vector<std::string>* names) {
-    const std::set<std::string> all = root.value(name, std::set<std::string>());
-    names->assign(all.begin(), all.end());
-  };
-  read("extensionsUsed", &document->summary.extensionsUsed);
-  read("extensionsRequired", &document->summary.extensionsRequired);
-  for (const std::string& name : document->summary.extensionsUsed) {
-    if (reads_extension(name)) continue;
-    document->summary.extensionsIgnored.push_back(name);
-    report.warning("extension.ignored", "extensionsUsed", name + " is not supported and is ignored");
-  }
+void report_extensions(const Json& root, Report& report) {
+  for (const std::string& name : root.value("extensionsUsed", std::set<std::string>()))
+    if (!reads_extension(name))
+      report.warning("extension.ignored", "extensionsUsed", name + " is not supported and is ignored");
 }
 
 bool parse_model(const Json& root, Report& report, Document* document) {
@@ -103,8 +95,8 @@ bool parse_model(const Json& root, Report& report, Document* document) {
 }
 
 // Scenes, animations and variants: which ones a document has, and which one is used.
-void choose(const Json& root, const GltfOptions& options, Report& report, Document* document) {
-  GltfSummary& has = document->summary;
+void choose(const Json& root, const host::SourceOptions& options, Report& report, Document* document) {
+  host::SceneFacts& has = document->facts;
   has.scenes = names_in(root, "scenes");
   for (std::string& name : names_in(root, "animations")) has.animations.push_back({std::move(name), 0});
   has.variants = names_in(extension_of(root, "KHR_materials_variants"), "variants");
@@ -116,7 +108,7 @@ void choose(const Json& root, const GltfOptions& options, Report& report, Docume
   if (!options.variant.empty()) document->variant = find_choice("variant", options.variant, has.variants, report);
   if (!options.animation.empty()) {
     document->animation = find_choice("animation", options.animation, names_in(root, "animations"), report);
-  } else if (options.time && !has.animations.empty()) {
+  } else if (options.is_timed && !has.animations.empty()) {
     document->animation = 0;
   }
   document->is_choice_wrong = report.failed();
@@ -137,8 +129,8 @@ void apply_variant(Json& root, size_t variant) {
 
 }  // namespace
 
-bool read_document(const std::string& file, const GltfOptions& options, Report& report, Document* document) {
-  const size_t max_bytes = options.max_file_bytes;
+bool read_document(const std::string& file, const host::SourceOptions& options, size_t max_bytes, Report& report,
+                   Document* document) {
   document->file = file;
   document->base.folder = std::filesystem::path(file).parent_path().string();
   if (!options.allow_outside) document->base.within = allowed_folder(document->base.folder);
@@ -168,7 +160,7 @@ bool read_document(const std::string& file, const GltfOptions& options, Report& 
   if (report.failed()) return false;
   load_images(root, max_bytes, report, document);
   choose_image_light(root, report, document);
-  read_extension_lists(root, report, document);
+  report_extensions(root, report);
   if (document->variant >= 0) apply_variant(root, size_t(document->variant));
   if (root.contains("materials")) document->materials = std::move(root["materials"]);
   return !report.failed() && parse_model(root, report, document);

@@ -33,14 +33,15 @@ struct Document {
   std::vector<AssetPath> images;  // not usable without `resolved` and `bytes` (reported)
   std::vector<int64_t> parents;   // of the nodes; -1: none
   std::optional<ImageLight> image_light;
-  int scene = -1, variant = -1, animation = -1;  // that GltfOptions choose; -1: none
+  int scene = -1, variant = -1, animation = -1;  // that the options choose; -1: none
   MemoryReservation memory;                      // of all that is read, and of what it becomes
-  bool is_choice_wrong = false;                  // GltfOptions name a scene, animation or variant that it lacks
-  GltfSummary summary;                           // without prims
+  bool is_choice_wrong = false;                  // the options name a scene, animation or variant that it lacks
+  host::SceneFacts facts;
 };
 
 /// False if an error was reported; the document must not be used then. Throws MemoryRefused.
-bool read_document(const std::string& file, const GltfOptions& options, Report& report, Document* document);
+bool read_document(const std::string& file, const host::SourceOptions& options, size_t max_bytes, Report& report,
+                   Document* document);
 
 // The steps of read_document, in order. Each reports faults; the steps after an error are not run.
 

@@ -136,11 +136,11 @@ class ImageLightTranslator {
 
 }  // namespace
 
-host::LightDescription translate_image_light(Document* document, const Matrix4d& root, Report& report) {
+host::LightDescription translate_image_light(Document* document, Report& report) {
   const ImageLight& light = *document->image_light;
   host::LightDescription description;
   description.type = "domeLight";
-  description.transform = trs_matrix(Vec3d(0), light.rotation.data(), Vec3d(1)) * root;
+  description.transform = trs_matrix(Vec3d(0), light.rotation.data(), Vec3d(1));
   description.parameters["intensity"] = float(light.intensity);
   description.parameters["texture:file"] = ImageLightTranslator(document, report).image();
   return description;

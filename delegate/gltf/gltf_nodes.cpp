@@ -65,7 +65,7 @@ Matrix4d trs_matrix(const Vec3d& translation, const double rotation[4], const Ve
 }
 
 // Not recursive: chains may be long.
-NodeTree::NodeTree(const Document& document, int scene, const Matrix4d& root) : model_(document.model), root_(root) {
+NodeTree::NodeTree(const Document& document, int scene) : model_(document.model) {
   const std::vector<char> animated = animated_transforms(model_);
   std::vector<char> visited(model_.nodes.size(), 0);
   std::vector<PlacedNode> open;
@@ -87,7 +87,8 @@ NodeTree::NodeTree(const Document& document, int scene, const Matrix4d& root) : 
 }
 
 Matrix4d NodeTree::world_of(const PlacedNode& node) const {
-  return local_transform(model_.nodes[node.index]) * (node.above ? nodes_[*node.above].world : root_);
+  const Matrix4d local = local_transform(model_.nodes[node.index]);
+  return node.above ? local * nodes_[*node.above].world : local;
 }
 
 void NodeTree::update() {

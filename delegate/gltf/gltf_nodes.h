@@ -22,9 +22,8 @@ Matrix4d trs_matrix(const Vec3d& translation, const double rotation[4], const Ve
 /// children.
 class NodeTree {
  public:
-  /// The nodes of `scene`; of the whole document if it is negative. `root` is applied after the transforms of all
-  /// nodes. The document must outlive the tree.
-  NodeTree(const Document& document, int scene, const Matrix4d& root);
+  /// The nodes of `scene`; of the whole document if it is negative. The document must outlive the tree.
+  NodeTree(const Document& document, int scene);
 
   const std::vector<PlacedNode>& nodes() const { return nodes_; }
   /// Computes the world transforms of the nodes that move again, from the model's nodes as they are now.
@@ -34,7 +33,6 @@ class NodeTree {
   Matrix4d world_of(const PlacedNode& node) const;
 
   const tinygltf::Model& model_;
-  const Matrix4d root_;
   std::vector<PlacedNode> nodes_;
 };
 

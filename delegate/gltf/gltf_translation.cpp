@@ -100,21 +100,25 @@ std::string prim_name(size_t index, const std::string& name) {
   return text;
 }
 
-Path root_of(const Document& document, const GltfOptions& options) {
-  return options.root.append("gltf").append(clean_name(std::filesystem::path(document.file).stem().string()));
+std::string artist_name(size_t index, const std::string& name) {
+  return name.empty() ? std::to_string(index) : clean_name(name);
 }
 
-SceneTranslator::SceneTranslator(const Document& document, const GltfOptions& options)
+Path root_of(const Document& document) {
+  return Path("/gltf").append(clean_name(std::filesystem::path(document.file).stem().string()));
+}
+
+SceneTranslator::SceneTranslator(const Document& document, int refine_level)
     : document_(document),
       model_(document.model),
-      options_(options),
-      root_(root_of(document, options)),
-      tree_(document, document.scene, options.transform) {
+      refine_level_(refine_level),
+      root_(root_of(document)),
+      tree_(document, document.scene) {
   for (size_t m = 0; m < document.materials.size(); ++m)
     material_paths_.push_back(
         root_.append("materials").append(prim_name(m, document.materials[m].value("name", std::string()))));
   if (!model_.skins.empty()) {
-    all_nodes_.emplace(document, -1, Matrix4d());
+    all_nodes_.emplace(document, -1);
     places_.resize(model_.nodes.size());
     for (size_t i = 0; i < all_nodes_->nodes().size(); ++i) places_[all_nodes_->nodes()[i].index] = i;
   }
@@ -162,57 +166,50 @@ bool SceneTranslator::deforms() const {
   return std::any_of(users_.begin(), users_.end(), [](const auto& entry) { return entry.second.deforms; });
 }
 
-host::Prims SceneTranslator::still_prims(Report& report) {
-  host::Prims prims;
+void SceneTranslator::add_still_prims(host::SceneEdits* edits, Report& report) {
   const std::vector<VertexColors> vertex_colors = find_vertex_colors(document_);
   for (size_t m = 0; m < document_.materials.size(); ++m)
-    prims[material_paths_[m]] = translate_material(document_, m, vertex_colors[m], material_paths_[m], report);
-  add_views(false, &prims);
+    edits->set(material_paths_[m], translate_material(document_, m, vertex_colors[m], material_paths_[m], report),
+               artist_name(m, document_.materials[m].value("name", std::string())));
+  add_views(false, edits);
   for (auto& [key, users] : users_) {
     if (users.moves) continue;
-    add_users(users, &prims, report);
+    add_users(users, edits, report);
     users.shapes.clear();
   }
   shared_.clear();
-  return prims;
 }
 
-host::Prims SceneTranslator::moving_prims(Report& report) {
+void SceneTranslator::add_moving_prims(host::SceneEdits* edits, Report& report) {
   ++calls_;
   tree_.update();
   if (all_nodes_) all_nodes_->update();
-  host::Prims prims;
-  add_views(true, &prims);
-  for (auto& [key, users] : users_)
-    if (users.moves) add_users(users, &prims, report);
+  add_views(true, edits);
+  for (auto& [key, users] : users_) {
+    if (!users.moves) continue;
+    add_users(users, edits, report);
+    std::erase_if(users.shapes, [this](const auto& entry) { return entry.second.call != calls_; });
+  }
   shared_.clear();
-  return prims;
-}
-
-void SceneTranslator::keep_shapes() {
-  for (auto& [key, users] : users_)
-    for (auto& [shape_key, shape] : users.shapes) shape.kept = shape.call == calls_;
-}
-
-void SceneTranslator::forget_shapes() {
-  for (auto& [key, users] : users_) std::erase_if(users.shapes, [](const auto& entry) { return !entry.second.kept; });
 }
 
 // Cameras and lights.
-void SceneTranslator::add_views(bool moving, host::Prims* prims) const {
+void SceneTranslator::add_views(bool moving, host::SceneEdits* edits) const {
   for (const PlacedNode& placed : tree_.nodes()) {
     if (placed.moves != moving) continue;
     const tinygltf::Node& node = model_.nodes[placed.index];
+    const std::string name = artist_name(placed.index, node.name);
     if (node.camera >= 0)
-      (*prims)[child("cameras", placed.index)] = translate_camera(model_.cameras[size_t(node.camera)], placed.world);
+      edits->set(child("cameras", placed.index), translate_camera(model_.cameras[size_t(node.camera)], placed.world),
+                 name);
     const auto extension = node.extensions.find("KHR_lights_punctual");
     if (!placed.visible || extension == node.extensions.end()) continue;
     const int light = extension->second.Get("light").GetNumberAsInt();
-    (*prims)[child("lights", placed.index)] = translate_light(model_.lights[size_t(light)], placed.world);
+    edits->set(child("lights", placed.index), translate_light(model_.lights[size_t(light)], placed.world), name);
   }
 }
 
-void SceneTranslator::add_users(MeshUsers& users, host::Prims* prims, Report& report) {
+void SceneTranslator::add_users(MeshUsers& users, host::SceneEdits* edits, Report& report) {
   std::map<std::vector<double>, MeshUse> uses;
   for (const size_t i : users.nodes) {
     const PlacedNode& placed = tree_.nodes()[i];
@@ -221,7 +218,7 @@ void SceneTranslator::add_users(MeshUsers& users, host::Prims* prims, Report& re
     for (const Matrix4d& instance : instances_of(placed.index))
       use.placements.push_back(with_thickness(instance * placed.world));
   }
-  for (const auto& [weights, use] : uses) add_mesh(users, use, *shape_of(users, weights, report), prims);
+  for (const auto& [weights, use] : uses) add_mesh(users, use, *shape_of(users, weights, report), edits);
 }
 
 const std::vector<Matrix4d>& SceneTranslator::instances_of(size_t node) {
@@ -233,7 +230,8 @@ const std::vector<Matrix4d>& SceneTranslator::instances_of(size_t node) {
 // A mesh with several placements becomes one prototype below the first of its nodes, placed by an instancer. A mesh
 // that follows a skin is placed by its joints, however many nodes use it.
 void SceneTranslator::add_mesh(const MeshUsers& users, const MeshUse& use, const TranslatedMesh& shape,
-                               host::Prims* prims) const {
+                               host::SceneEdits* edits) const {
+  const std::string name = artist_name(use.nodes[0], model_.nodes[use.nodes[0]].name);
   const Path parent = child("nodes", use.nodes[0]);
   const std::vector<tinygltf::Primitive>& primitives = model_.meshes[users.mesh].primitives;
   const auto material_of = [&](size_t p) {
@@ -252,21 +250,20 @@ void SceneTranslator::add_mesh(const MeshUsers& users, const MeshUse& use, const
       description.topology.geomSubsets[i].id = parent.append(std::to_string(part.primitives[i]));
       description.topology.geomSubsets[i].materialId = material_of(part.primitives[i]);
     }
-    if (users.skin >= 0 && follows_skin(primitives[first])) {
-      description.transform = options_.transform;
-    } else if (use.placements.size() == 1) {
+    const bool by_skin = users.skin >= 0 && follows_skin(primitives[first]);
+    if (!by_skin && use.placements.size() == 1) {
       description.transform = use.placements[0];
-    } else {
+    } else if (!by_skin) {
       description.instancer = parent.append("instancer");
       std::vector<int32_t> instances(use.placements.size());
       std::iota(instances.begin(), instances.end(), 0);
       instancer.indices[id] = Array<int32_t>(std::move(instances));
     }
-    (*prims)[id] = std::move(description);
+    edits->set(id, std::move(description), name);
   }
   if (instancer.indices.empty()) return;
   instancer.primvars["hydra:instanceTransforms"] = Array<Matrix4d>(use.placements);
-  (*prims)[parent.append("instancer")] = std::move(instancer);
+  edits->set(parent.append("instancer"), std::move(instancer), name);
 }
 
 std::vector<Matrix4d> SceneTranslator::joints_of(const MeshUsers& users) const {
@@ -277,7 +274,7 @@ std::vector<Matrix4d> SceneTranslator::joints_of(const MeshUsers& users) const {
 }
 
 SceneTranslator::Shape SceneTranslator::shape_of(MeshUsers& users, const std::vector<double>& weights, Report& report) {
-  PrimitiveShape shape{options_.refine_level, weights, joints_of(users)};
+  PrimitiveShape shape{refine_level_, weights, joints_of(users)};
   std::string key = std::to_string(shape.weights.size());
   append_bytes(shape.weights.data(), shape.weights.size() * sizeof(double), &key);
   append_bytes(shape.joint_matrices.data(), shape.joint_matrices.size() * sizeof(Matrix4d), &key);

@@ -8,24 +8,22 @@ namespace alabaster::hd::gltf {
 
 /// The name of a prim, "3_name" or "3": unique within its array and without '/', blanks and control characters.
 std::string prim_name(size_t index, const std::string& name);
+/// "name" of it, or "3".
+std::string artist_name(size_t index, const std::string& name);
 /// The path below which the prims of a document lie.
-Path root_of(const Document& document, const GltfOptions& options);
+Path root_of(const Document& document);
 
-/// One thread. Document and options must outlive it. Translation reads the document's nodes as they are at that time.
+/// One thread. The document must outlive it. Translation reads the document's nodes as they are at that time.
 class SceneTranslator {
  public:
-  SceneTranslator(const Document& document, const GltfOptions& options);
+  SceneTranslator(const Document& document, int refine_level);
 
   /// The materials, and all prims that the animation neither moves nor deforms.
-  host::Prims still_prims(Report& report);
-  /// The other prims, in the pose that the document's nodes have. Shapes that an earlier call translated are not
-  /// translated again, until forget_shapes() drops them.
-  host::Prims moving_prims(Report& report);
-  /// Has forget_shapes() keep the shapes of the last moving_prims(), and no others.
-  void keep_shapes();
-  void forget_shapes();
+  void add_still_prims(host::SceneEdits* edits, Report& report);
+  /// The other prims, in the pose that the document's nodes have. Shapes of the call before are not translated again.
+  void add_moving_prims(host::SceneEdits* edits, Report& report);
 
-  /// True if the animation deforms a mesh, so that moving_prims() reads accessors.
+  /// True if the animation deforms a mesh, so that add_moving_prims() reads accessors.
   bool deforms() const;
 
  private:
@@ -33,8 +31,7 @@ class SceneTranslator {
 
   struct KeptShape {
     Shape shape;
-    size_t call = 0;  // the last of moving_prims() that used it
-    bool kept = false;
+    size_t call = 0;  // the last of add_moving_prims() that used it
   };
 
   // The nodes that use a mesh with a skin. Those whose morph weights are equal share one shape.
@@ -54,9 +51,9 @@ class SceneTranslator {
 
   void find_users();
   void find_what_moves();
-  void add_users(MeshUsers& users, host::Prims* prims, Report& report);
-  void add_mesh(const MeshUsers& users, const MeshUse& use, const TranslatedMesh& shape, host::Prims* prims) const;
-  void add_views(bool moving, host::Prims* prims) const;
+  void add_users(MeshUsers& users, host::SceneEdits* edits, Report& report);
+  void add_mesh(const MeshUsers& users, const MeshUse& use, const TranslatedMesh& shape, host::SceneEdits* edits) const;
+  void add_views(bool moving, host::SceneEdits* edits) const;
   Shape shape_of(MeshUsers& users, const std::vector<double>& weights, Report& report);
   Shape translate(size_t mesh, const PrimitiveShape& shape, const std::pair<size_t, std::string>& key, Report& report);
   std::vector<Matrix4d> joints_of(const MeshUsers& users) const;
@@ -65,7 +62,7 @@ class SceneTranslator {
 
   const Document& document_;
   const tinygltf::Model& model_;
-  const GltfOptions& options_;
+  const int refine_level_;
   const Path root_;
   NodeTree tree_;                      // of the scene
   std::optional<NodeTree> all_nodes_;  // of the document, for joints; none: there is no skin
@@ -73,8 +70,8 @@ class SceneTranslator {
   std::vector<Path> material_paths_;
   std::map<std::pair<int, int>, MeshUsers> users_;     // by mesh and skin
   std::map<size_t, std::vector<Matrix4d>> instances_;  // by node, relative to it
-  size_t calls_ = 0;                                   // of moving_prims() so far
-  // During still_prims() or moving_prims(): the shapes of meshes, which those that are alike share.
+  size_t calls_ = 0;                                   // of add_moving_prims() so far
+  // During a call: the shapes of meshes, which those that are alike share.
   std::map<std::pair<size_t, std::string>, Shape> shared_;
 };
 
@@ -83,6 +80,6 @@ class SceneTranslator {
 /// an engine without shadow rays needs, are not read. A face that cannot be used leaves an image that is not there, so
 /// that the renderer refuses it as it refuses every missing image. `document.image_light` has a value. Throws
 /// MemoryRefused.
-host::LightDescription translate_image_light(Document* document, const Matrix4d& root, Report& report);
+host::LightDescription translate_image_light(Document* document, Report& report);
 
 }  // namespace alabaster::hd::gltf

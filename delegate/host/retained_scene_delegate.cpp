@@ -71,6 +71,7 @@ bool is_same_prim(const PrimDescription& a, const PrimDescription& b) {
 
 struct RetainedSceneDelegate::State {
   Prims prims;
+  std::map<Path, std::string> names;
   RenderIndex* index = nullptr;
   bool is_whole = false;  // there is an index, and it has all prims
   RetainedSceneDelegate* scene = nullptr;
@@ -149,12 +150,24 @@ bool RetainedSceneDelegate::Remove(const Path& id) {
   if (found == s.prims.end()) return false;
   if (s.index) s.index->Remove(id);
   const auto gone = s.prims.extract(found);  // takes no memory, which may have run out
+  s.names.erase(id);
   s.mark_prototypes(&gone.mapped(), nullptr);
   return true;
 }
 
 const Prims& RetainedSceneDelegate::GetPrims() const {
   return state_->prims;
+}
+
+void RetainedSceneDelegate::SetName(const Path& id, std::string name) {
+  if (state_->prims.contains(id)) state_->names.insert_or_assign(id, std::move(name));
+}
+std::string RetainedSceneDelegate::GetName(const Path& id) const {
+  const std::string* name = find_in(state_->names, id);
+  return name ? *name : id.str().substr(id.str().rfind('/') + 1);
+}
+const std::map<Path, std::string>& RetainedSceneDelegate::GetNames() const {
+  return state_->names;
 }
 
 bool RetainedSceneDelegate::SetInstanceValues(const Path& instancer, size_t first,

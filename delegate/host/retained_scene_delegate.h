@@ -135,6 +135,11 @@ class ALABASTER_API RetainedSceneDelegate : public SceneDelegate {
   /// False: there is no prim of that path.
   bool Remove(const Path& id);
   const Prims& GetPrims() const;
+  /// The name that an artist gave the prim, which need not be unique: the last part of its path, unless a reader has
+  /// set another one. It goes with the prim.
+  void SetName(const Path& id, std::string name);
+  std::string GetName(const Path& id) const;
+  const std::map<Path, std::string>& GetNames() const;  // that were set
 
   // The same for one kind.
   void SetMesh(const Path& id, MeshDescription mesh) { Set(id, std::move(mesh)); }

@@ -163,7 +163,7 @@ class Description {
 
   void add_backdrop() {
     if (!c_.scene->GetMeshes().contains(kBackdrop)) return;
-    for (const auto& model : c_.loaded->archives)
+    for (const auto& model : c_.loaded->models)
       if (std::find(model.meshes.begin(), model.meshes.end(), kBackdrop) != model.meshes.end()) return;
     backdrop_ = fs::path(file_).stem().string() + "_backdrop.alab";
     document_[document_.contains("gltf") ? "gltf" : "models"].push_back({{"file", backdrop_}});
@@ -181,8 +181,7 @@ class Description {
   // The paths of the lights that the scene's own files bring.
   std::set<hd::Path> own_lights() const {
     std::set<hd::Path> own;
-    for (const auto& model : c_.loaded->gltf) own.insert(model.lights.begin(), model.lights.end());
-    for (const auto& model : c_.loaded->archives) own.insert(model.lights.begin(), model.lights.end());
+    for (const auto& model : c_.loaded->models) own.insert(model.lights.begin(), model.lights.end());
     if (document_.contains("lights"))
       for (const json& light : document_["lights"])
         if (light.contains("name")) own.insert(hd::Path("/lights").append(light["name"].get<std::string>()));

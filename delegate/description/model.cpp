@@ -1,0 +1,379 @@
+#include "delegate/description/model.h"
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <utility>
+
+#include "delegate/archive/archive.h"
+#include "delegate/description/apply_motion.h"
+#include "delegate/gltf/gltf_scene.h"
+#include "delegate/support/extension.h"
+#include "delegate/support/lookup.h"
+
+namespace alabaster::hd::description {
+namespace {
+
+using host::PrimDescription;
+using host::SourceFault;
+
+// Samples -------------------------------------------------------------------------------------------
+
+constexpr size_t kFewestSteps = 4, kMostSteps = 128;
+constexpr double kDegrees = 180 / 3.14159265358979323846;
+constexpr double kLargestTurn = 5;      // of a thing, from one sample to the next
+constexpr double kLargestAxisTurn = 4;  // of one of its axes, which may turn by 0.816 times as much as it does
+const Token kTransform("transform");
+
+bool is_sampled(const host::MeshDescription&, const Token& name) {
+  return name == Token("points") || name == Token("normals");
+}
+bool is_sampled(const host::InstancerDescription&, const Token& name) {
+  return name.str().starts_with("hydra:instance");
+}
+const Value& value_of(const Value& value) {
+  return value;
+}
+const Value& value_of(const host::PrimvarValue& primvar) {
+  return primvar.value;
+}
+
+/// What may move or deform, unless the file has samples of it.
+std::map<Token, Value> moving_parts(const PrimDescription& prim) {
+  std::map<Token, Value> parts;
+  const auto add = [&]<class T>(const T& of) {
+    if constexpr (requires { of.transformSamples; })
+      if (of.transformSamples.values.empty()) parts[kTransform] = of.transform;
+    if constexpr (requires { of.primvarSamples; })
+      for (const auto& [name, primvar] : of.primvars)
+        if (is_sampled(of, name) && !of.primvarSamples.contains(name)) parts[name] = value_of(primvar);
+  };
+  std::visit(add, prim);
+  return parts;
+}
+
+/// Nodes whose morph weights are equal at one time share a mesh there, which an instancer places.
+bool is_placed_alike(const PrimDescription& a, const PrimDescription& b) {
+  const auto *mesh = std::get_if<host::MeshDescription>(&a), *other = std::get_if<host::MeshDescription>(&b);
+  return a.index() == b.index() && (!mesh || mesh->instancer == other->instancer);
+}
+bool has_same_points(const PrimDescription& a, const PrimDescription& b) {
+  const auto *mesh = std::get_if<host::MeshDescription>(&a), *other = std::get_if<host::MeshDescription>(&b);
+  return !mesh || mesh->topology == other->topology;
+}
+
+double angle_between(const Vec3d& a, const Vec3d& b) {
+  return std::atan2(a.cross(b).length(), a.dot(b)) * kDegrees;
+}
+
+/// The largest angle by which ways bend, which point(i, pose) follows. Each third pose is seen from its neighbours, so
+/// that a corner at a sample is none. Bends of less than a thousandth of the longest way are not seen.
+template <class PointAt>
+double largest_bend(size_t points, size_t poses, const PointAt& point) {
+  double longest = 0, bend = 0;
+  for (size_t p = 0; p < points; ++p)
+    for (size_t i = 1; i < poses; ++i) longest = std::max(longest, (point(p, i) - point(p, 0)).length());
+  for (size_t p = 0; p < points; ++p)
+    for (size_t i = 1; i + 1 < poses; i += 2) {
+      const Vec3d from = point(p, i - 1), middle = point(p, i), to = point(p, i + 1);
+      if ((middle - (from + to) * 0.5).length() > 1e-3 * longest)
+        bend = std::max(bend, angle_between(middle - from, to - middle));
+    }
+  return bend;
+}
+
+/// The largest turn from one of even poses to the next, in degrees of a thing that is turned as a whole.
+double largest_turn(const std::vector<Value>& poses) {
+  std::vector<Array<Matrix4d>> maps;
+  std::vector<Array<Vec3f>> points;
+  size_t count = poses.front().is_array() ? poses.front().count() : 1;
+  for (const Value& pose : poses) {
+    if (const auto* map = pose.get<Matrix4d>()) maps.push_back(Array<Matrix4d>{*map});
+    if (const auto* all = pose.get<Array<Matrix4d>>()) maps.push_back(*all), count = std::min(count, all->size());
+    if (const auto* all = pose.get<Array<Vec3f>>()) points.push_back(*all), count = std::min(count, all->size());
+  }
+  if (points.size() == poses.size())
+    return largest_bend(count, poses.size(), [&](size_t p, size_t i) { return Vec3d(points[i][p]); });
+  if (maps.size() != poses.size()) return 0;
+  double turn = largest_bend(count, poses.size(), [&](size_t p, size_t i) { return maps[i][p].translation(); });
+  for (size_t p = 0; p < count; ++p)
+    for (size_t i = 1; i < maps.size(); ++i)
+      for (int axis = 0; axis < 3; ++axis) {
+        const auto of = [&](size_t pose) {
+          return Vec3d(maps[pose][p][axis][0], maps[pose][p][axis][1], maps[pose][p][axis][2]);
+        };
+        turn = std::max(turn, angle_between(of(i - 1), of(i)) * kLargestTurn / kLargestAxisTurn);
+      }
+  return turn;
+}
+
+size_t bytes_of(const Value& value) {
+  return value.is_array() ? value.count() * size_t(GetTypeInfo(value.type()).bytes) : 0;
+}
+
+// Places --------------------------------------------------------------------------------------------
+
+/// Puts a root before the paths of a prim, and before the categories that light links name, which are of its scene.
+class Rerooted {
+ public:
+  explicit Rerooted(std::string root) : root_(std::move(root)) {}
+
+  Path path(const Path& given) const { return given.str().starts_with('/') ? Path(root_ + given.str()) : given; }
+  void apply(PrimDescription* prim) const {
+    std::visit([this](auto& one) { apply_to(one); }, *prim);
+  }
+
+ private:
+  template <class T>
+  void apply_to(T& prim) const {
+    if constexpr (requires { prim.material; }) prim.material = path(prim.material);
+    if constexpr (requires { prim.instancer; }) prim.instancer = path(prim.instancer);
+    if constexpr (requires { prim.parent; }) prim.parent = path(prim.parent);
+    if constexpr (requires { prim.camera; }) prim.camera = path(prim.camera);
+    if constexpr (requires { prim.indices; }) prim.indices = with_keys(prim.indices);
+    if constexpr (requires { prim.categories; }) put_before(&prim.categories);
+    if constexpr (requires { prim.parameters; }) change(&prim.parameters);
+    if constexpr (requires { prim.topology; })
+      for (GeomSubset& subset : prim.topology.geomSubsets)
+        subset.id = path(subset.id), subset.materialId = path(subset.materialId);
+    if constexpr (requires { prim.products; })
+      for (RenderProduct& product : prim.products) product.camera = path(product.camera);
+    if constexpr (requires { prim.nodes; }) {
+      prim.nodes = with_keys(prim.nodes);
+      for (auto& [id, node] : prim.nodes) {
+        change(&node.parameters);
+        for (auto& [input, connections] : node.inputConnections)
+          for (MaterialConnection& connection : connections) connection.upstreamNode = path(connection.upstreamNode);
+      }
+      for (auto& [name, terminal] : prim.terminals) terminal.upstreamNode = path(terminal.upstreamNode);
+    }
+  }
+  template <class T>
+  std::map<Path, T> with_keys(const std::map<Path, T>& entries) const {
+    std::map<Path, T> all;
+    for (const auto& [key, value] : entries) all.emplace(path(key), value);
+    return all;
+  }
+  void put_before(Token* category) const { *category = Token(root_ + " " + category->str()); }
+  template <class T>
+  void put_before(std::vector<T>* all) const {
+    for (T& one : *all) put_before(&one);
+  }
+  void change(std::map<Token, Value>* parameters) const {
+    for (auto& [name, value] : *parameters) {
+      if (const auto* named = value.get<Path>()) value = path(*named);
+      if (name == Token("lightLink") || name == Token("shadowLink")) value = Token(root_ + " " + value.text_or(""));
+    }
+  }
+
+  const std::string root_;
+};
+
+host::Fields light_changes(const host::LightDescription& before, const host::LightDescription& now) {
+  host::Fields fields = {{"transform", now.transform}};
+  if (now.visible != before.visible) fields.emplace_back("visible", now.visible);
+  for (const auto& [name, value] : now.parameters)
+    if (!(support::value_in(before.parameters, name) == value)) fields.emplace_back(name.str(), value);
+  return fields;
+}
+
+}  // namespace
+
+std::unique_ptr<host::SceneSource> source_of(const std::string& file) {
+  const std::string extension = support::lower_extension(file);
+  if (extension == ".gltf" || extension == ".glb") return gltf::MakeGltfSource();
+  return extension == ".alab" ? archive::MakeArchiveSource() : nullptr;
+}
+
+/// Asks for poses over the shutter about a time.
+struct OpenModel::Sampler {
+  using Parts = std::map<Token, std::vector<Value>>;  // at even times
+
+  OpenModel& model;
+  const double time;
+  const DiagnosticSink& sink;
+  SourceFault fault = SourceFault::none;
+  std::map<Path, Parts> moving = {};
+  std::set<Path> apart = {};  // not there, or not by themselves, at all times
+
+  double seconds(size_t step, size_t steps) const {
+    const double open = model.shutter.open / model.shutter.frames_per_second;
+    const double length = model.shutter.close / model.shutter.frames_per_second - open;
+    return open + length * double(step) / double(steps);
+  }
+
+  bool ask(size_t step, size_t steps) {
+    const double codes = model.source->Facts().timeCodesPerSecond;
+    fault = model.ask(time + seconds(step, steps) * (codes > 0 ? codes : 1), sink, &model.stirred_);
+    return fault == SourceFault::none;
+  }
+
+  /// Adds the parts of a prim as they are now.
+  void add(const Path& path, const PrimDescription& drawn, Parts* parts) {
+    const PrimDescription* now = support::find_in(model.now_.GetPrims(), path);
+    if (!now || !is_placed_alike(*now, drawn)) {
+      apart.insert(path);
+      return;
+    }
+    const bool same_points = has_same_points(*now, drawn);
+    for (auto& [name, value] : moving_parts(*now))
+      if (const auto part = parts->find(name); part != parts->end() && (name == kTransform || same_points))
+        part->second.push_back(std::move(value));
+  }
+
+  bool run() {
+    // Few poses tell what moves.
+    for (size_t i = 0; i <= kFewestSteps; ++i) {
+      if (!ask(i, kFewestSteps)) return false;
+      for (const Path& path : model.stirred_) {
+        const std::optional<PrimDescription>& drawn = model.drawn_.at(path);
+        if (!drawn) continue;
+        const auto [found, is_new] = moving.try_emplace(path);
+        if (is_new)
+          for (auto& [name, value] : moving_parts(*drawn)) found->second[name].assign(i, value);
+        if (!found->second.empty()) add(path, *drawn, &found->second);
+      }
+    }
+    for (auto& [path, parts] : moving)
+      std::erase_if(parts, [](const auto& part) {
+        const std::vector<Value>& poses = part.second;
+        return poses.size() != kFewestSteps + 1 ||
+               std::all_of(poses.begin(), poses.end(), [&](const Value& pose) { return pose == poses.front(); });
+      });
+    hold();
+    // More of them for what turns far. What turns by as much from one to the next has a corner, which none mends.
+    std::map<std::vector<Value>*, double> turns;
+    for (size_t steps = kFewestSteps; steps < kMostSteps; steps *= 2) {
+      std::map<Path, Parts> finer;
+      for (auto& [path, parts] : moving)
+        for (auto& [name, poses] : parts) {
+          if (poses.size() != steps + 1) continue;
+          const double turn = largest_turn(poses);
+          const auto before = turns.find(&poses);
+          const bool falls = before == turns.end() || turn < 0.75 * before->second;
+          if (turn > kLargestTurn && falls) finer[path][name] = {}, turns[&poses] = turn;
+        }
+      if (finer.empty()) return true;
+      for (size_t step = 1; step < 2 * steps; step += 2) {
+        if (!ask(step, 2 * steps)) return false;
+        for (auto& [path, parts] : finer) add(path, *model.drawn_.at(path), &parts);
+      }
+      for (auto& [path, parts] : finer)
+        for (auto& [name, between] : parts) {
+          if (between.size() != steps) continue;
+          std::vector<Value>& poses = moving[path][name];
+          std::vector<Value> all{poses.front()};
+          for (size_t i = 0; i < steps; ++i) all.push_back(std::move(between[i])), all.push_back(poses[i + 1]);
+          poses = std::move(all);
+        }
+      hold();
+    }
+    return true;
+  }
+
+  void hold() const {
+    size_t bytes = 0;
+    for (const auto& [path, parts] : moving)
+      for (const auto& [name, poses] : parts) bytes += poses.size() * bytes_of(poses.front());
+    if (!model.held_.bytes()) model.held_ = MemoryReservation(model.memory, MemoryUse::scene);
+    model.held_.resize(bytes, model.source->Facts().files.front() + ": the geometry over the shutter");
+  }
+
+  void give_samples(const Path& path, PrimDescription* drawn) {
+    const auto found = moving.find(path);
+    if (found == moving.end() || apart.contains(path)) return;
+    const auto times = [this](const auto& poses) {
+      std::vector<double> frames;
+      for (size_t i = 0; i < poses.size(); ++i)
+        frames.push_back(seconds(i, poses.size() - 1) * model.shutter.frames_per_second);
+      return frames;
+    };
+    const auto give = [&]<class T>(T& prim) {
+      for (auto& [name, poses] : found->second) {
+        if constexpr (requires { prim.transformSamples; })
+          if (name == kTransform) {
+            prim.transformSamples.times = times(poses);
+            for (const Value& pose : poses) prim.transformSamples.values.push_back(pose.get_or(Matrix4d()));
+          }
+        if constexpr (requires { prim.primvarSamples; })
+          if (name != kTransform) prim.primvarSamples[name] = {times(poses), std::move(poses)};
+      }
+    };
+    std::visit(give, *drawn);
+  }
+};
+
+SourceFault OpenModel::ask(std::optional<double> at, const DiagnosticSink& sink, std::set<Path>* touched) {
+  host::SceneEdits edits;
+  if (const SourceFault fault = source->Pose(at, sink, &edits); fault != SourceFault::none) return fault;
+  const auto note = [&](const Path& path) {
+    const PrimDescription* before = support::find_in(now_.GetPrims(), path);
+    drawn_.try_emplace(path, before ? std::optional(*before) : std::nullopt);
+    touched->insert(path);
+  };
+  for (const auto& [path, prim] : edits.prims) note(path);
+  for (const auto& [path, fields] : edits.changes) note(path);
+  for (const Path& path : edits.removed) note(path);
+  const std::string fault = host::ApplyEdits(std::move(edits), &now_);
+  if (fault.empty()) return SourceFault::none;
+  if (sink) sink({Severity::error, "model.change", source->Facts().files.front(), fault + "."});
+  return SourceFault::input;
+}
+
+SourceFault OpenModel::pose(std::optional<double> at, const DiagnosticSink& sink, host::SceneEdits* edits) {
+  if (!source->Facts().varies) return source->Pose(at, sink, edits);
+  drawn_.clear();
+  std::set<Path> touched = std::exchange(stirred_, {});
+  if (const SourceFault fault = ask(at, sink, &touched); fault != SourceFault::none) return fault;
+  for (const Path& path : touched) {
+    const PrimDescription* now = support::find_in(now_.GetPrims(), path);
+    drawn_[path] = now ? std::optional(*now) : std::nullopt;
+  }
+  const DiagnosticSink errors = [&sink](const Diagnostic& diagnostic) {
+    if (diagnostic.severity == Severity::error && sink) sink(diagnostic);
+  };
+  Sampler sampler{*this, at.value_or(0), errors};
+  if (shutter.close > shutter.open && !sampler.run()) return sampler.fault;
+  for (const Path& path : sampler.apart)
+    if (sink)
+      sink({Severity::warning, "model.motion", source->Facts().files.front() + ": " + path.str(),
+            "It is not there, or not by itself, at all times of the shutter; it is drawn without motion blur."});
+  for (auto& [path, drawn] : drawn_) {
+    const auto* light = drawn ? std::get_if<host::LightDescription>(&*drawn) : nullptr;
+    const auto before = lights_.find(path);
+    if (!drawn) {
+      edits->removed.push_back(path);
+      lights_.erase(path);
+    } else if (light && before != lights_.end()) {
+      edits->changes[path] = light_changes(std::exchange(before->second, *light), *light);
+    } else {
+      if (light) lights_.emplace(path, *light);
+      sampler.give_samples(path, &*drawn);
+      edits->set(path, std::move(*drawn), support::value_in(now_.GetNames(), path));
+    }
+  }
+  return SourceFault::none;
+}
+
+void OpenModel::place(host::SceneEdits* edits) const {
+  for (auto& [path, prim] : edits->prims) {
+    if (placement.transform) place_prim(*placement.transform, &prim);
+    if (!placement.motion.values.empty()) move_prim(placement.motion, &prim);
+  }
+  for (auto& [path, fields] : edits->changes)
+    for (auto& [name, value] : fields)
+      if (const auto* own = value.get<Matrix4d>(); own && placement.transform) value = *own * *placement.transform;
+  if (root.empty()) return;
+  const Rerooted rerooted(root);
+  host::SceneEdits all;
+  for (auto& [path, prim] : edits->prims) {
+    rerooted.apply(&prim);
+    all.prims.emplace(rerooted.path(path), std::move(prim));
+  }
+  for (auto& [path, fields] : edits->changes) all.changes.emplace(rerooted.path(path), std::move(fields));
+  for (const Path& path : edits->removed) all.removed.push_back(rerooted.path(path));
+  for (auto& [path, name] : edits->names) all.names.emplace(rerooted.path(path), std::move(name));
+  *edits = std::move(all);
+}
+
+}  // namespace alabaster::hd::description

@@ -1,0 +1,55 @@
+// A model of a scene: a file, opened by the reader of its kind, and what is done to its prims, whatever their reader:
+// poses over the shutter, a root, a place and a motion. Internal to this room.
+#pragma once
+
+#include <set>
+
+#include "core/memory/memory_budget.h"
+#include "delegate/host/scene_source.h"
+
+namespace alabaster::hd::description {
+
+/// The reader of a file by its extension; null if there is none.
+std::unique_ptr<host::SceneSource> source_of(const std::string& file);
+
+/// Where a description puts a model. A motion has its first place at time 0.
+struct Placement {
+  std::optional<Matrix4d> transform;
+  TimeSamples<Matrix4d> motion;
+};
+
+/// Over what a model is sampled, in frames relative to the one that is drawn; nothing unless it is open for some time.
+struct FrameShutter {
+  double open = 0, close = 0, frames_per_second = 24;
+};
+
+class OpenModel {
+ public:
+  std::unique_ptr<host::SceneSource> source;  // open, before the first pose
+  Placement placement;
+  FrameShutter shutter;
+  std::string root = {};  // before all paths: "/copy2"; empty: nothing
+  double time = 0;        // of the description, to which LoadOptions::time is added
+  std::shared_ptr<MemoryBudget> memory = {};
+
+  /// What the model has at `time` over its pose before, as its file says it. What moves or deforms gets samples over
+  /// the shutter: five, and where it turns by more than 5 degrees from one to the next, as many as that needs, up to
+  /// 129 (the turns of the five are seen up to half a turn from one to the next). Lights get none, and where they were
+  /// posed before, they are changed alone. Throws MemoryRefused.
+  host::SourceFault pose(std::optional<double> at, const DiagnosticSink& sink, host::SceneEdits* edits);
+  /// Gives edits the model's root and place.
+  void place(host::SceneEdits* edits) const;
+
+ private:
+  struct Sampler;
+  host::SourceFault ask(std::optional<double> at, const DiagnosticSink& sink, std::set<Path>* touched);
+
+  // Where poses at other times differ:
+  host::RetainedSceneDelegate now_ = {};                             // as the file says it, in the last pose
+  std::map<Path, std::optional<host::PrimDescription>> drawn_ = {};  // what is set or removed, as it is drawn
+  std::set<Path> stirred_ = {};                                      // by the last shutter, so that they may differ
+  std::map<Path, host::LightDescription> lights_ = {};               // that were drawn
+  MemoryReservation held_ = {};                                      // of samples
+};
+
+}  // namespace alabaster::hd::description

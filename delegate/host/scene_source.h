@@ -1,0 +1,81 @@
+// Files of models, each kind with a reader of its own. A source opens one file and says its prims as edits, at one time
+// after another. What a scene does with them is done outside of readers, once: roots, transforms and their motion,
+// poses over the shutter (description/model.h).
+#pragma once
+
+#include <array>
+
+#include "delegate/host/scene_fields.h"
+
+namespace alabaster::hd::host {
+
+/// What a reader says of prims. It takes effect in the order of the members.
+struct SceneEdits {
+  Prims prims;                        // made, or set in the place of what has their paths
+  std::map<Path, Fields> changes;     // of prims that were set before; other fields stay
+  std::vector<Path> removed;          // of the prims that were set before
+  std::map<Path, std::string> names;  // the artist's, of `prims` whose path does not end with it
+
+  void set(const Path& path, PrimDescription prim, std::string name = {}) {
+    prims.insert_or_assign(path, std::move(prim));
+    if (!name.empty()) names.insert_or_assign(path, std::move(name));
+  }
+};
+
+/// Returns the fault of a change, or "". A change of a prim that is not there is none.
+ALABASTER_API std::string ApplyEdits(SceneEdits edits, RetainedSceneDelegate* scene);
+
+struct SourceOptions {
+  bool allow_outside = false;  // files that it names may lie outside of its folder, links followed
+  std::string within = {};     // as of an AssetPath: where the file and its folder must lie
+  size_t memory_limit = 0;     // bytes that reading may take; 0: three quarters of what the process may use
+  // Each of these is a name, or an index as a whole number; empty: the file's own choice.
+  std::string scene = {}, animation = {}, variant = {};
+  bool is_timed = false;  // poses have a time: without it an animation is used only if it is named
+  int refine_level = 2;   // of control meshes in glTF (FB_ngon_encoding)
+};
+
+struct SceneAnimation {
+  std::string name;
+  double seconds = 0;  // the time of the last key
+};
+
+/// Facts of a scene beside its prims. The defaults are those of glTF.
+struct SceneInfo {
+  Path settings = {};           // the render settings that a render takes; empty: the first ones
+  AssetPath color_config = {};  // of OpenColorIO; empty: none
+  Token up = "Y";               // the axis that points up, or "Z"
+  double metersPerUnit = 1;
+  double timeCodesPerSecond = 0;                    // 0: times are seconds
+  std::optional<std::array<double, 2>> range = {};  // its first and last time
+  std::map<Path, std::string> names = {};           // as in SceneEdits
+};
+
+struct SceneFacts : SceneInfo {
+  std::vector<std::string> files = {};                  // that were read, the scene's own first
+  Path root = {};                                       // below which all its prims lie; empty: anywhere
+  std::vector<std::string> scenes = {}, variants = {};  // names, empty where the file gives none
+  std::vector<SceneAnimation> animations = {};
+  bool is_complete = false;  // it is drawn as it is: no light is added to it
+  bool varies = false;       // poses at other times differ
+  size_t memory_bytes = 0;   // of what was read for the first pose, as long as its prims are held
+};
+
+/// `choice`: the file lacks the scene, animation or variant that the options name.
+enum class SourceFault { none, input, choice, out_of_memory };
+
+/// One thread. Calls never throw; they report what is wrong with the file, the place in it and a remedy.
+class ALABASTER_API SceneSource {
+ public:
+  virtual ~SceneSource() = default;
+  /// Reads and checks what poses need. Once, before all else.
+  virtual SourceFault Open(const std::string& file, const SourceOptions& options, const DiagnosticSink& sink) = 0;
+  /// Once it is open; after the first pose with its memory.
+  virtual const SceneFacts& Facts() const = 0;
+  /// Adds what the scene at `time` has over the pose before, or over an empty scene. Prims that did not change may be
+  /// set again. Without a time it is the scene as it is authored. The unit of time is the second, or the time code of a
+  /// scene that has them.
+  virtual SourceFault Pose(std::optional<double> time, const DiagnosticSink& sink, SceneEdits* edits) = 0;
+};
+
+}  // namespace alabaster::hd::host
