@@ -174,14 +174,15 @@ class RenderCommand {
     for (size_t i = 0; i < a_.frames.size(); ++i) {
       if (interrupted()) return kInterrupted;
       const uint32_t frame = a_.frames[i];
-      const double seconds = seconds_at(a_, frame);
-      if (i > 0) timed_load([&] { session_.pose(seconds, console_.sink()); });
+      if (i > 0) timed_load([&] { session_.pose(frame, console_.sink()); });
       for (const hd::Path& path : settings_paths()) {
         hd::RenderSettingsDescription settings = described.at(path);
         settings.frame = frame;
         for (hd::RenderProduct& product : settings.products) product.file = frame_file(product.file, frame);
         session_.scene.SetRenderSettings(path, std::move(settings));
       }
+      const double codes = session_.file.info.timeCodesPerSecond;
+      const double seconds = frame / a_.fps.value_or(codes > 0 ? codes : 24);
       console_.note(formatted("frame %u at %.4g s (%zu of %zu)", frame, seconds, i + 1, a_.frames.size()));
       const int one = render_frame();
       if (one != kDone) code = one;

@@ -42,10 +42,6 @@ std::string checkpoint_file(const RenderArguments& a, uint32_t frame) {
 
 }  // namespace
 
-double seconds_at(const RenderArguments& a, uint32_t frame) {
-  return frame / a.fps.value_or(24);
-}
-
 uint32_t frame_number(const hd::RenderSettingsDescription& settings) {
   constexpr double kMost = std::numeric_limits<uint32_t>::max();
   return settings.frame > 0 ? static_cast<uint32_t>(std::min(settings.frame, kMost)) : 0;  // 0 where it is no number
@@ -61,10 +57,10 @@ hd::description::LoadOptions load_options(const RenderArguments& a) {
     settings.emplace_back("--target-error or --time-limit", "samples", most_samples(settings));
   }
   hd::description::LoadOptions options = scene_load_options(a, std::move(settings));
-  if (!a.frames.empty()) options.time = seconds_at(a, a.frames[0]);
+  if (!a.frames.empty()) options.frame = a.frames[0];
   if (a.shutter) options.shutter = {a.shutter->first, a.shutter->second};
   options.size = a.size, options.crop = a.crop;
-  options.frames_per_second = 1 / seconds_at(a, 1);
+  options.frames_per_second = a.fps;
   if (a.samples) {  // last: no override may change a part's samples
     options.overrides.emplace_back("--samples", "firstSample", int64_t(a.samples->first));
     options.overrides.emplace_back("--samples", "samples", int64_t(a.samples->second));

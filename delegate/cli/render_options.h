@@ -9,9 +9,6 @@
 
 namespace alabaster::cli {
 
-/// When frame `frame` is shown, by --fps.
-double seconds_at(const RenderArguments& a, uint32_t frame);
-
 /// The number of the frame, in statistics and in names of checkpoints.
 uint32_t frame_number(const hd::RenderSettingsDescription& settings);
 

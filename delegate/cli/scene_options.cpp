@@ -77,7 +77,8 @@ void open_scene(const SceneArguments& a, const hd::description::LoadOptions& opt
   session->choose_colors(a.ocio, sink, kInput);
   for (const std::string& note : session->file.notes) console.note("note: " + note);
   const auto& models = session->file.models;
-  if (options.time && std::all_of(models.begin(), models.end(), [](const auto& m) { return m.animations.empty(); }))
+  if ((options.time || options.frame) &&
+      std::all_of(models.begin(), models.end(), [](const auto& m) { return m.animations.empty() && !m.varies; }))
     sink({hd::Severity::warning, "render.time", a.scene, "It has no animation: every time shows the same."});
 }
 

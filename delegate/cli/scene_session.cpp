@@ -43,8 +43,8 @@ void SceneSession::load(const std::string& name, const hd::description::LoadOpti
   require(exit_code(file.cause));
 }
 
-void SceneSession::pose(double time, const hd::DiagnosticSink& sink) {
-  require(exit_code(source_.Pose(time, sink)));
+void SceneSession::pose(double frame, const hd::DiagnosticSink& sink) {
+  require(exit_code(source_.PoseFrame(frame, sink)));
 }
 
 void SceneSession::choose_colors(const std::string& asked, const hd::DiagnosticSink& sink, int code) {

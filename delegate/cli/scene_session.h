@@ -22,9 +22,8 @@ class SceneSession {
   void load(const std::string& name, const hd::description::LoadOptions& options, const hd::DiagnosticSink& sink);
   /// Those that the scene was loaded with.
   const hd::description::LoadOptions& options() const { return options_; }
-  /// Gives the models of the loaded scene the pose of LoadOptions::time `time`. The default look stays as it was
-  /// loaded.
-  void pose(double time, const hd::DiagnosticSink& sink);
+  /// Gives the models of the loaded scene the pose of a frame. The default look stays as it was loaded.
+  void pose(double frame, const hd::DiagnosticSink& sink);
   /// Chooses the colour configuration: `asked`, or the scene's if that is empty. `code`: of one that cannot be used.
   void choose_colors(const std::string& asked, const hd::DiagnosticSink& sink, int code);
   /// The configuration that was chosen.
@@ -44,7 +43,7 @@ class SceneSession {
   void remove_unused_materials();
 
   const bool is_posed_;
-  hd::description::SceneSource source_;
+  hd::description::OpenScene source_;
   hd::description::LoadOptions options_;
   hd::host::OutputColors colors_;
   std::unique_ptr<hd::RenderDelegate, Destroy> delegate_;

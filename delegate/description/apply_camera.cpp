@@ -31,7 +31,7 @@ void place_camera(LoadState& load, const json& entry) {
     plan.transform = to_transform(*transform);
     if (!plan.transform) load.fail("/camera/transform", "The transform cannot be inverted or is not affine.");
   } else if (look != end) {
-    const Vec3d up = look->contains("up") ? to_vec3d((*look)["up"]) : Vec3d(0, 1, 0);
+    const Vec3d up = look->contains("up") ? to_vec3d((*look)["up"]) : up_vector(load.result->info.up);
     const Vec3d eye = to_vec3d((*look)["eye"]), target = to_vec3d((*look)["target"]);
     plan.transform = look_at(eye, target, up, !look->contains("up"));
     plan.target_distance = (target - eye).length();

@@ -50,7 +50,7 @@ void place_light(LoadState& load, const std::string& pointer, const json& entry,
   Matrix4d& m = light->transform;
   const Vec3d position = entry.contains("position") ? to_vec3d(entry["position"]) : m.translation();
   if (entry.contains("target")) {
-    const Vec3d up = entry.contains("up") ? to_vec3d(entry["up"]) : Vec3d(0, 1, 0);
+    const Vec3d up = entry.contains("up") ? to_vec3d(entry["up"]) : up_vector(load.result->info.up);
     const auto aim = look_at(position, to_vec3d(entry["target"]), up, !entry.contains("up"));
     if (!aim) load.fail(pointer, "The light has no direction: position and target coincide, or up lies along the aim.");
     m = *aim;

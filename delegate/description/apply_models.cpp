@@ -109,8 +109,7 @@ void take_settings(const host::Prims& prims, const Path& chosen, LoadState* stat
 // The shutter of the description, over which animations are sampled.
 FrameShutter shutter_of(const LoadState& load) {
   const nlohmann::json* camera = load.part("camera");
-  return {camera ? camera->value("shutterOpen", 0.0) : 0, camera ? camera->value("shutterClose", 0.0) : 0,
-          load.options.frames_per_second};
+  return {camera ? camera->value("shutterOpen", 0.0) : 0, camera ? camera->value("shutterClose", 0.0) : 0};
 }
 
 Placement placement_of(LoadState& load, const std::string& pointer, const nlohmann::json& model) {
@@ -142,14 +141,13 @@ SourceFault read_model(LoadState& load, const nlohmann::json& entry, const Asset
   options.variant = entry.value("variant", "");
   options.refine_level = entry.value("refineLevel", options.refine_level);
   model->shutter = shutter_of(load);
-  model->time = entry.value("time", 0.0);
+  model->frames_per_second = load.options.frames_per_second;
+  if (entry.contains("time")) model->own_time = entry["time"].get<double>();
   model->memory = load.memory;
-  std::optional<double> time;
-  if (entry.contains("time") || load.options.time || model->shutter.close > model->shutter.open)
-    time = model->time + load.options.time.value_or(0);
-  options.is_timed = time.has_value();
+  options.is_timed =
+      model->own_time || load.options.time || load.options.frame || model->shutter.close > model->shutter.open;
   const SourceFault fault = model->source->Open(file.resolved, options, *load.sink);
-  return fault == SourceFault::none ? model->pose(time, *load.sink, edits) : fault;
+  return fault == SourceFault::none ? model->pose(model->time_of(load.options), *load.sink, edits) : fault;
 }
 
 // False after the report of a fault of the file, whose cause is noted.

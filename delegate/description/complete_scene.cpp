@@ -73,8 +73,10 @@ void complete_camera(LoadState* state) {
     if (support::text_in(camera.parameters, "projection") == "orthographic")
       state->fail("/camera/projection",
                   "An orthographic camera cannot frame the scene by itself; add a lookAt or a transform.");
-    const Framed framed = frame_points(enclosing_points(*state->scene), visible_frustum(camera, state->settings));
-    camera.transform = framed.camera;
+    const Token& up = state->result->info.up;
+    const Framed framed =
+        frame_points(from_world(enclosing_points(*state->scene), up), visible_frustum(camera, state->settings));
+    camera.transform = to_world(framed.camera, up);
     if (!camera.parameters.contains("focusDistance"))
       camera.parameters["focusDistance"] = static_cast<float>(framed.distance);
     state->result->notes.push_back("no camera: framed the scene");
@@ -141,11 +143,13 @@ void complete_lights(LoadState* state, bool own_camera) {
     return;
   }
   const Matrix4d camera = scene.GetCameras().at(state->settings.camera).transform;
+  const Token& up = state->result->info.up;
   if (state->studio != StudioChoice::off)
-    if (const auto plan = plan_studio(enclosing_points(scene), camera); plan && (asked || !own_camera || !plan->inside))
+    if (const auto plan = plan_studio(enclosing_points(scene), camera, up);
+        plan && (asked || !own_camera || !plan->inside))
       return add_studio(state, *plan, (asked || !own_camera) && !plan->below);
   if (lit) return;
-  scene.SetLight("/lights/default_dome", soft_dome(camera));
+  scene.SetLight("/lights/default_dome", soft_dome(camera, up));
   state->result->notes.push_back("no light: added a soft dome");
 }
 

@@ -196,15 +196,15 @@ struct OpenModel::Sampler {
   std::map<Path, Parts> moving = {};
   std::set<Path> apart = {};  // not there, or not by themselves, at all times
 
-  double seconds(size_t step, size_t steps) const {
-    const double open = model.shutter.open / model.shutter.frames_per_second;
-    const double length = model.shutter.close / model.shutter.frames_per_second - open;
+  /// In the unit of the source, from the frame's own time on.
+  double after(size_t step, size_t steps) const {
+    const double open = model.shutter.open / model.frames_per_unit();
+    const double length = model.shutter.close / model.frames_per_unit() - open;
     return open + length * double(step) / double(steps);
   }
 
   bool ask(size_t step, size_t steps) {
-    const double codes = model.source->Facts().timeCodesPerSecond;
-    fault = model.ask(time + seconds(step, steps) * (codes > 0 ? codes : 1), sink, &model.stirred_);
+    fault = model.ask(time + after(step, steps), sink, &model.stirred_);
     return fault == SourceFault::none;
   }
 
@@ -284,8 +284,7 @@ struct OpenModel::Sampler {
     if (found == moving.end() || apart.contains(path)) return;
     const auto times = [this](const auto& poses) {
       std::vector<double> frames;
-      for (size_t i = 0; i < poses.size(); ++i)
-        frames.push_back(seconds(i, poses.size() - 1) * model.shutter.frames_per_second);
+      for (size_t i = 0; i < poses.size(); ++i) frames.push_back(after(i, poses.size() - 1) * model.frames_per_unit());
       return frames;
     };
     const auto give = [&]<class T>(T& prim) {
@@ -302,6 +301,18 @@ struct OpenModel::Sampler {
     std::visit(give, *drawn);
   }
 };
+
+std::optional<double> OpenModel::time_of(const LoadOptions& options) const {
+  if (options.frame) return own_time.value_or(0) + *options.frame / frames_per_unit();
+  if (options.time || shutter.close > shutter.open) return own_time.value_or(0) + options.time.value_or(0);
+  return own_time;
+}
+
+// Frames are those of the time codes unless another rate is asked for.
+double OpenModel::frames_per_unit() const {
+  const double codes = source->Facts().timeCodesPerSecond;
+  return codes > 0 ? (frames_per_second ? *frames_per_second / codes : 1) : frames_per_second.value_or(24);
+}
 
 SourceFault OpenModel::ask(std::optional<double> at, const DiagnosticSink& sink, std::set<Path>* touched) {
   host::SceneEdits edits;

@@ -5,7 +5,7 @@
 #include <set>
 
 #include "core/memory/memory_budget.h"
-#include "delegate/host/scene_source.h"
+#include "delegate/description/render_description.h"
 
 namespace alabaster::hd::description {
 
@@ -20,7 +20,7 @@ struct Placement {
 
 /// Over what a model is sampled, in frames relative to the one that is drawn; nothing unless it is open for some time.
 struct FrameShutter {
-  double open = 0, close = 0, frames_per_second = 24;
+  double open = 0, close = 0;
 };
 
 class OpenModel {
@@ -29,9 +29,12 @@ class OpenModel {
   Placement placement;
   FrameShutter shutter;
   std::string root = {};  // before all paths: "/copy2"; empty: nothing
-  double time = 0;        // of the description, to which LoadOptions::time is added
+  std::optional<double> frames_per_second = {};
+  std::optional<double> own_time = {};  // of the description, to which that of the options is added
   std::shared_ptr<MemoryBudget> memory = {};
 
+  /// The time that options ask for, in the unit of the source. Empty: that in which it is authored.
+  std::optional<double> time_of(const LoadOptions& options) const;
   /// What the model has at `time` over its pose before, as its file says it. What moves or deforms gets samples over
   /// the shutter: five, and where it turns by more than 5 degrees from one to the next, as many as that needs, up to
   /// 129 (the turns of the five are seen up to half a turn from one to the next). Lights get none, and where they were
@@ -42,6 +45,7 @@ class OpenModel {
 
  private:
   struct Sampler;
+  double frames_per_unit() const;
   host::SourceFault ask(std::optional<double> at, const DiagnosticSink& sink, std::set<Path>* touched);
 
   // Where poses at other times differ:

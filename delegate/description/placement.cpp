@@ -124,6 +124,28 @@ std::optional<Matrix4d> to_transform(const json& value) {
   return is_valid_affine(m) ? std::optional(m) : std::nullopt;
 }
 
+namespace {
+
+// Of rows: y goes up, and z, which comes towards the viewer, against y.
+const Matrix4d kToZUp(1, 0, 0, 0, 0, 0, 1, 0, 0, -1, 0, 0, 0, 0, 0, 1);
+
+}  // namespace
+
+Vec3d up_vector(const Token& up) {
+  return up == Token("Z") ? Vec3d(0, 0, 1) : Vec3d(0, 1, 0);
+}
+Matrix4d to_world(const Matrix4d& placed, const Token& up) {
+  return up == Token("Z") ? placed * kToZUp : placed;
+}
+Matrix4d from_world(const Matrix4d& placed, const Token& up) {
+  return up == Token("Z") ? placed * kToZUp.transposed() : placed;
+}
+std::vector<Vec3d> from_world(std::vector<Vec3d> points, const Token& up) {
+  if (up == Token("Z"))
+    for (Vec3d& p : points) p = {p.x, p.z, -p.y};
+  return points;
+}
+
 std::optional<Matrix4d> look_at(const Vec3d& eye, const Vec3d& target, const Vec3d& up, bool free_up) {
   Vec3d z = eye - target;
   const double distance = z.length();

@@ -18,6 +18,13 @@ std::optional<Matrix4d> to_transform(const nlohmann::json& value);
 /// `up` points along the view, `free_up` allows another one; otherwise the result is empty.
 std::optional<Matrix4d> look_at(const Vec3d& eye, const Vec3d& target, const Vec3d& up, bool free_up);
 
+/// The axis that points up: "Y" or "Z". Default cameras and studios are made where it is Y, and then put into the
+/// world.
+Vec3d up_vector(const Token& up);
+Matrix4d to_world(const Matrix4d& placed, const Token& up);
+Matrix4d from_world(const Matrix4d& placed, const Token& up);
+std::vector<Vec3d> from_world(std::vector<Vec3d> points, const Token& up);
+
 /// World points that enclose the visible scene: the points of every mesh, or the corners of its box for every instance.
 std::vector<Vec3d> enclosing_points(host::RetainedSceneDelegate& scene);
 

@@ -36,16 +36,18 @@ struct LoadOptions {
   /// A description names files in its own folder or below only, symbolic links followed, for reading and for writing,
   /// and so does a glTF file. True lifts this. Overrides and the dome are the user's own words, and name any file.
   bool allow_outside = false;
-  /// Seconds of the models' animations, added to each description's `time`. Empty: models without a `time` keep the
-  /// pose in which they are authored.
+  /// Of the models' animations, added to each description's `time`: seconds, or time codes of a model that has these.
+  /// Empty: models without a `time` keep the pose in which they are authored.
   std::optional<double> time;
+  /// In place of the time: the time of this frame, at `frames_per_second`.
+  std::optional<double> frame;
   /// The shutter of the camera, in frames relative to the one that is drawn, in place of the description's. Animations
   /// are sampled over it; models without a time are then posed at 0.
   struct Shutter {
     double open = 0, close = 0;
   };
   std::optional<Shutter> shutter;
-  double frames_per_second = 24;
+  std::optional<double> frames_per_second;  // empty: as many as a model has time codes, else 24
   /// In place of those of the settings, of overrides and of all products.
   std::optional<Vec2i> size;
   std::optional<Rect2i> crop;
@@ -84,26 +86,30 @@ ALABASTER_API SceneFile LoadScene(const std::string& file, host::RetainedSceneDe
                                   const DiagnosticSink& sink, const LoadOptions& options = {});
 
 /// A scene that is read once and posed at any number of times. It keeps what poses need. One thread.
-class ALABASTER_API SceneSource {
+class ALABASTER_API OpenScene {
  public:
-  SceneSource();
-  ~SceneSource();
-  SceneSource(SceneSource&&) noexcept;
-  SceneSource& operator=(SceneSource&&) noexcept;
+  OpenScene();
+  ~OpenScene();
+  OpenScene(OpenScene&&) noexcept;
+  OpenScene& operator=(OpenScene&&) noexcept;
 
-  /// LoadScene, with the models kept open. `scene` must outlive the source. A pose needs LoadOptions::time, or a time
-  /// or an animation of a model in the description.
+  /// LoadScene, with the models kept open. `scene` must outlive the source. A pose needs LoadOptions::time or frame, or
+  /// a time or an animation of a model in the description.
   SceneFile Load(const std::string& file, host::RetainedSceneDelegate* scene, const DiagnosticSink& sink,
                  const LoadOptions& options = {});
-  /// Gives the models of the scene the pose at `time`, in place of LoadOptions::time, with the changes that the
-  /// description and the options make: their prims are those that a load for this time makes. Only what the animations
-  /// move or deform is set again, and meshes that the pose lacks are removed. A camera that was framed, and the lights
-  /// of a studio, stay as they were loaded. Warnings are not given again. `none`, or the cause of a reported error.
+  /// Gives the models of the scene the pose at `time`, in place of LoadOptions::time, or that of a frame, in place of
+  /// LoadOptions::frame, with the changes that the description and the options make: their prims are those that a load
+  /// for it makes. Only what the animations move or deform is set again, and prims that the pose lacks are removed. A
+  /// camera that was framed, and the lights of a studio, stay as they were loaded. Warnings are not given again.
+  /// `none`, or the cause of a reported error.
   LoadCause Pose(double time, const DiagnosticSink& sink);
+  LoadCause PoseFrame(double frame, const DiagnosticSink& sink);
 
  private:
-  struct Open;
-  std::unique_ptr<Open> open_;  // null: nothing is loaded
+  struct State;
+  LoadCause pose(const LoadOptions& at, const DiagnosticSink& sink);
+
+  std::unique_ptr<State> open_;  // null: nothing is loaded
 };
 
 /// The render description `text` with the options as a load takes them, but for the dome, which is a light of the

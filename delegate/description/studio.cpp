@@ -112,17 +112,19 @@ std::shared_ptr<const std::vector<uint8_t>> image() {
 
 }  // namespace
 
-std::optional<StudioPlan> plan_studio(const std::vector<Vec3d>& points, const Matrix4d& camera) {
+std::optional<StudioPlan> plan_studio(const std::vector<Vec3d>& world, const Matrix4d& camera, const Token& up) {
+  const std::vector<Vec3d> points = from_world(world, up);
   if (points.empty()) return std::nullopt;
   BoundsDouble box;
   for (const Vec3d& p : points) box.extend(p);
   StudioPlan plan;
+  plan.up = up;
   plan.center = box.center();
   for (const Vec3d& p : points) plan.radius = std::max(plan.radius, (p - plan.center).length());
   if (!(plan.radius > 0) || !std::isfinite(plan.radius)) return std::nullopt;
   plan.floor = box.lower.y;
-  plan.camera = camera;
-  const Vec3d eye = camera.translation();
+  plan.camera = from_world(camera, up);
+  const Vec3d eye = plan.camera.translation();
   plan.inside = box.contains(eye);
   plan.below = eye.y < plan.floor;
   return plan;
@@ -139,6 +141,7 @@ void add_studio_lights(const StudioPlan& plan, bool dome, host::RetainedSceneDel
     rect.transform = *look_at(way, Vec3d(0), up, true);
     const Vec3d position = plan.center + way * (light.distance * plan.radius);
     for (int i = 0; i < 3; ++i) rect.transform[3][i] = position[i];
+    rect.transform = to_world(rect.transform, plan.up);
     rect.parameters = {{"color", light.color},
                        {"intensity", light.radiance},
                        {"width", float(light.size * plan.radius)},
@@ -163,7 +166,7 @@ void add_studio_backdrop(const StudioPlan& plan, host::RetainedSceneDelegate* sc
   middle.y = plan.floor - 1e-4 * plan.radius;
 
   host::MeshDescription mesh = bowl(floor);
-  mesh.transform = Matrix4d().setScale(plan.radius) * Matrix4d().setTranslation(middle);
+  mesh.transform = to_world(Matrix4d().setScale(plan.radius) * Matrix4d().setTranslation(middle), plan.up);
   mesh.material = "/materials/studio_backdrop";
   MaterialNetwork network;
   const Path surface = mesh.material.append("surface");
@@ -174,12 +177,13 @@ void add_studio_backdrop(const StudioPlan& plan, host::RetainedSceneDelegate* sc
   scene->SetMesh("/studio/backdrop", std::move(mesh));
 }
 
-host::LightDescription soft_dome(const Matrix4d& camera) {
+host::LightDescription soft_dome(const Matrix4d& world_camera, const Token& up) {
+  const Matrix4d camera = from_world(world_camera, up);
   Vec3d viewer(camera[2][0], 0, camera[2][2]);
   viewer = viewer.length() > 0 ? viewer.normalized() : Vec3d(0, 0, 1);
   host::LightDescription dome;
   dome.type = "domeLight";
-  dome.transform = Matrix4d(viewer.z, 0, -viewer.x, 0, 0, 1, 0, 0, viewer.x, 0, viewer.z, 0, 0, 0, 0, 1);
+  dome.transform = to_world(Matrix4d(viewer.z, 0, -viewer.x, 0, 0, 1, 0, 0, viewer.x, 0, viewer.z, 0, 0, 0, 0, 1), up);
   dome.parameters["texture:file"] = AssetPath{"soft dome", "", image()};
   return dome;
 }

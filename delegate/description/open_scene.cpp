@@ -1,4 +1,4 @@
-// The scene source: loads a scene, and poses it again.
+// Loads a scene, and poses it again.
 #include <exception>
 #include <functional>
 
@@ -7,7 +7,7 @@
 #include "delegate/support/lookup.h"
 
 namespace alabaster::hd::description {
-struct SceneSource::Open {
+struct OpenScene::State {
   std::string file;
   host::RetainedSceneDelegate* scene = nullptr;
   SceneFile result;
@@ -36,12 +36,12 @@ struct SceneSource::Open {
     return code == "scene.memory" ? LoadCause::out_of_memory : LoadCause::input;
   }
 
-  void pose(double time) {
+  void pose(const LoadOptions& at) {
     host::RetainedSceneDelegate posed;  // what moves
     std::vector<Path> removed;
     for (const auto& model : state.models) {
       host::SceneEdits edits;
-      const host::SourceFault fault = model->pose(time + model->time, *state.sink, &edits);
+      const host::SourceFault fault = model->pose(model->time_of(at), *state.sink, &edits);
       if (fault == host::SourceFault::out_of_memory) state.note_cause(LoadCause::out_of_memory);
       if (fault != host::SourceFault::none) throw LoadFailed();
       model->place(&edits);
@@ -82,16 +82,16 @@ struct SceneSource::Open {
   }
 };
 
-SceneSource::SceneSource() = default;
-SceneSource::~SceneSource() = default;
-SceneSource::SceneSource(SceneSource&&) noexcept = default;
-SceneSource& SceneSource::operator=(SceneSource&&) noexcept = default;
+OpenScene::OpenScene() = default;
+OpenScene::~OpenScene() = default;
+OpenScene::OpenScene(OpenScene&&) noexcept = default;
+OpenScene& OpenScene::operator=(OpenScene&&) noexcept = default;
 
-SceneFile SceneSource::Load(const std::string& file, host::RetainedSceneDelegate* scene, const DiagnosticSink& sink,
-                            const LoadOptions& options) {
+SceneFile OpenScene::Load(const std::string& file, host::RetainedSceneDelegate* scene, const DiagnosticSink& sink,
+                          const LoadOptions& options) {
   SceneFile result;
   try {
-    open_ = std::make_unique<Open>();
+    open_ = std::make_unique<State>();
     open_->file = file;
   } catch (const std::bad_alloc&) {
     open_.reset();
@@ -110,16 +110,28 @@ SceneFile SceneSource::Load(const std::string& file, host::RetainedSceneDelegate
   return result;
 }
 
-LoadCause SceneSource::Pose(double time, const DiagnosticSink& sink) {
+LoadCause OpenScene::pose(const LoadOptions& at, const DiagnosticSink& sink) {
   const DiagnosticSink errors = [&sink](const Diagnostic& diagnostic) {
     if (diagnostic.severity == Severity::error && sink) sink(diagnostic);
   };
-  return open_ ? open_->run_guarded(errors, [&] { return open_->pose(time); }) : LoadCause::input;
+  return open_ ? open_->run_guarded(errors, [&] { return open_->pose(at); }) : LoadCause::input;
+}
+
+LoadCause OpenScene::Pose(double time, const DiagnosticSink& sink) {
+  LoadOptions at;
+  at.time = time;
+  return pose(at, sink);
+}
+
+LoadCause OpenScene::PoseFrame(double frame, const DiagnosticSink& sink) {
+  LoadOptions at;
+  at.frame = frame;
+  return pose(at, sink);
 }
 
 SceneFile LoadScene(const std::string& file, host::RetainedSceneDelegate* scene, const DiagnosticSink& sink,
                     const LoadOptions& options) {
-  return SceneSource().Load(file, scene, sink, options);
+  return OpenScene().Load(file, scene, sink, options);
 }
 
 }  // namespace alabaster::hd::description
