@@ -19,7 +19,7 @@ using host::SourceFault;
 
 // Samples -------------------------------------------------------------------------------------------
 
-constexpr size_t kFewestSteps = 4, kMostSteps = 128;
+constexpr size_t kFewestSteps = 4, kMostSteps = 128, kMostStepsOfPoints = 32;  // as the renderer takes
 constexpr double kDegrees = 180 / 3.14159265358979323846;
 constexpr double kLargestTurn = 5;      // of a thing, from one sample to the next
 constexpr double kLargestAxisTurn = 4;  // of one of its axes, which may turn by 0.816 times as much as it does
@@ -248,6 +248,7 @@ struct OpenModel::Sampler {
       for (auto& [path, parts] : moving)
         for (auto& [name, poses] : parts) {
           if (poses.size() != steps + 1) continue;
+          if (steps >= kMostStepsOfPoints && poses.front().get<Array<Vec3f>>()) continue;
           const double turn = largest_turn(poses);
           const auto before = turns.find(&poses);
           const bool falls = before == turns.end() || turn < 0.75 * before->second;

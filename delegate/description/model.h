@@ -37,8 +37,8 @@ class OpenModel {
   std::optional<double> time_of(const LoadOptions& options) const;
   /// What the model has at `time` over its pose before, as its file says it. What moves or deforms gets samples over
   /// the shutter: five, and where it turns by more than 5 degrees from one to the next, as many as that needs, up to
-  /// 129 (the turns of the five are seen up to half a turn from one to the next). Lights get none, and where they were
-  /// posed before, they are changed alone. Throws MemoryRefused.
+  /// 129, of points 33 (the turns of the five are seen up to half a turn from one to the next). Lights get none, and
+  /// where they were posed before, they are changed alone. Throws MemoryRefused.
   host::SourceFault pose(std::optional<double> at, const DiagnosticSink& sink, host::SceneEdits* edits);
   /// Gives edits the model's root and place.
   void place(host::SceneEdits* edits) const;

@@ -49,6 +49,7 @@ struct SceneInfo {
   double timeCodesPerSecond = 0;                    // 0: times are seconds
   std::optional<std::array<double, 2>> range = {};  // its first and last time
   std::map<Path, std::string> names = {};           // as in SceneEdits
+  bool operator==(const SceneInfo&) const = default;
 };
 
 struct SceneFacts : SceneInfo {

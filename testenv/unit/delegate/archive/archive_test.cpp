@@ -1,7 +1,10 @@
 // Scene archives: nothing is lost, and hostile files are refused.
 #include "delegate/archive/archive.h"
 
+#include <fcntl.h>
 #include <gtest/gtest.h>
+#include <sys/mman.h>
+#include <unistd.h>
 
 #include <cmath>
 #include <filesystem>
@@ -10,6 +13,7 @@
 
 #include "delegate/description/render_description.h"
 #include "delegate/host/scene_fields.h"
+#include "delegate/support/lookup.h"
 #include "testenv/support/build_paths.h"
 #include "testenv/support/gltf_testing.h"
 
@@ -165,7 +169,7 @@ TEST(Archive, CutAndChangedFilesAreRefusedOrRead) {
     reads(changed);
   }
   std::string newer = whole;
-  const size_t version = newer.find("\"version\":\"1\"");
+  const size_t version = newer.find("\"version\":\"2\"");
   ASSERT_NE(version, std::string::npos);
   newer[version + 11] = '9';
   EXPECT_FALSE(reads(newer));
@@ -258,6 +262,14 @@ TEST(Archive, FilesOutsideAreRefused) {
   EXPECT_EQ(fault_of(reads, true), "");
 }
 
+/// Loads a description that has a scene's archive twice: the second one lies below /copy.
+void load_twice(const TemporaryFolder& folder, const RetainedSceneDelegate& scene, RetainedSceneDelegate* both) {
+  write(folder, scene);
+  const std::string file =
+      folder.write("twice.json", R"({"models": [{"file": "scene.alab"}, {"file": "scene.alab"}]})");
+  ASSERT_TRUE(description::LoadScene(file, both, {}).ok);
+}
+
 // Each would be lost by a reader that takes names for suffixes, completes networks or forgets what is empty.
 TEST(Archive, UnusualNamesComeBack) {
   const TemporaryFolder folder;
@@ -282,7 +294,7 @@ TEST(Archive, UnusualNamesComeBack) {
   scene.SetInstancer("/empty", {});
   EXPECT_TRUE(normalized(scene) == normalized((ReadArchive(write(folder, scene), &again, {}), again)));
   RetainedSceneDelegate copy;
-  ASSERT_TRUE(ReadArchive(write(folder, scene), &copy, {}, {.root = "/copy"}).ok);
+  load_twice(folder, scene, &copy);
   EXPECT_EQ(copy.GetMaterials().at("/copy/elsewhere").terminals.at("surface").upstreamNode, Path("/copy/n"));
 }
 
@@ -290,7 +302,7 @@ TEST(Archive, ASecondModelHasARoot) {
   const TemporaryFolder folder;
   RetainedSceneDelegate scene, again;
   fill(&scene);
-  ASSERT_TRUE(ReadArchive(write(folder, scene), &again, {}, {.root = "/copy"}).ok);
+  load_twice(folder, scene, &again);
   EXPECT_EQ(again.GetMeshes().at("/copy/mesh").instancer, Path("/copy/many"));
   EXPECT_EQ(again.GetMeshes().at("/copy/mesh").topology.geomSubsets[0].materialId, Path("/copy/wax"));
   EXPECT_TRUE(again.GetInstancers().at("/copy/many").indices.contains("/copy/mesh"));
@@ -394,11 +406,132 @@ TEST(Archive, CategoriesOfASecondModelAreItsOwn) {
   const TemporaryFolder folder;
   RetainedSceneDelegate scene, again;
   fill(&scene);
-  ASSERT_TRUE(ReadArchive(write(folder, scene), &again, {}, {.root = "/copy"}).ok);
+  load_twice(folder, scene, &again);
   const std::string key = again.GetLights().at("/copy/lamp").parameters.at("lightLink").text_or("");
   EXPECT_NE(key, "key");
   EXPECT_EQ(again.GetMeshes().at("/copy/mesh").categories.at(0).str(), key);
   EXPECT_EQ(again.GetInstancers().at("/copy/many").categories.at(1).size(), 2u);
+}
+
+// promise: pipeline.archive.facts
+TEST(Archive, FactsAndNamesComeBack) {
+  const TemporaryFolder folder;
+  RetainedSceneDelegate scene, again;
+  fill(&scene);
+  SceneInfo info;
+  info.up = "Z", info.metersPerUnit = 0.01, info.timeCodesPerSecond = 24, info.range = {1, 48};
+  info.names = {{"/mesh", "Head"}};
+  const std::string file = folder.path() + "/scene.alab";
+  ASSERT_EQ(WriteArchive(file, scene.GetPrims(), info), "");
+  const ReadResult read = ReadArchive(file, &again, {});
+  EXPECT_TRUE(read.ok && read.info == info);
+  EXPECT_EQ(again.GetName("/mesh"), "Head");
+  EXPECT_EQ(again.GetName("/lamp"), "lamp");
+  // What no scene can have.
+  const auto says = [&](const std::string& facts) {
+    std::string said;
+    RetainedSceneDelegate none;
+    const std::string made = made_archive(folder, R"({"prims":[],)" + facts + "}");
+    EXPECT_FALSE(ReadArchive(made, &none, [&](const Diagnostic& d) { said = d.text; }).ok) << facts;
+    return said;
+  };
+  EXPECT_EQ(says(R"("upAxis":"X")"), "its up axis is neither Y nor Z");
+  EXPECT_EQ(says(R"("upAxis":3)"), "its up axis is neither Y nor Z");
+  EXPECT_EQ(says(R"("metersPerUnit":0)"), "its metersPerUnit is no number above 0");
+  EXPECT_EQ(says(R"("timeCodesPerSecond":"24")"), "its timeCodesPerSecond is no number above 0");
+  EXPECT_NE(says(R"("range":[2,1])").find("range"), std::string::npos);
+}
+
+// Those of version 1 have no names: a reader takes them from the paths that glTF's prims have.
+// promise: pipeline.archive.versions
+TEST(Archive, AnOlderOneHasTheNamesOfItsPaths) {
+  const TemporaryFolder folder;
+  RetainedSceneDelegate scene;
+  const std::string file = made_archive(folder, R"({"prims":[
+    {"path":"/gltf/bust/materials/2_skin","kind":"material","fields":[]},
+    {"path":"/gltf/bust/nodes/3_head/0","kind":"mesh","fields":[]},{"path":"/body","kind":"camera","fields":[]}]})");
+  ASSERT_TRUE(ReadArchive(file, &scene, {}).ok);
+  EXPECT_EQ(scene.GetName("/gltf/bust/materials/2_skin"), "skin");
+  EXPECT_EQ(scene.GetName("/gltf/bust/nodes/3_head/0"), "head");
+  EXPECT_EQ(scene.GetName("/body"), "body");
+}
+
+constexpr const char* kAnswer = R"({"prims":[{"path":"/a","kind":"camera","fields":[["focalLength",{"float":2}]]},
+  {"path":"/b","fields":[["focalLength",{"float":3}]]}],"removed":["/c"]})";
+
+TEST(Archive, AnAnswerChangesAndRemovesPrims) {
+  const TemporaryFolder folder;
+  RetainedSceneDelegate scene;
+  CameraDescription camera;
+  camera.parameters["fStop"] = 8.0f;
+  for (const char* path : {"/a", "/b", "/c", "/d"}) scene.SetCamera(path, camera);
+  const std::string file = made_archive(folder, kAnswer);
+  EXPECT_FALSE(ReadArchive(file, &scene, {}).ok);
+  EXPECT_EQ(scene.GetCameras().size(), 4u) << "nothing is done by halves";
+  ASSERT_TRUE(ReadArchive(file, &scene, {}, {.is_answer = true}).ok);
+  const auto& all = scene.GetCameras();
+  EXPECT_EQ(support::keys_of(all), (std::vector<Path>{"/a", "/b", "/d"}));
+  EXPECT_FALSE(all.at("/a").parameters.contains("fStop")) << "it is set anew";
+  EXPECT_EQ(all.at("/b").parameters.at("focalLength").number_or(0), 3);
+  EXPECT_EQ(all.at("/b").parameters.at("fStop").number_or(0), 8) << "it is changed";
+}
+
+/// A descriptor of memory that holds the bytes, with these seals.
+class Memory {
+ public:
+  Memory(const std::string& bytes, int seals) : descriptor_(memfd_create("answer", MFD_CLOEXEC | MFD_ALLOW_SEALING)) {
+    EXPECT_EQ(::write(descriptor_, bytes.data(), bytes.size()), ssize_t(bytes.size()));
+    EXPECT_EQ(fcntl(descriptor_, F_ADD_SEALS, seals), 0);
+  }
+  ~Memory() { close(descriptor_); }
+  Memory(const Memory&) = delete;
+  Memory& operator=(const Memory&) = delete;
+  int descriptor() const { return descriptor_; }
+
+ private:
+  int descriptor_;
+};
+constexpr int kAllSeals = F_SEAL_SHRINK | F_SEAL_GROW | F_SEAL_WRITE | F_SEAL_SEAL;
+
+// promise: pipeline.archive.sealed
+TEST(Archive, MemoryIsReadIfItIsSealed) {
+  const TemporaryFolder folder;
+  RetainedSceneDelegate scene;
+  fill(&scene);
+  const std::string whole = bytes_of(write(folder, scene));
+  const auto read = [&](int descriptor, host::SceneEdits* edits) {
+    std::string said;
+    const bool ok = ReadSealedArchive(descriptor, "answer", edits, [&](const Diagnostic& d) { said = d.text; },
+                                      {.folders = {"/nowhere"}})
+                        .ok;
+    EXPECT_EQ(ok, said.empty());
+    return said;
+  };
+  const std::string refused = "the memory is not sealed against shrinking, growing, writing and further seals";
+  for (const int missing : {F_SEAL_SHRINK, F_SEAL_GROW, F_SEAL_WRITE, F_SEAL_SEAL}) {
+    host::SceneEdits edits;
+    EXPECT_EQ(read(Memory(whole, kAllSeals & ~missing).descriptor(), &edits), refused);
+  }
+  host::SceneEdits none;
+  const int file = open((folder.path() + "/scene.alab").c_str(), O_RDONLY | O_CLOEXEC);
+  EXPECT_EQ(read(file, &none), refused) << "a file";
+  close(file);
+  EXPECT_NE(read(Memory(whole.substr(0, 100), kAllSeals).descriptor(), &none), "");
+  EXPECT_NE(read(Memory("", kAllSeals).descriptor(), &none), "");
+  // Files must lie in the folders that are allowed: the product "a.exr" of this scene does not.
+  EXPECT_NE(read(Memory(whole, kAllSeals).descriptor(), &none).find("outside the folder"), std::string::npos);
+  scene.Remove("/render");
+  host::SceneEdits edits;
+  {
+    const Memory memory(bytes_of(write(folder, scene)), kAllSeals);
+    ASSERT_EQ(read(memory.descriptor(), &edits), "");
+  }
+  // The arrays lie in the mapped memory, which stays when the descriptor is closed.
+  EXPECT_EQ(edits.prims.size(), scene.GetPrims().size());
+  RetainedSceneDelegate again;
+  host::ApplyEdits(std::move(edits), &again);
+  EXPECT_EQ(again.GetInstancers(), scene.GetInstancers());
+  EXPECT_EQ(again.GetMeshes().at("/mesh").topology, scene.GetMeshes().at("/mesh").topology);
 }
 
 }  // namespace

@@ -40,7 +40,6 @@ TEST(GltfEmpty, AnyListOrObjectMayBeEmpty) {
   ASSERT_GT(documents.size(), 9u);
   GltfOptions options;
   options.time = 0.5;
-  options.shutter_close = 0.5;
   const TemporaryFolder folder;
   size_t edits = 0;
   for (const auto& [sound, binary] : documents) {

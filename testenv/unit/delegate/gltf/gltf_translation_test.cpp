@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "core/material/fresnel.h"
+#include "delegate/description/render_description.h"
 #include "testenv/support/build_paths.h"
 #include "testenv/unit/delegate/gltf/gltf_builder.h"
 
@@ -43,22 +44,23 @@ TEST(GltfTransforms, ScaleRotateTranslateThenParent) {
 }
 
 // promise: pipeline.name.prims
-TEST(GltfTransforms, OptionTransformComesLastAndRootNamesThePrims) {
-  GltfOptions options;
-  options.transform.setTranslation(Vec3d(100, 0, 0));
-  options.root = "/set";
-  const Loaded loaded = load_own("nodes", options);
-  ASSERT_EQ(loaded.summary.meshes.size(), 2u);
-  for (const Path& id : loaded.summary.meshes) EXPECT_TRUE(id.str().starts_with("/set/gltf/nodes/")) << id.str();
-  expect_near(
-      transformed({0, 0, 0}, loaded.scene->GetMeshes().at("/set/gltf/nodes/nodes/1_child_with_slash/0").transform),
-      {108, 21, 33});
-  const auto& instancer = loaded.scene->GetInstancers().at("/set/gltf/nodes/nodes/3_left/instancer");
-  const auto* transforms = instancer.primvars.at("hydra:instanceTransforms").get<Array<Matrix4d>>();
+TEST(GltfTransforms, AModelsTransformComesLastAndACopyHasARoot) {
+  const TemporaryFolder folder;
+  std::filesystem::copy(std::filesystem::path(kFolder), folder.path(), std::filesystem::copy_options::recursive);
+  host::RetainedSceneDelegate scene;
+  const std::string file = folder.write("two.json", R"({"models": [{"file": "nodes.gltf"},
+    {"file": "nodes.gltf", "transform": {"translate": [100, 0, 0]}}]})");
+  ASSERT_TRUE(description::LoadScene(file, &scene, {}).ok);
+  expect_near(transformed({0, 0, 0}, scene.GetMeshes().at("/copy2/gltf/nodes/nodes/1_child_with_slash/0").transform),
+              {108, 21, 33});
+  const Path instancer("/copy2/gltf/nodes/nodes/3_left/instancer");
+  const auto* transforms =
+      scene.GetInstancers().at(instancer).primvars.at("hydra:instanceTransforms").get<Array<Matrix4d>>();
   ASSERT_NE(transforms, nullptr);
   ASSERT_EQ(transforms->size(), 2u);
-  expect_near(transformed({1, 0, 0}, (*transforms)[0]), {100, 0, 0});
-  expect_near(transformed({1, 0, 0}, (*transforms)[1]), {99, 0, 0});
+  const Matrix4d& placed = scene.GetInstancers().at(instancer).transform;
+  expect_near(transformed(transformed({1, 0, 0}, (*transforms)[0]), placed), {100, 0, 0});
+  expect_near(transformed(transformed({1, 0, 0}, (*transforms)[1]), placed), {99, 0, 0});
 }
 
 // A file may ask for more anisotropy than can be rendered. This is reported, and the nearest value used.
