@@ -14,23 +14,10 @@ using host::SourceFault;
 
 // Paths -------------------------------------------------------------------------------------------
 
-// True if a set of texts or paths has that path, or one below it.
-template <class Set>
-bool has_at_or_below(const Set& paths, const std::string& path) {
-  if (paths.contains(path)) return true;
-  const auto next = paths.lower_bound(path + "/");
-  if (next == paths.end()) return false;
-  if constexpr (std::is_same_v<typename Set::value_type, Path>)
-    return next->str().starts_with(path + "/");
-  else
-    return next->starts_with(path + "/");
-}
-
-// True if a path is, or lies below, the root of a model.
-bool is_of_model(const LoadState& state, const std::string& path) {
-  for (size_t end = path.size(); end != std::string::npos && end > 0; end = path.rfind('/', end - 1))
-    if (state.model_names.contains(path.substr(0, end))) return true;
-  return false;
+// True if that path, or one below it, is among them.
+bool has_at_or_below(const std::set<Path>& paths, const std::string& path) {
+  const auto next = paths.lower_bound(Path(path + "/"));
+  return paths.contains(Path(path)) || (next != paths.end() && next->str().starts_with(path + "/"));
 }
 
 // What comes before the paths of a model that would meet those of another.
@@ -44,7 +31,7 @@ std::string free_root(const host::SceneFacts& facts, const host::Prims& prims, L
   std::string root;
   for (int& copy = state->copies.emplace(facts.root.str(), 1).first->second;
        has_at_or_below(state->archive_paths, root + facts.root.str()) ||
-       !state->model_names.insert(root + facts.root.str()).second;)
+       !state->model_names.insert(Path(root + facts.root.str())).second;)
     root = "/copy" + std::to_string(++copy);
   return root;
 }
@@ -195,6 +182,12 @@ bool add_model(LoadState& load, const std::string& pointer, const nlohmann::json
 }
 
 }  // namespace
+
+bool is_of_model(const LoadState& state, const std::string& path) {
+  for (size_t end = path.size(); end != std::string::npos && end > 0; end = path.rfind('/', end - 1))
+    if (state.model_names.contains(Path(path.substr(0, end)))) return true;
+  return false;
+}
 
 Path free_path(LoadState* state, const std::string& wanted) {
   std::string path = wanted;

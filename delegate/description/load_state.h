@@ -62,7 +62,7 @@ struct LoadState {
   MemoryReservation held, read;                    // by what is loaded already, and by the description
   std::vector<std::unique_ptr<OpenModel>> models;  // to be posed
   std::set<Path> archive_paths;       // of models without a root, of this load: those of earlier loads are replaced
-  std::set<std::string> model_names;  // "/gltf/head": paths of a model whose prims have a root begin so
+  std::set<Path> model_names;         // "/gltf/head": paths of a model whose prims have a root begin so
   bool is_complete = false;           // the first model is: no light is added, and a camera only if there is none
   std::map<std::string, int> copies;  // the last number that a path was given in order to differ, by that path
   /// Categories of lights: the meshes that a pattern matches have them.
@@ -114,6 +114,8 @@ bool loosens_memory_limit(double mib);
 /// The warning that a limit of a file is not taken.
 std::string refused_limit_text(const LoadOptions& options);
 
+/// True if a path is, or lies below, the root of a model.
+bool is_of_model(const LoadState& state, const std::string& path);
 /// `wanted`, or with a number behind it where this load has prims there.
 Path free_path(LoadState* state, const std::string& wanted);
 

@@ -20,7 +20,6 @@ using host::SourceFault;
 // Samples -------------------------------------------------------------------------------------------
 
 constexpr size_t kFewestSteps = 4, kMostSteps = 128, kMostStepsOfPoints = 32;  // as the renderer takes
-constexpr double kDegrees = 180 / 3.14159265358979323846;
 constexpr double kLargestTurn = 5;      // of a thing, from one sample to the next
 constexpr double kLargestAxisTurn = 4;  // of one of its axes, which may turn by 0.816 times as much as it does
 const Token kTransform("transform");
@@ -63,7 +62,7 @@ bool has_same_points(const PrimDescription& a, const PrimDescription& b) {
 }
 
 double angle_between(const Vec3d& a, const Vec3d& b) {
-  return std::atan2(a.cross(b).length(), a.dot(b)) * kDegrees;
+  return std::atan2(a.cross(b).length(), a.dot(b)) * 180 / M_PI;
 }
 
 /// The largest angle by which ways bend, which point(i, pose) follows. Each third pose is seen from its neighbours, so
