@@ -52,7 +52,7 @@ GltfBuilder animated() {
 }
 
 // Changes that names make to what moves, and what stands still.
-constexpr const char* kDescription = R"({
+constexpr const char* kChanges = R"({
   "gltf": [{"file": "made.glb", "time": 0.25,
             "motion": [{"time": 0, "transform": {"translate": [0, 0, 0]}}, {"time": 1, "transform": {"translate": [0, 1, 0]}}]}],
   "meshes": [{"match": "left", "holdout": true, "material": "wax", "corners": [{"point": 1}]},
@@ -90,7 +90,7 @@ class OpenSceneTest : public SceneFiles {
 
 TEST_F(OpenSceneTest, APoseIsWhatALoadForItsTimeGives) {
   write("made.glb", animated().bytes());
-  write("made.json", kDescription);
+  write("made.json", kChanges);
   for (const char* name : {"made.glb", "made.json"})
     for (const double close : {0.0, 0.5}) {
       LoadOptions options;
@@ -141,7 +141,7 @@ TEST_F(OpenSceneTest, WithoutAnAnimationOrASceneNothingMoves) {
   EXPECT_EQ(source.Pose(1, {}), LoadCause::input);
 }
 
-double cpu_ms_of(const std::function<void()>& work) {
+double cpu_ms(const std::function<void()>& work) {
   const std::clock_t begin = std::clock();
   work();
   return double(std::clock() - begin) * 1000 / CLOCKS_PER_SEC;
@@ -170,9 +170,9 @@ TEST_F(OpenSceneTest, APoseCostsWhatMoves) {
     options.time = 0;
     options.shutter = {0, close};
     OpenScene source;
-    const double load = cpu_ms_of([&] { ASSERT_TRUE(source.Load(folder_ / "many.glb", &scene, {}, options).ok); });
+    const double load = cpu_ms([&] { ASSERT_TRUE(source.Load(folder_ / "many.glb", &scene, {}, options).ok); });
     constexpr int kPoses = 20;
-    const double poses = cpu_ms_of([&] {
+    const double poses = cpu_ms([&] {
       for (int i = 1; i <= kPoses; ++i) EXPECT_EQ(source.Pose(i, {}), LoadCause::none);
     });
     EXPECT_LT(poses / kPoses, load / 10) << "with a shutter of " << close;
