@@ -51,7 +51,7 @@ struct OpenScene::State {
       for (const auto& [path, fields] : edits.changes)
         if (const auto* shown = support::find_in(scene->GetPrims(), path)) {
           posed.Set(path, *shown);
-          posed.SetName(path, scene->GetName(path));
+          posed.SetName(path, support::value_in(scene->GetNames(), path));
         }
       host::ApplyEdits(std::move(edits), &posed);
     }
@@ -75,7 +75,7 @@ struct OpenScene::State {
   void show(const host::RetainedSceneDelegate& posed, const std::vector<Path>& removed) {
     for (const auto& [path, prim] : posed.GetPrims()) {
       scene->Set(path, prim);
-      scene->SetName(path, posed.GetName(path));
+      scene->SetName(path, support::value_in(posed.GetNames(), path));
     }
     for (const Path& path : removed) scene->Remove(path);
     pose_camera(&state);

@@ -160,7 +160,10 @@ const Prims& RetainedSceneDelegate::GetPrims() const {
 }
 
 void RetainedSceneDelegate::SetName(const Path& id, std::string name) {
-  if (state_->prims.contains(id)) state_->names.insert_or_assign(id, std::move(name));
+  if (name.empty() || !state_->prims.contains(id))
+    state_->names.erase(id);
+  else
+    state_->names.insert_or_assign(id, std::move(name));
 }
 std::string RetainedSceneDelegate::GetName(const Path& id) const {
   const std::string* name = find_in(state_->names, id);

@@ -136,7 +136,7 @@ class ALABASTER_API RetainedSceneDelegate : public SceneDelegate {
   bool Remove(const Path& id);
   const Prims& GetPrims() const;
   /// The name that an artist gave the prim, which need not be unique: the last part of its path, unless a reader has
-  /// set another one. It goes with the prim.
+  /// set another one. It goes with the prim. Empty: that of the path again.
   void SetName(const Path& id, std::string name);
   std::string GetName(const Path& id) const;
   const std::map<Path, std::string>& GetNames() const;  // that were set
