@@ -43,7 +43,7 @@ TimeSamples<Matrix4d> to_motion(LoadState& load, const std::string& pointer, con
 }
 
 void place_prim(const Matrix4d& transform, host::PrimDescription* prim) {
-  visit_placed(prim, [&]<class T>(T& one) {
+  visit_placed(prim, [&](auto& one) {
     if constexpr (requires { one.transform; }) one.transform = one.transform * transform;
     if constexpr (requires { one.transformSamples; })
       for (Matrix4d& sample : one.transformSamples.values) sample = sample * transform;
@@ -52,7 +52,7 @@ void place_prim(const Matrix4d& transform, host::PrimDescription* prim) {
 
 // own(t) * inverse(motion(0)) * motion(t), at the times of both and as many between as they turn.
 void move_prim(const TimeSamples<Matrix4d>& motion, host::PrimDescription* prim) {
-  visit_placed(prim, [&]<class T>(T& one) {
+  visit_placed(prim, [&](auto& one) {
     if constexpr (requires { one.transformSamples; }) {
       const TimeSamples<Matrix4d> own =
           one.transformSamples.values.empty() ? TimeSamples<Matrix4d>{{0}, {one.transform}} : one.transformSamples;

@@ -40,7 +40,7 @@ const Value& value_of(const host::PrimvarValue& primvar) {
 /// What may move or deform, unless the file has samples of it.
 std::map<Token, Value> moving_parts(const PrimDescription& prim) {
   std::map<Token, Value> parts;
-  const auto add = [&]<class T>(const T& of) {
+  const auto add = [&](const auto& of) {
     if constexpr (requires { of.transformSamples; })
       if (of.transformSamples.values.empty()) parts[kTransform] = of.transform;
     if constexpr (requires { of.primvarSamples; })
@@ -287,7 +287,7 @@ struct OpenModel::Sampler {
       for (size_t i = 0; i < poses.size(); ++i) frames.push_back(after(i, poses.size() - 1) * model.frames_per_unit());
       return frames;
     };
-    const auto give = [&]<class T>(T& prim) {
+    const auto give = [&](auto& prim) {
       for (auto& [name, poses] : found->second) {
         if constexpr (requires { prim.transformSamples; })
           if (name == kTransform) {
