@@ -23,7 +23,7 @@ struct FrameShutter {
   double open = 0, close = 0;
 };
 
-class OpenModel {
+class ALABASTER_API OpenModel {
  public:
   std::unique_ptr<host::SceneSource> source;  // open, before the first pose
   Placement placement;
