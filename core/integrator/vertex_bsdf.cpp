@@ -60,10 +60,9 @@ ScatterValue VertexBsdf::evaluate(const DisneyBsdf& bsdf, const Vec3f& wi) const
   if (!bsdf.reaches(local) || !v_.is_above_surface(wi)) return {};
   Rgb specular;
   const BsdfValue value = bsdf.evaluate(local, seeks_specular_ ? &specular : nullptr);
-  ScatterValue scattered{value.f * std::abs(local.z), value.pdf};
-  if (seeks_specular_) scattered.specular = share_of(specular, value.f);
-  if (seeks_exit_lobe_)
-    scattered.exit_cos = bsdf.subsurface_exit(local) * local.z, scattered.exit_pdf = local.z * kInvPi;
+  ScatterValue scattered{value.f_cos, value.pdf};
+  if (seeks_specular_) scattered.specular = share_of(specular, value.f_cos);
+  if (seeks_exit_lobe_) scattered.exit_cos = bsdf.exit_f_cos(local), scattered.exit_pdf = local.z * kInvPi;
   return scattered;
 }
 
@@ -72,22 +71,22 @@ ScatterValue VertexBsdf::evaluate(const Interface& at, const Vec3f& wi, Side sid
   if (side_of(at.bsdf, local, wi) != side) return {};
   Rgb specular;
   const BsdfValue value = at.bsdf.evaluate(local, seeks_specular_ ? &specular : nullptr);
-  const Rgb f_cos = (side == Side::far ? value.f * at.factor : value.f) * std::abs(local.z);
-  return {f_cos, value.pdf, seeks_specular_ ? share_of(specular, value.f) : Rgb(0.0f)};
+  return {side == Side::far ? value.f_cos * at.factor : value.f_cos, value.pdf,
+          seeks_specular_ ? share_of(specular, value.f_cos) : Rgb(0.0f)};
 }
 
 // The albedo of the lobe is kMeanDiffuseTransmittance. The lobes at the entry compensate for that.
 ScatterValue VertexBsdf::evaluate_exit(const Vec3f& wi) const {
   const float cosine = dot(wi, v_.frame.n);
   if (!(cosine > 0) || !v_.is_above_surface(wi)) return {};
-  ScatterValue value{Rgb(eval_subsurface_exit({0, 0, cosine}) * cosine), cosine * kInvPi};
+  ScatterValue value{Rgb(subsurface_exit_f_cos(cosine)), cosine * kInvPi};
   if (v_.exit_layers) [[unlikely]]
     value.f_cos *= v_.exit_layers->leaving(v_.frame.to_local(wi));
   return value;
 }
 
-void VertexBsdf::record_lobe(Lobe lobe, const Rgb& f, float pdf) const {
-  if (context_.record) context_.record->sample_lobe(lobe_name(lobe), f, pdf);
+void VertexBsdf::record_lobe(const BsdfSample& sample) const {
+  if (context_.record) context_.record->sample_lobe(lobe_name(sample.lobe), sample.f_cos, sample.pdf);
 }
 
 bool VertexBsdf::sample(const DisneyBsdf& bsdf, const std::array<float, 4>& u, ScatterSample* out) const {
@@ -95,17 +94,14 @@ bool VertexBsdf::sample(const DisneyBsdf& bsdf, const std::array<float, 4>& u, S
   const auto sample = bsdf.sample(u[0], {u[1], u[2]}, seeks_specular_ ? &specular : nullptr);
   if (!sample) return false;
   DCHECK_GE(sample->pdf, 0.0f);
-  record_lobe(sample->lobe, sample->f, sample->pdf);
+  record_lobe(*sample);
   out->lobe = sample->lobe;
-  if (sample->lobe == Lobe::subsurface) {
-    out->weight = sample->f * (1 / sample->pdf);
-    return true;
-  }
+  out->weight = sample->weight();
+  if (sample->lobe == Lobe::subsurface) return true;
   out->wi = v_.frame.to_world(sample->wi);
   out->side = Side::near;
-  out->weight = sample->f * (std::abs(sample->wi.z) / sample->pdf);
   out->pdf = sample->pdf;
-  if (seeks_specular_) out->specular = share_of(specular, sample->f);
+  if (seeks_specular_) out->specular = share_of(specular, sample->f_cos);
   return v_.is_above_surface(out->wi);
 }
 
@@ -113,16 +109,16 @@ bool VertexBsdf::sample(const Interface& at, const std::array<float, 4>& u, Scat
   Rgb specular;
   const auto sample = at.bsdf.sample(u[0], {u[1], u[2]}, seeks_specular_ ? &specular : nullptr);
   if (!sample) return false;
-  record_lobe(sample->lobe, sample->f, sample->pdf);
+  record_lobe(*sample);
   out->lobe = sample->lobe;
+  out->weight = sample->weight();
   const bool is_discrete = sample->lobe == Lobe::subsurface || sample->lobe == Lobe::straight;
-  out->weight = sample->f * ((is_discrete ? 1 : std::abs(sample->wi.z)) / sample->pdf);
   out->pdf = is_discrete ? std::numeric_limits<float>::infinity() : sample->pdf;
   if (sample->lobe == Lobe::subsurface) return true;
   const Vec3f wi = v_.frame.to_world(sample->wi);
   out->side = side_of(at.bsdf, sample->wi, wi);
   out->wi = sample->lobe == Lobe::straight ? incoming_ : wi;
-  if (seeks_specular_) out->specular = sample->lobe == Lobe::straight ? Rgb(1.0f) : share_of(specular, sample->f);
+  if (seeks_specular_) out->specular = sample->lobe == Lobe::straight ? Rgb(1.0f) : share_of(specular, sample->f_cos);
   return out->side != Side::neither;
 }
 

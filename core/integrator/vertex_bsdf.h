@@ -87,7 +87,7 @@ class VertexBsdf {
   bool sample(const DisneyBsdf& bsdf, const std::array<float, 4>& u, ScatterSample* out) const;
   bool sample(const Interface& at, const std::array<float, 4>& u, ScatterSample* out) const;
   bool sample_exit(const std::array<float, 4>& u, ScatterSample* out) const;
-  void record_lobe(Lobe lobe, const Rgb& f, float pdf) const;
+  void record_lobe(const BsdfSample& sample) const;
 
   const PathContext& context_;
   const Vertex& v_;
