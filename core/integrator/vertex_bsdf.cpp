@@ -31,39 +31,9 @@ VertexBsdf::VertexBsdf(const PathContext& context, const Vertex& v, const Path& 
   }
 }
 
-LightSampleContext VertexBsdf::light_context() const {
-  switch (v_.kind) {
-    case Vertex::Kind::surface:
-      return {v_.material.scatters() ? ConstantDomes::sampled : ConstantDomes::bsdf_sampling_only, v_.frame.n};
-    case Vertex::Kind::interface:  // its lobes are on both sides: no one normal weighs the light
-      return {v_.material.scatters() ? ConstantDomes::sampled : ConstantDomes::bsdf_sampling_only};
-    case Vertex::Kind::exit:
-    case Vertex::Kind::within:
-      break;
-  }
-  return {ConstantDomes::bsdf_sampling_only, v_.frame.n};
-}
-
-bool VertexBsdf::leaves_from(Vertex::Origin origin) const {
-  if (origin != Vertex::kFarSide) return true;
-  const auto* const interface = std::get_if<Interface>(&bsdf_);
-  return interface && interface->bsdf.scatters_beyond();
-}
-
 Side VertexBsdf::side_of(const DisneyTransmissiveBsdf& bsdf, const Vec3f& wi_local, const Vec3f& wi) const {
   if (bsdf.reflects_to(wi_local) && v_.is_above_surface(wi)) return Side::near;
-  return wi_local.z < 0 && dot(wi, v_.smooth_normal) < 0 && dot(wi, v_.hit.ng) < 0 ? Side::far : Side::neither;
-}
-
-ScatterValue VertexBsdf::evaluate(const DisneyBsdf& bsdf, const Vec3f& wi) const {
-  const Vec3f local = v_.frame.to_local(wi);
-  if (!bsdf.reaches(local) || !v_.is_above_surface(wi)) return {};
-  Rgb specular;
-  const BsdfValue value = bsdf.evaluate(local, seeks_specular_ ? &specular : nullptr);
-  ScatterValue scattered{value.f_cos, value.pdf};
-  if (seeks_specular_) scattered.specular = share_of(specular, value.f_cos);
-  if (seeks_exit_lobe_) scattered.exit_cos = bsdf.exit_f_cos(local), scattered.exit_pdf = local.z * kInvPi;
-  return scattered;
+  return wi_local.z < 0 && dot(wi, v_.smooth_normal()) < 0 && dot(wi, v_.hit.ng) < 0 ? Side::far : Side::neither;
 }
 
 ScatterValue VertexBsdf::evaluate(const Interface& at, const Vec3f& wi, Side side) const {
@@ -73,16 +43,6 @@ ScatterValue VertexBsdf::evaluate(const Interface& at, const Vec3f& wi, Side sid
   const BsdfValue value = at.bsdf.evaluate(local, seeks_specular_ ? &specular : nullptr);
   return {side == Side::far ? value.f_cos * at.factor : value.f_cos, value.pdf,
           seeks_specular_ ? share_of(specular, value.f_cos) : Rgb(0.0f)};
-}
-
-// The albedo of the lobe is kMeanDiffuseTransmittance. The lobes at the entry compensate for that.
-ScatterValue VertexBsdf::evaluate_exit(const Vec3f& wi) const {
-  const float cosine = dot(wi, v_.frame.n);
-  if (!(cosine > 0) || !v_.is_above_surface(wi)) return {};
-  ScatterValue value{Rgb(subsurface_exit_f_cos(cosine)), cosine * kInvPi};
-  if (v_.exit_layers) [[unlikely]]
-    value.f_cos *= v_.exit_layers->leaving(v_.frame.to_local(wi));
-  return value;
 }
 
 void VertexBsdf::record_lobe(const BsdfSample& sample) const {
@@ -148,17 +108,12 @@ bool VertexBsdf::sample(const std::array<float, 4>& u, ScatterSample* out) const
   return true;
 }
 
-std::optional<ControlVariate> VertexBsdf::control_variate(const std::array<float, 4>& u) const {
+bool VertexBsdf::has_twins() const {
   constexpr float kOverflows = 1e30f;  // beyond, a drawn distance may be infinite
   const DisneyParameters& p = v_.material;
-  if (v_.kind != Vertex::Kind::surface || !p.scatters() || context_.mode() != SubsurfaceMode::walk ||
-      !context_.settings.walk.twins || p.scatter_anisotropy != 0 || !(max_component(p.scatter_distance) < kOverflows) ||
-      is_black(subsurface_entry()))
-    return std::nullopt;
-  ControlVariate control;
-  control.albedo = obtained_albedo(p.base_color, context_.settings.inversion);
-  control.light_numbers = u;
-  return control;
+  return v_.kind == Vertex::Kind::surface && p.scatters() && context_.mode() == SubsurfaceMode::walk &&
+         context_.settings.walk.twins && p.scatter_anisotropy == 0 && max_component(p.scatter_distance) < kOverflows &&
+         !is_black(subsurface_entry());
 }
 
 }  // namespace alabaster
