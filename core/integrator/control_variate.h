@@ -12,10 +12,12 @@
 namespace alabaster {
 
 struct ControlVariate {
-  Rgb albedo{0.0f};  // of the half-space
-  Rgb light{0.0f};   // that the exit lobe sends on at the vertex, of throughput one
+  ControlVariate(const Rgb& of_half_space, const std::array<float, 4>& numbers)
+      : albedo(of_half_space), light_numbers(numbers) {}
+  Rgb albedo;       // of the half-space
+  Rgb light{0.0f};  // that the exit lobe sends on at the vertex, of throughput one
   /// The numbers that sampled it: exits are lit with the same, so that their light differs little.
-  std::array<float, 4> light_numbers{};
+  std::array<float, 4> light_numbers;
   /// Those of a constant dome's direction, where it gives most light: paths go on that way, and meet it if it was met.
   std::optional<Vec2f> dome_sample = {};
 };

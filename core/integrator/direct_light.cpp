@@ -35,28 +35,31 @@ bool reaches_smooth_surface(const PathContext& context, const Vertex& v) {
   return !context.scene.top->occluded({from, v.origins[Vertex::kSmooth].p - from, 1, context.time});
 }
 
-void sample_lights(const PathContext& context, const Vertex& v, const VertexBsdf& bsdf, ControlVariate* control,
-                   Path* path) {
+void sample_lights(const PathContext& context, const VertexBsdf& bsdf, Vertex* vertex, Path* path) {
   if (!bsdf.has_lobes()) return;
+  const Vertex& v = *vertex;
+  ControlVariate* const control = vertex->control ? &*vertex->control : nullptr;
   PathRecord* const record = context.record;
   const LightSet& lights = context.scene.lights_of(*v.instance);
   const LightSampleContext at = bsdf.light_context();
+  const size_t draws = lights.draws(at);
+  const auto branches = static_cast<float>(path->branches);
   const std::array<float, 4>& u = v.u.light;
   if (control) control->dome_sample = lights.leading_dome_numbers(v.origins[Vertex::kFacet].p, u);
 
   Rgb direct(0.0f);
   for (const auto origin : {Vertex::kFacet, Vertex::kSmooth, Vertex::kFarSide}) {
-    // The smooth surface is sampled with a chance. Each direction is lit from its own origin.
+    // Origins are sampled with a chance. Each direction is lit from its own one.
     const RayOrigin& from = v.origins[origin];
-    if (!bsdf.leaves_from(origin) || !(u[3] < from.chance)) continue;
+    if (!(u[3] < from.chance) || (origin == Vertex::kFarSide && !bsdf.scatters_beyond())) continue;
     std::optional<bool> reached;
     const MediumStack& media = origin == Vertex::kFarSide ? bsdf.media_beyond() : path->media;
-    for (uint32_t k = 0; k < lights.draws(at); ++k) {
+    for (uint32_t k = 0; k < draws; ++k) {
       // Sample a light, and evaluate the BSDF.
       const std::optional<LightSample> light = lights.draw(k, from.p, from.horizon, u, at);
       if (!light) continue;
       const ScatterValue value = bsdf.evaluate(light->wi, origin);
-      const float pdf = value.pdf * static_cast<float>(path->branches);
+      const float pdf = value.pdf * branches;
       if (record && value.pdf > 0) record->sample_light(light->wi, value.f_cos, pdf);
       if (is_black(value.f_cos) && !(value.exit_cos > 0)) continue;
 

@@ -12,13 +12,12 @@ struct LightWeight {
   float mis;  // against BSDF sampling
 };
 
-/// Adds the light that the sampled lights send by way of the vertex, and the expectation of `control`, which takes the
-/// light of the exit lobe there; null: there is none.
+/// Adds the light that the sampled lights send by way of the vertex, and the expectation of its control variate, which
+/// takes the light of the exit lobe there.
 ///
 /// Shadow rays go straight on through clear sheets, and end at clear solids: light finds its way through those by BSDF
 /// sampling alone.
-void sample_lights(const PathContext& context, const Vertex& v, const VertexBsdf& bsdf, ControlVariate* control,
-                   Path* path);
+void sample_lights(const PathContext& context, const VertexBsdf& bsdf, Vertex* v, Path* path);
 
 /// True if no geometry lies between the facet and the smooth surface over it: where bodies touch, light must not slip
 /// in between them.

@@ -31,17 +31,11 @@ Rgb linked_light_emission(const PathContext& context, const Path& path, bool esc
 }  // namespace
 
 Rgb emission_along(const PathContext& context, const Path& path, bool escaped) {
-  const auto weigh = [&path](float light_pdf) { return mis_weight(path, light_pdf); };
-  const auto weigh_in_media = [&](float light_pdf, float distance) {
-    return path.media.transmittance(distance - path.straight) * weigh(light_pdf);
+  const auto weigh = [&path](float light_pdf, float distance) {
+    return path.through_media(Rgb(mis_weight(path, light_pdf)), distance - path.straight);
   };
-  const bool is_camera_ray = path.depth == 0;
-  const LightSampleContext& at = path.light_context;
-  const Ray ray = ray_from_vertex(path);
-  Rgb light =
-      path.throughput * (path.media.empty()
-                             ? path.lights->emitted(ray, escaped, is_camera_ray, at, weigh, path.straight)
-                             : path.lights->emitted(ray, escaped, is_camera_ray, at, weigh_in_media, path.straight));
+  Rgb light = path.throughput * path.lights->emitted(ray_from_vertex(path), escaped, path.depth == 0,
+                                                     path.light_context, weigh, path.straight);
   if (path.lights->has_shadow_links() && path.from_vertex) [[unlikely]]
     light += path.throughput * linked_light_emission(context, path, escaped);
   return light;

@@ -78,12 +78,12 @@ void Path::pass(const Vec3f& origin, const Vec3f& direction) {
   from_vertex = false;
 }
 
-void Path::enter(const PathContext& context, Vertex* v, const std::optional<ControlVariate>& control, float roulette) {
+void Path::enter(const PathContext& context, Vertex* v, float roulette) {
   features = nullptr;
   branches = 1;
   lights = &context.scene.lights_of(*v->instance);
   v->find_medium(context.settings);
-  walk = {v, control, roulette};
+  walk = {v, roulette};
 }
 
 namespace {

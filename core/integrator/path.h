@@ -3,7 +3,6 @@
 
 #include <limits>
 
-#include "core/integrator/control_variate.h"
 #include "core/integrator/media.h"
 #include "core/integrator/path_integrator.h"
 #include "core/subsurface/entry_exit.h"
@@ -56,9 +55,8 @@ struct Layer {
 
 /// A walk through a body, which the path's next segment may be in place of a ray.
 struct Walk {
-  Vertex* entry = nullptr;                // null: the segment is a ray
-  std::optional<ControlVariate> control;  // empty: it has no twin
-  float roulette = 0;                     // the entry's number
+  Vertex* entry = nullptr;  // null: the segment is a ray
+  float roulette = 0;       // the branch's number at the entry
 };
 
 struct Path {
@@ -119,7 +117,7 @@ struct Path {
   /// Goes straight on from `origin`, where no vertex counts.
   void pass(const Vec3f& origin, const Vec3f& direction);
   /// Goes below the surface. The vertex at the walk's exit is the next one.
-  void enter(const PathContext& context, Vertex* v, const std::optional<ControlVariate>& control, float roulette);
+  void enter(const PathContext& context, Vertex* v, float roulette);
 };
 
 inline bool keeps_footprints(const PathContext& context) {

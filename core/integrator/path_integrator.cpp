@@ -9,6 +9,7 @@
 #include "core/integrator/see_through.h"
 #include "core/integrator/subsurface_scatter.h"
 #include "core/integrator/vertex_bsdf.h"
+#include "core/subsurface/medium.h"
 
 namespace alabaster {
 namespace {
@@ -64,7 +65,7 @@ bool find_next_vertex(const PathContext& context, const PixelSampler& sampler, P
     // Intersect the scene. Lights without geometry emit along the ray.
     if (record) record->follow(path->ray, path->throughput, path->pdf);
     ++(path->depth == 0 ? context.counters.camera_rays : context.counters.bounce_rays);
-    TriangleHit hit;
+    TriangleHit& hit = v->triangle;
     const float reach = path->ray.tmax;  // of a camera's ray, its far plane
     const bool found = intersect(context, sampler, path, &hit);
     const Mesh* const mesh = found ? &context.scene.instance(hit.instance).prototype->mesh : nullptr;
@@ -82,7 +83,6 @@ bool find_next_vertex(const PathContext& context, const PixelSampler& sampler, P
       make_vertex(context, hit, *path, v);
       if (record) record->meet_surface(*v->instance, hit, v->hit);
       meeting = v->material.transmits() ? resolve_interface(context, sampler, v, path) : Meeting::visible;
-      hit = v->triangle;
     }
     if (meeting == Meeting::visible) {
       passed += hit.t;
@@ -115,14 +115,13 @@ bool find_next_vertex(const PathContext& context, const PixelSampler& sampler, P
 }
 
 // Sets the path's next segment: a ray, or a walk below the surface. False: the path ends.
-bool scatter(const PathContext& context, Vertex* v, const VertexBsdf& bsdf, const VertexSamples& u,
-             const std::optional<ControlVariate>& control, Path* path) {
+bool scatter(const PathContext& context, Vertex* v, const VertexBsdf& bsdf, const VertexSamples& u, Path* path) {
   ScatterSample sample;
   if (!bsdf.sample(u.bsdf, &sample)) return end(context, "no direction was sampled");
   if (!path->may_bounce(context) && sample.lobe != Lobe::straight) return end(context, "maxDepth");
   path->throughput *= sample.weight;
   if (sample.lobe == Lobe::subsurface) {
-    path->enter(context, v, control, u.roulette);  // no bounce yet: the exit is the next vertex
+    path->enter(context, v, u.roulette);  // no bounce yet: the exit is the next vertex
     return true;
   }
   path->leave(context, *v, bsdf, sample);
@@ -136,26 +135,27 @@ void follow_path(const PathContext& context, const PixelSampler& sampler, Path* 
   Vertex& v = vertices[0];
   while (find_next_vertex(context, sampler, path, first_hit, &v)) {
     // Next-event estimation. The branches of the first vertex share its light samples.
-    VertexBsdf bsdf(context, v, *path);
+    const VertexBsdf bsdf(context, v, *path);
     path->branches = path->depth == 0 ? bsdf.branches() : 1;
-    std::optional<ControlVariate> control = bsdf.control_variate(v.u.light);
-    if (control) bsdf.seek_exit_lobe();
-    if (path->may_bounce(context)) sample_lights(context, v, bsdf, control ? &*control : nullptr, path);
+    if (bsdf.has_twins())
+      v.control.emplace(obtained_albedo(v.material.base_color, context.settings.inversion), v.u.light);
+    if (path->may_bounce(context)) sample_lights(context, bsdf, &v, path);
 
     // BSDF sampling.
     if (path->branches == 1) {
-      if (!scatter(context, &v, bsdf, v.u, control, path)) return;
+      if (!scatter(context, &v, bsdf, v.u, path)) return;
       continue;
     }
     const uint32_t branches = path->branches;
+    LightLayers layers;
     for (uint32_t i = 0; i < branches; ++i) {
       if (context.record) context.record->branch(i, branches);
       const PixelSampler own = sampler.of_branch(i, branches);
       VertexSamples u{{}, own.draw(Dimension::bsdf, path->depth)};
       u.roulette = u.bsdf[3];
-      std::optional<LightLayers> layers;
-      Path branch = path->branch(i, path->layers ? &layers.emplace() : nullptr);
-      if (scatter(context, &v, bsdf, u, control, &branch)) follow_path(context, own, &branch, nullptr, vertices + 1);
+      if (path->layers) layers = {};
+      Path branch = path->branch(i, path->layers ? &layers : nullptr);
+      if (scatter(context, &v, bsdf, u, &branch)) follow_path(context, own, &branch, nullptr, vertices + 1);
       path->join(branch, branches);
     }
     return;

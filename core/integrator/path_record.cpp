@@ -88,10 +88,11 @@ void PathRecord::light_arrives(const Rgb& light, const LightWeight& weight) {
   light_is_open_ = false;
 }
 
-void PathRecord::sample_lobe(const char* lobe, const Rgb& f, float pdf) {
-  check(f, NonfiniteCause::lobe);
+void PathRecord::sample_lobe(const char* lobe, const Rgb& f_cos, float pdf) {
+  check(f_cos, NonfiniteCause::lobe);
   if (!is_written_) return;
-  line(2, std::string("samples the lobe ") + lobe + ": f " + three(f) + plain_format(", pdf %.9g", double(pdf)));
+  line(2,
+       std::string("samples the lobe ") + lobe + ": f cos " + three(f_cos) + plain_format(", pdf %.9g", double(pdf)));
 }
 
 void PathRecord::write_walk() {

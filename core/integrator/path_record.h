@@ -31,7 +31,7 @@ class PathRecord {
   /// A light was sampled in direction `wi`, and the lobes answered. light_arrives() follows unless it is shadowed.
   void sample_light(const Vec3f& wi, const Rgb& f_cos, float pdf);
   void light_arrives(const Rgb& light, const LightWeight& weight);
-  void sample_lobe(const char* lobe, const Rgb& f, float pdf);
+  void sample_lobe(const char* lobe, const Rgb& f_cos, float pdf);
   /// For RandomWalk, which writes its steps there; leave_body() writes them down.
   WalkRecord* walk() { return is_written_ ? &walk_ : nullptr; }
   void leave_body(const Instance& instance, const TriangleHit& triangle, const SurfaceHit& hit, const Rgb& throughput);

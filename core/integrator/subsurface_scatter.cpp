@@ -93,10 +93,17 @@ bool cross_to_media(const PathContext& context, const PixelSampler& sampler, con
   return false;
 }
 
-/// The layers over the exit, of a material that has some. `at`: the vertex there. `dir`: along which the path came to
-/// the entry. A path that began within passed no layers: those of the exit are as if its light came from everywhere.
-std::optional<ExitLayers> layers_at(const Vertex& at, const SubsurfaceExit& exit, const Vertex& entry,
-                                    const Vec3f& dir) {
+/// The layers at the entry as light along `dir` passed them.
+DisneyLayers::Entered layers_entered(const Vertex& entry, const Vec3f& dir) {
+  const bool inside = entry.side.inside && !entry.side.open;
+  const auto passed = inside ? std::nullopt : DisneyLayers::of(entry.material);
+  return passed ? passed->entered(entry.frame.to_local(-dir)) : DisneyLayers::Entered();
+}
+
+/// The layers over the exit, of a material that has some. `at`: the vertex there. `entered`: those at the entry. A path
+/// that began within passed none: those of the exit are as if its light came from everywhere.
+std::optional<ExitLayers> layers_at(const Vertex& at, const SubsurfaceExit& exit, bool is_within,
+                                    const DisneyLayers::Entered& entered) {
   const DisneyMaterial& material = at.instance->material(exit.hit.triangle);
   const SurfaceHit hit = surface_on_side(*at.instance, at.placement(), exit.hit, exit.direction);
   DisneyParameters p = material.evaluate({at.instance->prototype->mesh, exit.hit, hit.uv});
@@ -105,10 +112,7 @@ std::optional<ExitLayers> layers_at(const Vertex& at, const SubsurfaceExit& exit
     p.coat_normal = at.frame.to_local(map ? mapped_normal(*at.instance, at.placement(), exit.hit, hit, *map) : hit.ns);
   const auto layers = DisneyLayers::of(p);
   if (!layers) return std::nullopt;
-  if (entry.kind == Vertex::Kind::within) return ExitLayers{*layers, layers->from_within()};
-  const bool inside = entry.side.inside && !entry.side.open;
-  const auto passed = inside ? std::nullopt : DisneyLayers::of(entry.material);
-  return ExitLayers{*layers, passed ? passed->entered(entry.frame.to_local(-dir)) : DisneyLayers::Entered()};
+  return ExitLayers{*layers, is_within ? layers->from_within() : entered};
 }
 
 }  // namespace
@@ -116,7 +120,7 @@ std::optional<ExitLayers> layers_at(const Vertex& at, const SubsurfaceExit& exit
 Exit find_exit(const PathContext& context, const PixelSampler& sampler, Path* path, Vertex* v) {
   PathRecord* const record = context.record;
   Vertex& entry = *path->walk.entry;  // it may be *v, which is written last
-  const std::optional<ControlVariate>& control = path->walk.control;
+  const std::optional<ControlVariate>& control = entry.control;
   const bool is_within = entry.kind == Vertex::Kind::within;
   const SubsurfaceBody& body = *entry.instance->body;
   path->walk.entry = nullptr;
@@ -190,9 +194,10 @@ Exit find_exit(const PathContext& context, const PixelSampler& sampler, Path* pa
   // Leave by the exit lobe: the lobes at the entry compensate for its albedo. Without an entry it is normalised
   // instead.
   if (is_within) path->throughput *= 1 / kMeanDiffuseTransmittance;
-  std::optional<Vertex> entered;
-  if (material.constants.has_dimming_layers()) [[unlikely]]
-    entered = entry;
+  const bool has_layers = material.constants.has_dimming_layers();
+  DisneyLayers::Entered entered;
+  if (has_layers) [[unlikely]]
+    entered = layers_entered(entry, path->ray.dir);
   v->kind = Vertex::Kind::exit;
   v->instance = &instance;
   v->triangle = exit->hit;
@@ -205,6 +210,7 @@ Exit find_exit(const PathContext& context, const PixelSampler& sampler, Path* pa
   else
     v->u.bsdf = sampler.draw(Dimension::exit_bsdf, path->depth);
   v->u.roulette = path->walk.roulette;
+  v->control.reset();
   v->moved.reset();
   const Placement& placement = instance.at(exit->hit, &v->moved);
   static_cast<SurfacePoint&>(v->hit) =
@@ -214,7 +220,9 @@ Exit find_exit(const PathContext& context, const PixelSampler& sampler, Path* pa
   const auto full_hit = [&] { return surface_on_side(instance, placement, exit->hit, exit->direction); };
   v->frame = frame_from_normal(
       v->is_mapped ? mapped_normal(instance, placement, exit->hit, full_hit(), *material.normal_map) : v->hit.ns);
-  v->exit_layers = entered ? layers_at(*v, *exit, *entered, path->ray.dir) : std::nullopt;
+  v->exit_layers.reset();
+  if (has_layers) [[unlikely]]
+    v->exit_layers = layers_at(*v, *exit, is_within, entered);
   if (record) record->leave_body(instance, exit->hit, full_hit(), path->throughput);
   return Exit::vertex;
 }

@@ -33,13 +33,14 @@ bool is_in_air_within(const PathContext& context, const Vertex& v, const Path& p
 }  // namespace
 
 void Vertex::set_near_origins(const Vec3f& n) {
-  smooth_normal = n;
   RayOrigin &facet = origins[kFacet], &smooth = origins[kSmooth];
-  facet = {offset_point(hit.p, hit.ng, hit.offset), {hit.ng, n}};
+  facet.p = offset_point(hit.p, hit.ng, hit.offset);
+  facet.horizon = {hit.ng, n};
   smooth.p = facet.p + curvature_shift(instance->prototype->mesh, triangle, hit, placement().object_to_world);
+  smooth.chance = origins[kFarSide].chance = 0;
+  if (smooth.p == facet.p) return;
   smooth.horizon = {n, n};
-  // Small where the mesh is fine.
-  smooth.chance = smooth.p != facet.p ? std::min(1.0f, 8 * length(cross(hit.ng, n))) : 0;
+  smooth.chance = std::min(1.0f, 8 * length(cross(hit.ng, n)));  // small where the mesh is fine
 }
 
 void Vertex::find_medium(const IntegratorSettings& settings) {
@@ -66,7 +67,8 @@ void evaluate_surface(const PathContext& context, const Ray& ray, const Triangle
   const Vec3f wo = -ray.dir;
   const Placement& placement = v->instance->at(triangle, &v->moved);
   const Mesh& mesh = v->instance->prototype->mesh;
-  v->hit = surface_on_side(*v->instance, placement, triangle, wo);
+  v->hit = surface_hit(mesh, triangle, placement.object_to_world, placement.world_to_object);
+  turn_towards(wo, &v->hit);
   const Vec3f smooth = bend_towards(v->hit.ns, v->hit.ng, wo);
   v->set_near_origins(smooth);
 
@@ -95,6 +97,7 @@ void evaluate_surface(const PathContext& context, const Ray& ray, const Triangle
   v->side = {};
   v->beyond.reset();
   v->medium = nullptr;
+  v->control.reset();
 }
 
 void make_vertex(const PathContext& context, const TriangleHit& triangle, const Path& path, Vertex* v) {

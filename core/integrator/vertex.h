@@ -3,6 +3,7 @@
 #pragma once
 
 #include "core/geometry/surface_hit.h"
+#include "core/integrator/control_variate.h"
 #include "core/integrator/path.h"
 #include "core/material/disney_layers.h"
 #include "core/material/disney_transmissive_bsdf.h"
@@ -43,7 +44,6 @@ struct Vertex {
   TriangleHit triangle;
   SurfaceHit hit;          // all normals on the side of the viewer, or that light leaves to; of exits a SurfacePoint
   Frame frame;             // of the lobes; that side is above it
-  Vec3f smooth_normal;     // interpolated, and bent towards the viewer
   bool is_mapped = false;  // the frame is tilted by a normal map
   DisneyParameters material;
   VertexSamples u;
@@ -54,17 +54,21 @@ struct Vertex {
   /// grazes them (the shadow terminator). Each direction has one origin, so light sampling and BSDF sampling estimate
   /// the same.
   enum Origin { kFacet, kSmooth, kFarSide };
-  std::array<RayOrigin, 3> origins;  // kSmooth: of chance 0 where the surface does not stand out over the facet
+  std::array<RayOrigin, 3> origins;  // kSmooth: of chance 0 where the surface does not stand out over the facet; so is
+                                     // kFarSide but of interfaces that resolve_interface() has found visible
 
   InterfaceSide side;                      // of interfaces, once resolve_interface() has set it
   std::optional<MediumStack> beyond = {};  // the media on its far side, where other bodies' surfaces lie on it
   std::optional<ExitLayers> exit_layers = {};
-  const WalkMedium* medium = nullptr;  // once find_medium() has been called
+  const WalkMedium* medium = nullptr;          // once find_medium() has been called
+  std::optional<ControlVariate> control = {};  // of walks that enter here; empty: they have no twins
 
   const Placement& placement() const { return moved ? *moved : *instance; }
+  /// Interpolated, and bent towards the viewer.
+  const Vec3f& smooth_normal() const { return origins[kFacet].horizon[1]; }
   bool is_above_facet(const Vec3f& wi) const { return dot(wi, hit.ng) > 0; }
   /// A lobe that a normal map tilts may lead into the surface, where it has no light to fetch.
-  bool is_above_surface(const Vec3f& wi) const { return !is_mapped || dot(wi, smooth_normal) > 0; }
+  bool is_above_surface(const Vec3f& wi) const { return !is_mapped || dot(wi, smooth_normal()) > 0; }
   /// True if a direction on the near side may leave from the smooth surface.
   bool leaves_from_smooth(const Vec3f& wi) const { return origins[kSmooth].chance > 0 && !is_above_facet(wi); }
 
@@ -86,14 +90,18 @@ void evaluate_surface(const PathContext& context, const Ray& ray, const Triangle
 /// of a body that is seen from inside through air is a thin sheet.
 void make_vertex(const PathContext& context, const TriangleHit& triangle, const Path& path, Vertex* v);
 
-/// A SurfaceHit or a SurfacePoint with all normals on the side that `towards` points to.
+/// Turns all normals to the side that `towards` points to.
+inline void turn_towards(const Vec3f& towards, SurfacePoint* hit) {
+  if (!(dot(hit->ng, towards) < 0)) return;
+  hit->ng = -hit->ng;
+  hit->ns = -hit->ns;
+  hit->ng_object = -hit->ng_object;
+}
+
+/// A SurfaceHit or a SurfacePoint with all normals on that side.
 template <class Hit>
 Hit on_side(Hit hit, const Vec3f& towards) {
-  if (dot(hit.ng, towards) < 0) {
-    hit.ng = -hit.ng;
-    hit.ns = -hit.ns;
-    hit.ng_object = -hit.ng_object;
-  }
+  turn_towards(towards, &hit);
   return hit;
 }
 

@@ -31,40 +31,9 @@ VertexBsdf::VertexBsdf(const PathContext& context, const Vertex& v, const Path& 
   }
 }
 
-LightSampleContext VertexBsdf::light_context() const {
-  switch (v_.kind) {
-    case Vertex::Kind::surface:
-      return {v_.material.scatters() ? ConstantDomes::sampled : ConstantDomes::bsdf_sampling_only, v_.frame.n};
-    case Vertex::Kind::interface:  // its lobes are on both sides: no one normal weighs the light
-      return {v_.material.scatters() ? ConstantDomes::sampled : ConstantDomes::bsdf_sampling_only};
-    case Vertex::Kind::exit:
-    case Vertex::Kind::within:
-      break;
-  }
-  return {ConstantDomes::bsdf_sampling_only, v_.frame.n};
-}
-
-bool VertexBsdf::leaves_from(Vertex::Origin origin) const {
-  if (origin != Vertex::kFarSide) return true;
-  const auto* const interface = std::get_if<Interface>(&bsdf_);
-  return interface && interface->bsdf.scatters_beyond();
-}
-
 Side VertexBsdf::side_of(const DisneyTransmissiveBsdf& bsdf, const Vec3f& wi_local, const Vec3f& wi) const {
   if (bsdf.reflects_to(wi_local) && v_.is_above_surface(wi)) return Side::near;
-  return wi_local.z < 0 && dot(wi, v_.smooth_normal) < 0 && dot(wi, v_.hit.ng) < 0 ? Side::far : Side::neither;
-}
-
-ScatterValue VertexBsdf::evaluate(const DisneyBsdf& bsdf, const Vec3f& wi) const {
-  const Vec3f local = v_.frame.to_local(wi);
-  if (!bsdf.reaches(local) || !v_.is_above_surface(wi)) return {};
-  Rgb specular;
-  const BsdfValue value = bsdf.evaluate(local, seeks_specular_ ? &specular : nullptr);
-  ScatterValue scattered{value.f * std::abs(local.z), value.pdf};
-  if (seeks_specular_) scattered.specular = share_of(specular, value.f);
-  if (seeks_exit_lobe_)
-    scattered.exit_cos = bsdf.subsurface_exit(local) * local.z, scattered.exit_pdf = local.z * kInvPi;
-  return scattered;
+  return wi_local.z < 0 && dot(wi, v_.smooth_normal()) < 0 && dot(wi, v_.hit.ng) < 0 ? Side::far : Side::neither;
 }
 
 ScatterValue VertexBsdf::evaluate(const Interface& at, const Vec3f& wi, Side side) const {
@@ -72,22 +41,12 @@ ScatterValue VertexBsdf::evaluate(const Interface& at, const Vec3f& wi, Side sid
   if (side_of(at.bsdf, local, wi) != side) return {};
   Rgb specular;
   const BsdfValue value = at.bsdf.evaluate(local, seeks_specular_ ? &specular : nullptr);
-  const Rgb f_cos = (side == Side::far ? value.f * at.factor : value.f) * std::abs(local.z);
-  return {f_cos, value.pdf, seeks_specular_ ? share_of(specular, value.f) : Rgb(0.0f)};
+  return {side == Side::far ? value.f_cos * at.factor : value.f_cos, value.pdf,
+          seeks_specular_ ? share_of(specular, value.f_cos) : Rgb(0.0f)};
 }
 
-// The albedo of the lobe is kMeanDiffuseTransmittance. The lobes at the entry compensate for that.
-ScatterValue VertexBsdf::evaluate_exit(const Vec3f& wi) const {
-  const float cosine = dot(wi, v_.frame.n);
-  if (!(cosine > 0) || !v_.is_above_surface(wi)) return {};
-  ScatterValue value{Rgb(eval_subsurface_exit({0, 0, cosine}) * cosine), cosine * kInvPi};
-  if (v_.exit_layers) [[unlikely]]
-    value.f_cos *= v_.exit_layers->leaving(v_.frame.to_local(wi));
-  return value;
-}
-
-void VertexBsdf::record_lobe(Lobe lobe, const Rgb& f, float pdf) const {
-  if (context_.record) context_.record->sample_lobe(lobe_name(lobe), f, pdf);
+void VertexBsdf::record_lobe(const BsdfSample& sample) const {
+  if (context_.record) context_.record->sample_lobe(lobe_name(sample.lobe), sample.f_cos, sample.pdf);
 }
 
 bool VertexBsdf::sample(const DisneyBsdf& bsdf, const std::array<float, 4>& u, ScatterSample* out) const {
@@ -95,17 +54,14 @@ bool VertexBsdf::sample(const DisneyBsdf& bsdf, const std::array<float, 4>& u, S
   const auto sample = bsdf.sample(u[0], {u[1], u[2]}, seeks_specular_ ? &specular : nullptr);
   if (!sample) return false;
   DCHECK_GE(sample->pdf, 0.0f);
-  record_lobe(sample->lobe, sample->f, sample->pdf);
+  record_lobe(*sample);
   out->lobe = sample->lobe;
-  if (sample->lobe == Lobe::subsurface) {
-    out->weight = sample->f * (1 / sample->pdf);
-    return true;
-  }
+  out->weight = sample->weight();
+  if (sample->lobe == Lobe::subsurface) return true;
   out->wi = v_.frame.to_world(sample->wi);
   out->side = Side::near;
-  out->weight = sample->f * (std::abs(sample->wi.z) / sample->pdf);
   out->pdf = sample->pdf;
-  if (seeks_specular_) out->specular = share_of(specular, sample->f);
+  if (seeks_specular_) out->specular = share_of(specular, sample->f_cos);
   return v_.is_above_surface(out->wi);
 }
 
@@ -113,16 +69,16 @@ bool VertexBsdf::sample(const Interface& at, const std::array<float, 4>& u, Scat
   Rgb specular;
   const auto sample = at.bsdf.sample(u[0], {u[1], u[2]}, seeks_specular_ ? &specular : nullptr);
   if (!sample) return false;
-  record_lobe(sample->lobe, sample->f, sample->pdf);
+  record_lobe(*sample);
   out->lobe = sample->lobe;
+  out->weight = sample->weight();
   const bool is_discrete = sample->lobe == Lobe::subsurface || sample->lobe == Lobe::straight;
-  out->weight = sample->f * ((is_discrete ? 1 : std::abs(sample->wi.z)) / sample->pdf);
   out->pdf = is_discrete ? std::numeric_limits<float>::infinity() : sample->pdf;
   if (sample->lobe == Lobe::subsurface) return true;
   const Vec3f wi = v_.frame.to_world(sample->wi);
   out->side = side_of(at.bsdf, sample->wi, wi);
   out->wi = sample->lobe == Lobe::straight ? incoming_ : wi;
-  if (seeks_specular_) out->specular = sample->lobe == Lobe::straight ? Rgb(1.0f) : share_of(specular, sample->f);
+  if (seeks_specular_) out->specular = sample->lobe == Lobe::straight ? Rgb(1.0f) : share_of(specular, sample->f_cos);
   return out->side != Side::neither;
 }
 
@@ -152,17 +108,12 @@ bool VertexBsdf::sample(const std::array<float, 4>& u, ScatterSample* out) const
   return true;
 }
 
-std::optional<ControlVariate> VertexBsdf::control_variate(const std::array<float, 4>& u) const {
+bool VertexBsdf::has_twins() const {
   constexpr float kOverflows = 1e30f;  // beyond, a drawn distance may be infinite
   const DisneyParameters& p = v_.material;
-  if (v_.kind != Vertex::Kind::surface || !p.scatters() || context_.mode() != SubsurfaceMode::walk ||
-      !context_.settings.walk.twins || p.scatter_anisotropy != 0 || !(max_component(p.scatter_distance) < kOverflows) ||
-      is_black(subsurface_entry()))
-    return std::nullopt;
-  ControlVariate control;
-  control.albedo = obtained_albedo(p.base_color, context_.settings.inversion);
-  control.light_numbers = u;
-  return control;
+  return v_.kind == Vertex::Kind::surface && p.scatters() && context_.mode() == SubsurfaceMode::walk &&
+         context_.settings.walk.twins && p.scatter_anisotropy == 0 && max_component(p.scatter_distance) < kOverflows &&
+         !is_black(subsurface_entry());
 }
 
 }  // namespace alabaster

@@ -18,7 +18,7 @@ struct ScatterValue {
   Rgb f_cos{0.0f};
   float pdf = 0;                     // of sampling the direction
   Rgb specular{0.0f};                // the specular lobes' share of f, per channel; only where it is asked for
-  float exit_cos = 0, exit_pdf = 0;  // f cos and pdf of an exit lobe; only where it is asked for
+  float exit_cos = 0, exit_pdf = 0;  // f cos and pdf of an exit lobe; only where the vertex has a control variate
 };
 
 /// The side of the surface that a direction leaves to. Light that passes must do so by the lobe, by the smooth normal,
@@ -45,8 +45,8 @@ class VertexBsdf {
     return v_.kind == Vertex::Kind::surface || v_.kind == Vertex::Kind::within ? kPathsPerSample : 1;
   }
   LightSampleContext light_context() const;
-  /// True if light leaves from the origin.
-  bool leaves_from(Vertex::Origin origin) const;
+  /// Of an interface: false if all light that passes goes straight on.
+  bool scatters_beyond() const { return std::get<Interface>(bsdf_).bsdf.scatters_beyond(); }
 
   /// For a direction that leaves from `origin`.
   ScatterValue evaluate(const Vec3f& wi, Vertex::Origin origin) const {
@@ -60,10 +60,8 @@ class VertexBsdf {
   /// False: no direction was sampled.
   bool sample(const std::array<float, 4>& u, ScatterSample* out) const;
 
-  /// For walks that enter here. Empty: they have no twins. `u`: samples the lights.
-  std::optional<ControlVariate> control_variate(const std::array<float, 4>& u) const;
-  /// ScatterValue has the exit lobe from now on.
-  void seek_exit_lobe() { seeks_exit_lobe_ = true; }
+  /// True if walks that enter here have twins.
+  bool has_twins() const;
   /// The entry weight of walks.
   Rgb subsurface_entry() const { return std::get<DisneyBsdf>(bsdf_).subsurface_entry(); }
 
@@ -87,13 +85,47 @@ class VertexBsdf {
   bool sample(const DisneyBsdf& bsdf, const std::array<float, 4>& u, ScatterSample* out) const;
   bool sample(const Interface& at, const std::array<float, 4>& u, ScatterSample* out) const;
   bool sample_exit(const std::array<float, 4>& u, ScatterSample* out) const;
-  void record_lobe(Lobe lobe, const Rgb& f, float pdf) const;
+  void record_lobe(const BsdfSample& sample) const;
 
   const PathContext& context_;
   const Vertex& v_;
   Vec3f incoming_;  // along the path's ray
-  bool seeks_specular_, seeks_exit_lobe_ = false;
+  bool seeks_specular_;
   std::variant<std::monostate, DisneyBsdf, Interface, ExitLobe> bsdf_;
 };
+
+inline LightSampleContext VertexBsdf::light_context() const {
+  switch (v_.kind) {
+    case Vertex::Kind::surface:
+      return {v_.material.scatters() ? ConstantDomes::sampled : ConstantDomes::bsdf_sampling_only, v_.frame.n};
+    case Vertex::Kind::interface:  // its lobes are on both sides: no one normal weighs the light
+      return {v_.material.scatters() ? ConstantDomes::sampled : ConstantDomes::bsdf_sampling_only};
+    case Vertex::Kind::exit:
+    case Vertex::Kind::within:
+      break;
+  }
+  return {ConstantDomes::bsdf_sampling_only, v_.frame.n};
+}
+
+inline ScatterValue VertexBsdf::evaluate(const DisneyBsdf& bsdf, const Vec3f& wi) const {
+  const Vec3f local = v_.frame.to_local(wi);
+  if (!bsdf.reaches(local) || !v_.is_above_surface(wi)) return {};
+  Rgb specular;
+  const BsdfValue value = bsdf.evaluate(local, seeks_specular_ ? &specular : nullptr);
+  ScatterValue scattered{value.f_cos, value.pdf};
+  if (seeks_specular_) scattered.specular = share_of(specular, value.f_cos);
+  if (v_.control) scattered.exit_cos = bsdf.exit_f_cos(local), scattered.exit_pdf = local.z * kInvPi;
+  return scattered;
+}
+
+// The albedo of the lobe is kMeanDiffuseTransmittance. The lobes at the entry compensate for that.
+inline ScatterValue VertexBsdf::evaluate_exit(const Vec3f& wi) const {
+  const float cosine = dot(wi, v_.frame.n);
+  if (!(cosine > 0) || !v_.is_above_surface(wi)) return {};
+  ScatterValue value{Rgb(subsurface_exit_f_cos(cosine)), cosine * kInvPi};
+  if (v_.exit_layers) [[unlikely]]
+    value.f_cos *= v_.exit_layers->leaving(v_.frame.to_local(wi));
+  return value;
+}
 
 }  // namespace alabaster

@@ -71,14 +71,6 @@ bool LightSet::is_below(size_t i, const Vec3f& p, const Horizon& horizon) const 
   return std::visit(is_below, lights_[i]);
 }
 
-Vec2f LightSet::shifted(const Vec2f& u, size_t i) {
-  if (i == 0) return u;
-  // Truncation, for std::floor is a call: x >= 0.
-  const auto wrap = [](float x) { return std::min(x - static_cast<float>(static_cast<int64_t>(x)), kOneMinusEpsilon); };
-  const auto n = static_cast<float>(i);
-  return {wrap(u.x + n * 0.7548776662f), wrap(u.y + n * 0.5698402910f)};
-}
-
 std::optional<LightHit> LightSet::intersect(size_t i, const Ray& ray, const Vec3f& n) const {
   return std::visit(
       [&](const auto& light) -> std::optional<LightHit> {

@@ -4,6 +4,7 @@
 // estimation, and where next-event estimation samples them, each is sampled with probability 1.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <type_traits>
 #include <utility>
@@ -78,7 +79,6 @@ class LightSet {
   Rgb emitted(const Ray& ray, bool escaped, bool camera_ray, const LightSampleContext& search, const Weigh& weigh,
               float tmin = 0) const {
     Rgb sum(0.0f);
-    std::optional<LightChoice> choice;  // most rays meet no light
     const auto weight = [&](float pdf, float distance) {
       if constexpr (std::is_invocable_v<const Weigh&, float, float>)
         return weigh(pdf, distance);
@@ -89,7 +89,7 @@ class LightSet {
       if (camera_ray && !visible_to_camera_[i]) return;
       const auto hit = intersect(i, ray, search.n);
       if (!hit || hit->t < tmin || (hit->t > ray.tmax && !is_infinite(i))) return;  // clipping cuts no sky off
-      sum += hit->radiance * weight(pdf_of(i, *hit, ray.org, search.domes, &choice), hit->t);
+      sum += hit->radiance * weight(pdf_of(i, *hit, ray.org, search.domes), hit->t);
     };
     if (tree_.empty())
       for (const uint32_t i : finite_) add(i);
@@ -117,12 +117,11 @@ class LightSet {
   Rgb emitted_with_links(const Ray& ray, const LightSampleContext& search, const Weigh& weigh,
                          const Arrives& arrives) const {
     Rgb sum(0.0f);
-    std::optional<LightChoice> choice;
     for (const uint32_t i : shadow_linked_) {
       const auto hit = intersect(i, ray, search.n);
       if (!hit) continue;
       const Rgb share = arrives(shadow_links_[i], hit->t);
-      if (!is_black(share)) sum += hit->radiance * share * weigh(pdf_of(i, *hit, ray.org, search.domes, &choice));
+      if (!is_black(share)) sum += hit->radiance * share * weigh(pdf_of(i, *hit, ray.org, search.domes));
     }
     return sum;
   }
@@ -143,21 +142,26 @@ class LightSet {
   std::optional<LightHit> intersect(size_t i, const Ray& ray, const Vec3f& n) const;
   std::optional<LightSample> sample_light(size_t i, const Vec3f& p, const Vec2f& u, const Vec3f& n) const;
   /// Another point of the unit square for each light, as well spread as u: shifted by Roberts' R2 lattice.
-  static Vec2f shifted(const Vec2f& u, size_t i);
+  static Vec2f shifted(const Vec2f& u, size_t i) {
+    if (i == 0) return u;
+    // Truncation, for std::floor is a call: x >= 0.
+    const auto wrap = [](float x) {
+      return std::min(x - static_cast<float>(static_cast<int64_t>(x)), kOneMinusEpsilon);
+    };
+    const auto n = static_cast<float>(i);
+    return {wrap(u.x + n * 0.7548776662f), wrap(u.y + n * 0.5698402910f)};
+  }
   /// The random numbers of constant dome k (of constant_domes_) where one light is chosen of many.
   static Vec2f dome_numbers(size_t k, const std::array<float, 4>& u) { return shifted({u[1], u[2]}, k + 1); }
   bool is_below(size_t i, const Vec3f& p, const Horizon& horizon) const;
   bool is_infinite(size_t i) const {
     return std::holds_alternative<DistantLight>(lights_[i]) || std::holds_alternative<DomeLight>(lights_[i]);
   }
-  /// The pdf that draw(., p, ...) has for a light i that a ray has met. `choice` is kept between calls.
-  float pdf_of(size_t i, const LightHit& hit, const Vec3f& p, ConstantDomes domes,
-               std::optional<LightChoice>* choice) const {
+  /// The pdf that draw(., p, ...) has for a light i that a ray has met.
+  float pdf_of(size_t i, const LightHit& hit, const Vec3f& p, ConstantDomes domes) const {
     if (is_left_out(domes, i)) return 0;
     if (sample_all_ || is_constant_dome(lights_[i])) return hit.pdf;
-    if (!tree_.empty()) return hit.pdf * tree_.probability(lights_, p, i);
-    if (!*choice) choice->emplace(lights_, p);
-    return hit.pdf * (*choice)->probability(i);
+    return hit.pdf * choice_probability(i, p);
   }
   bool is_left_out(ConstantDomes domes, size_t i) const {
     return domes == ConstantDomes::bsdf_sampling_only && is_constant_dome(lights_[i]);

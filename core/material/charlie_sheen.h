@@ -36,7 +36,7 @@ struct CharlieSheen {
   }
   /// D V reflects more than it receives at grazing view below roughness 0.4, up to 1.7 times; it is divided by that
   /// much. The pdf is uniform over the hemisphere, which bounds f cos / pdf by pi D.
-  BsdfValue evaluate(const Vec3f& wo, const Vec3f& wi) const {
+  LobeValue evaluate(const Vec3f& wo, const Vec3f& wi) const {
     if (!(wo.z > 0 && wi.z > 0)) return {};
     const auto facet = mirror_facet(wo, wi);
     if (!facet) return {};

@@ -104,7 +104,7 @@ float integrate_clearcoat(float cosine, float alpha) {
   return mean_over_square<32, 16>([&](const Vec2f& u) {
     const auto wi = lobe.sample(wo, {u.x, 0.5f * u.y});
     if (!wi) return 0.0f;
-    const BsdfValue value = lobe.evaluate(wo, *wi);
+    const LobeValue value = lobe.evaluate(wo, *wi);
     return value.pdf > 0 ? value.f.r * wi->z / value.pdf : 0.0f;
   });
 }

@@ -18,7 +18,8 @@ Rgb scattering_channels(const Rgb& scatter_distance) {
 const char* lobe_name(Lobe lobe) {
   constexpr const char* kNames[] = {"diffuse",    "sheen",      "specular", "clearcoat",
                                     "subsurface", "dielectric", "straight", "diffuse transmission"};
-  return kNames[static_cast<size_t>(lobe)];
+  static_assert(std::size(kNames) == index(Lobe::count));
+  return kNames[index(lobe)];
 }
 
 DisneyBsdf::DisneyBsdf(const DisneyParameters& p, const Vec3f& wo, EnergyModel energy)
@@ -45,7 +46,7 @@ DisneyBsdf::DisneyBsdf(const DisneyParameters& p, const Vec3f& wo, EnergyModel e
 }
 
 void DisneyBsdf::set_probabilities(const Rgb& walked) {
-  float weight[kLobes];
+  float weight[kLobes] = {};
   weight[index(Lobe::diffuse)] = choice_weight(diffuse_.albedo(wo_) * kept_.base + several_albedo_ * lost_);
   weight[index(Lobe::sheen)] = choice_weight(fibrous() ? layers_->fibres.albedo(wo_) : sheen_.albedo(wo_));
   weight[index(Lobe::specular)] = choice_weight(specular_.albedo(wo_));
@@ -66,16 +67,25 @@ void DisneyBsdf::set_probabilities(const Rgb& walked) {
 BsdfValue DisneyBsdf::evaluate(const Vec3f& wi, Rgb* specular) const {
   if (specular) *specular = Rgb(0.0f);
   if (!(wo_.z > 0)) return {};
-  if (!(wi.z > 0)) return evaluate_coat_alone(wi, specular);
-  if (!is_bounded()) [[unlikely]]
-    return layers_ ? evaluate_as<true, false>(wi, specular) : evaluate_as<false, false>(wi, specular);
-  return layers_ ? evaluate_as<true, true>(wi, specular) : evaluate_as<false, true>(wi, specular);
+  if (!layers_) [[likely]]
+    return is_bounded() ? evaluate_below_coat<false, true>(wi, specular)
+                        : evaluate_below_coat<false, false>(wi, specular);
+  BsdfValue sum =
+      is_bounded() ? evaluate_below_coat<true, true>(wi, specular) : evaluate_below_coat<true, false>(wi, specular);
+  const float probability = probability_[index(Lobe::clearcoat)];
+  if (!coated() || !(probability > 0)) return sum;
+  const BsdfValue coat = layers_->coat.evaluate(wo_, wi);
+  sum.f_cos += coat.f_cos;
+  sum.pdf += probability * coat.pdf;
+  if (specular) *specular += coat.f_cos;
+  return sum;
 }
 
 template <bool kLayered, bool kBounded>
-BsdfValue DisneyBsdf::evaluate_as(const Vec3f& wi, Rgb* specular) const {
+BsdfValue DisneyBsdf::evaluate_below_coat(const Vec3f& wi, Rgb* specular) const {
+  if (!(wi.z > 0)) return {};
   const KeptShares kept = kBounded ? kept_towards(wi) : KeptShares();
-  BsdfValue sum;
+  LobeValue sum;
   // Diffuse and Burley's sheen are sampled alike.
   const float diffuse = probability_[index(Lobe::diffuse)], sheen = probability_[index(Lobe::sheen)];
   const bool fibrous = kLayered && layers_->fibrous(), coated = kLayered && layers_->coated();
@@ -85,7 +95,7 @@ BsdfValue DisneyBsdf::evaluate_as(const Vec3f& wi, Rgb* specular) const {
   if (!fibrous && sheen > 0) sum.f += sheen_.evaluate(wo_, wi).f;
   if (kBounded) sum.f *= kept.base;
   if (fibrous) {
-    const BsdfValue fibres = layers_->fibres.evaluate(wo_, wi);
+    const LobeValue fibres = layers_->fibres.evaluate(wo_, wi);
     sum.f = sum.f * below + fibres.f;
     sum.pdf += sheen * fibres.pdf;
   }
@@ -97,33 +107,25 @@ BsdfValue DisneyBsdf::evaluate_as(const Vec3f& wi, Rgb* specular) const {
     sum.f += seen;
     if (specular) *specular += seen;
   }
-  const auto add = [&](Lobe lobe, const BsdfValue& value) {
+  const auto add = [&](Lobe lobe, const LobeValue& value) {
     sum.f += value.f;
     sum.pdf += probability_[index(lobe)] * value.pdf;
     if (specular) *specular += value.f;
   };
   if (probability_[index(Lobe::specular)] > 0) {
-    BsdfValue value = specular_.evaluate(wo_, wi);
+    LobeValue value = specular_.evaluate(wo_, wi);
     if (kBounded) value.f *= kept.specular;
     if (fibrous) value.f *= below;
     if (coated) value.f *= layers_->coat.over_specular(wo_, wi);
     add(Lobe::specular, value);
   }
-  if (probability_[index(Lobe::clearcoat)] > 0) {
-    BsdfValue value = coated ? layers_->coat.evaluate(wo_, wi) : clearcoat_.evaluate(wo_, wi);
-    if (kBounded && !coated) value.f *= kept.specular;
+  if (!coated && probability_[index(Lobe::clearcoat)] > 0) {
+    LobeValue value = clearcoat_.evaluate(wo_, wi);
+    if (kBounded) value.f *= kept.specular;
     add(Lobe::clearcoat, value);
   }
-  return sum;
-}
-
-BsdfValue DisneyBsdf::evaluate_coat_alone(const Vec3f& wi, Rgb* specular) const {
-  const float probability = probability_[index(Lobe::clearcoat)];
-  if (!coated() || !layers_->coat.tilted || !(probability > 0)) return {};
-  BsdfValue value = layers_->coat.evaluate(wo_, wi);
-  value.pdf *= probability;
-  if (specular) *specular = value.f;
-  return value;
+  if (specular) *specular *= wi.z;
+  return {sum.f * wi.z, sum.pdf};
 }
 
 Lobe DisneyBsdf::choose(float u) const {
@@ -159,7 +161,7 @@ std::optional<BsdfSample> DisneyBsdf::sample(float u_lobe, const Vec2f& u, Rgb* 
   // Without any lobe choose() names the first, which has no probability.
   if (!(probability_[index(sample.lobe)] > 0)) return std::nullopt;
   if (sample.lobe == Lobe::subsurface) {
-    sample.f = subsurface_entry();
+    sample.f_cos = subsurface_entry();
     sample.pdf = probability_[index(Lobe::subsurface)];
     return sample;
   }
@@ -168,7 +170,7 @@ std::optional<BsdfSample> DisneyBsdf::sample(float u_lobe, const Vec2f& u, Rgb* 
   sample.wi = *wi;
   const BsdfValue value = evaluate(*wi, specular);
   if (!(value.pdf > 0)) return std::nullopt;
-  sample.f = value.f;
+  sample.f_cos = value.f_cos;
   sample.pdf = value.pdf;
   return sample;
 }
@@ -177,8 +179,8 @@ Rgb DisneyBsdf::subsurface_entry() const {
   return entry_channels_ * (dielectric_ * stays_ * diffuse_transmittance(wo_.z) * passed_layers(wo_));
 }
 
-float DisneyBsdf::subsurface_exit(const Vec3f& wi) const {
-  return eval_subsurface_exit(wi) * (layers_ ? layers_->leaving(wi, layers_->entered(wo_)) : 1);
+float DisneyBsdf::exit_f_cos(const Vec3f& wi) const {
+  return subsurface_exit_f_cos(wi.z) * (layers_ ? layers_->leaving(wi, layers_->entered(wo_)) : 1);
 }
 
 Rgb DisneyBsdf::albedo() const {

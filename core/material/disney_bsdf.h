@@ -1,8 +1,8 @@
 // The Disney BSDF (Burley 2015) at one point, with its Lambertian term taken out where the medium scatters.
 //
 // Conventions (Veach 1997, 3.7.5): wo to the viewer, wi to the light, both leave the surface and are unit; local frame
-// with z = ns and x along the tangent of anisotropy; f WITHOUT the cosine |wi.z|; pdf per solid angle. A coat has a
-// normal of its own (disney_coat.h) and may reflect to wi.z <= 0.
+// with z = ns and x along the tangent of anisotropy; values have the cosine |wi.z|; pdf per solid angle. A coat has a
+// normal of its own (disney_coat.h), by which it counts light, and may reflect to wi.z <= 0.
 //
 // f = (1-metallic) (1-specTrans) [ diffuse + sheen ] + specular + clearcoat, the diffuse part being
 //   (C/pi)(1-.5F_L)(1-.5F_V)  +  (C/pi) R_R (F_L + F_V + F_L F_V (R_R-1)),  R_R = 2 roughness cos^2(theta_d).
@@ -34,16 +34,19 @@ enum class Lobe {
   dielectric,            // reflected or refracted by a clear boundary
   straight,              // passed it in the same direction, by a discrete choice
   diffuse_transmission,  // scattered to the other side
+  count
 };
 const char* lobe_name(Lobe lobe);
 
 struct BsdfSample {
   Lobe lobe = Lobe::diffuse;
   Vec3f wi{0, 0, 1};  // not set for Lobe::subsurface
-  Rgb f{0.0f};        // all local lobes' f for wi; for Lobe::subsurface the entry weight per channel (see below), for
+  Rgb f_cos{0.0f};    // all local lobes' for wi; for Lobe::subsurface the entry weight per channel (see below), for
                       // Lobe::straight what passes
   float pdf = 0;  // of all local lobes together, including the probability not to choose subsurface or straight; for
                   // those the (discrete) probability of that choice
+  /// The reciprocal of the least densities is not finite.
+  Rgb weight() const { return {f_cos.r / pdf, f_cos.g / pdf, f_cos.b / pdf}; }
 };
 
 class DisneyBsdf {
@@ -53,9 +56,9 @@ class DisneyBsdf {
 
   /// All local lobes together. The pdf is the sum of probability times pdf over them: it integrates to 1 -
   /// P(subsurface) less the share that specular samples lose below the horizon. `specular`, unless null, receives the
-  /// specular and clearcoat lobes' part of f, which is never above f; the rest is diffuse and sheen.
+  /// specular and clearcoat lobes' part of f cos, which is never above it; the rest is diffuse and sheen.
   BsdfValue evaluate(const Vec3f& wi, Rgb* specular = nullptr) const;
-  /// `u_lobe` chooses the lobe, `u` the direction. Empty: no sample (absorbed). f, pdf and `specular` are those of
+  /// `u_lobe` chooses the lobe, `u` the direction. Empty: no sample (absorbed). f_cos, pdf and `specular` are those of
   /// evaluate(wi); `specular` is left alone for Lobe::subsurface.
   std::optional<BsdfSample> sample(float u_lobe, const Vec2f& u, Rgb* specular = nullptr) const;
 
@@ -63,8 +66,8 @@ class DisneyBsdf {
   /// 0, else 0. The colour is in the walk's throughput, never here.
   Rgb subsurface_entry() const;
 
-  /// eval_subsurface_exit() where the light entered, under the layers.
-  float subsurface_exit(const Vec3f& wi) const;
+  /// subsurface_exit_f_cos() where the light entered, under the layers.
+  float exit_f_cos(const Vec3f& wi) const;
 
   /// The estimate of all that it reflects and lets enter by which lobes are chosen; 0 if it does neither.
   float weight() const { return weight_; }
@@ -90,7 +93,7 @@ class DisneyBsdf {
   Rgb albedo() const;
 
  private:
-  static constexpr int kLobes = 5;  // the first of enum Lobe
+  static constexpr int kLobes = static_cast<int>(Lobe::subsurface) + 1;  // the first of enum Lobe
 
   bool fibrous() const { return layers_ && layers_->fibrous(); }
   bool coated() const { return layers_ && layers_->coated(); }
@@ -114,9 +117,7 @@ class DisneyBsdf {
   Rgb several_facets(const Vec3f& wi) const;
 
   template <bool kLayered, bool kBounded>
-  BsdfValue evaluate_as(const Vec3f& wi, Rgb* specular) const;
-  /// Below the horizon of the other lobes.
-  BsdfValue evaluate_coat_alone(const Vec3f& wi, Rgb* specular) const;
+  BsdfValue evaluate_below_coat(const Vec3f& wi, Rgb* specular) const;
   /// Divides the samples among the lobes. `walked`: the light that subsurface is expected to carry.
   void set_probabilities(const Rgb& walked);
   Lobe choose(float u) const;
@@ -143,15 +144,14 @@ class DisneyBsdf {
   Rgb several_albedo_{0.0f};  // the directional albedo of several_facets() per lost_among_facets()
   float lost_ = 0;            // along wo
   // Indexed by Lobe; sum to one, or are all zero. Zero only for a lobe that is zero, or next to it, in every direction.
-  float probability_[kLobes] = {0, 0, 0, 0, 0};
+  float probability_[kLobes] = {};
   float weight_ = 0;
 };
 
-/// The exit lobe of a walk: (1/pi)(1-.5F_L), a Lambertian lobe about the exit normal (Chiang, Kutz, Burley 2016,
-/// section 4). Layers there have a factor, DisneyLayers::leaving(). eval is f (without cosine); sampling is
-/// cosine_hemisphere.
-inline float eval_subsurface_exit(const Vec3f& wi) {
-  return wi.z > 0 ? kInvPi * diffuse_transmittance(wi.z) : 0;
+/// f cos of the exit lobe of a walk: f = (1/pi)(1-.5F_L), a Lambertian lobe about the exit normal (Chiang, Kutz, Burley
+/// 2016, section 4). Layers there have a factor, DisneyLayers::leaving(). Sampling is cosine_hemisphere.
+inline float subsurface_exit_f_cos(float cosine) {
+  return cosine > 0 ? kInvPi * diffuse_transmittance(cosine) * cosine : 0;
 }
 
 }  // namespace alabaster

@@ -20,7 +20,7 @@ struct DisneyClearcoat {
   }
 
   /// The pdf is that of normals by D wm.z, reflected: D wm.z / (4 wo.wm).
-  BsdfValue evaluate(const Vec3f& wo, const Vec3f& wi) const {
+  LobeValue evaluate(const Vec3f& wo, const Vec3f& wi) const {
     if (!(wo.z > 0 && wi.z > 0)) return {};
     const auto facet = mirror_facet(wo, wi);
     if (!facet) return {};

@@ -30,15 +30,11 @@ struct DisneyCoat {
             tilted};
   }
 
-  /// f for |wi.z|, the cosine that f of all lobes is multiplied with: f |wi.z| is the coat's own f times its own
-  /// cosine. `wi` may lie below the horizon of the other lobes, where reaches(wi).
+  /// f times the cosine to the coat's own normal. `wi` may lie below the horizon of the other lobes, where reaches(wi).
   BsdfValue evaluate(const Vec3f& wo, const Vec3f& wi) const {
-    if (!tilted) return layer.evaluate(wo, wi);
-    const Vec3f local = frame.to_local(wi);
-    BsdfValue value = layer.evaluate(frame.to_local(wo), local);
-    constexpr float kLeastCosine = 1e-6f;
-    value.f *= reaches(wi) ? local.z / std::max(std::abs(wi.z), kLeastCosine) : 0;
-    return value;
+    const Vec3f local = tilted ? frame.to_local(wi) : wi;
+    const LobeValue value = layer.evaluate(tilted ? frame.to_local(wo) : wo, local);
+    return {value.f * (reaches(wi) ? local.z : 0), value.pdf};
   }
   /// True if the coat, but for its own normal, reflects to `wi`.
   bool reaches(const Vec3f& wi) const { return tilted ? dot(wi, surface) > 0 : wi.z > 0; }

@@ -25,7 +25,7 @@ struct DisneyDielectric {
   /// The share of samples that go straight on.
   float chance_of_straight(const Vec3f&) const { return is_straight() ? 1 : 0; }
 
-  BsdfValue evaluate(const Vec3f& wo, const Vec3f& wi) const {
+  LobeValue evaluate(const Vec3f& wo, const Vec3f& wi) const {
     if (!(wo.z > 0) || wi.z == 0 || is_straight()) return {};
     return wi.z > 0 ? reflected(wo, wi) : refracted(wo, wi);
   }
@@ -48,7 +48,7 @@ struct DisneyDielectric {
   Rgb albedo(const Vec3f& wo) const { return boundary.albedo(wo.z); }
 
  private:
-  BsdfValue reflected(const Vec3f& wo, const Vec3f& wi) const {
+  LobeValue reflected(const Vec3f& wo, const Vec3f& wi) const {
     const auto facet = mirror_facet(wo, wi);
     if (!facet) return {};
     const auto shares = boundary.shares(facet->cos_d);
@@ -56,7 +56,7 @@ struct DisneyDielectric {
     return {shares.reflected * (pdf * ggx.g1_over_cos(wi)), pdf * shares.chance};
   }
 
-  BsdfValue refracted(const Vec3f& wo, const Vec3f& wi) const {
+  LobeValue refracted(const Vec3f& wo, const Vec3f& wi) const {
     const Vec3f sum = wo + wi * boundary.eta;
     const float l2 = dot(sum, sum);
     if (!(l2 > 1e-30f)) return {};

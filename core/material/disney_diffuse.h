@@ -52,9 +52,9 @@ struct DisneyDiffuse {
     return kInvPi * 1.25f * (f * (1 / (wo.z + wi.z) - 0.5f) + 0.5f);
   }
 
-  BsdfValue evaluate(const Vec3f& wo, const Vec3f& wi) const {
+  LobeValue evaluate(const Vec3f& wo, const Vec3f& wi) const {
     if (!(wo.z > 0 && wi.z > 0)) return {};
-    BsdfValue value{lambert_color * lambert(wo, wi) + retro_color * retro(wo, wi, roughness),
+    LobeValue value{lambert_color * lambert(wo, wi) + retro_color * retro(wo, wi, roughness),
                     pdf_cosine_hemisphere(wi)};
     if (flatness > 0) value.f = lerp(value.f, retro_color * flat(wo, wi, roughness), flatness);
     return value;

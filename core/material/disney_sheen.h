@@ -12,7 +12,7 @@ namespace alabaster {
 struct DisneySheen {
   Rgb color{0.0f};
 
-  BsdfValue evaluate(const Vec3f& wo, const Vec3f& wi) const {
+  LobeValue evaluate(const Vec3f& wo, const Vec3f& wi) const {
     if (!(wo.z > 0 && wi.z > 0)) return {};
     return {color * schlick_weight(safe_sqrt(0.5f * (1 + dot(wo, wi)))), pdf_cosine_hemisphere(wi)};
   }

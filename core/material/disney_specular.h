@@ -20,7 +20,7 @@ struct DisneySpecular {
   static DisneySpecular from(const DisneyParameters& p);
 
   /// The pdf is that of visible normals, reflected: D_v(wm) / (4 wo.wm), in which wo.wm cancels.
-  BsdfValue evaluate(const Vec3f& wo, const Vec3f& wi) const {
+  LobeValue evaluate(const Vec3f& wo, const Vec3f& wi) const {
     if (!(wo.z > 0 && wi.z > 0)) return {};
     const auto facet = mirror_facet(wo, wi);
     if (!facet) return {};

@@ -24,7 +24,7 @@ struct DisneyThinDielectric {
   /// The share of samples that go straight on.
   float chance_of_straight(const Vec3f& wo) const { return is_straight() ? 1 - chance(wo) : 0; }
 
-  BsdfValue evaluate(const Vec3f& wo, const Vec3f& wi) const {
+  LobeValue evaluate(const Vec3f& wo, const Vec3f& wi) const {
     const bool reflects = wi.z > 0;
     if (!(wo.z > 0) || wi.z == 0 || (is_straight() && !reflects)) return {};
     const Vec3f mirrored(wi.x, wi.y, std::abs(wi.z));

@@ -115,25 +115,27 @@ BsdfValue DisneyTransmissiveBsdf::evaluate(const Vec3f& wi, Rgb* specular) const
     sum = near_.evaluate(wi, specular);
     sum.pdf *= p_near_;
   }
+  const float cosine = std::abs(wi.z);
   // Below the base's horizon and above the surface only a coat reflects; transmitted light does not leave there.
   const float passes = wi.z < 0 && near_.reaches(wi) ? 0 : 1;
   const float back = chance_of_back();
   if (wi.z < 0 && p_beyond_ > 0) {
     Rgb beyond = diffuse_beyond_ * (kInvPi * left_by_layers(wi, &DisneyLayers::over_diffuse));
     if (near_.is_bounded()) beyond *= kept_beyond(wi);
-    sum.f += beyond * passes;
-    sum.pdf += p_beyond_ * (1 - back) * -wi.z * kInvPi;
+    sum.f_cos += beyond * (passes * cosine);
+    sum.pdf += p_beyond_ * (1 - back) * cosine * kInvPi;
   }
   if (wi.z > 0 && back > 0) [[unlikely]] {
-    sum.f += diffuse_back_ * kInvPi * (near_.is_bounded() ? near_.kept_towards(wi).base : Rgb(1.0f));
-    sum.pdf += p_beyond_ * back * wi.z * kInvPi;
+    sum.f_cos += diffuse_back_ * (kInvPi * cosine) * (near_.is_bounded() ? near_.kept_towards(wi).base : Rgb(1.0f));
+    sum.pdf += p_beyond_ * back * cosine * kInvPi;
   }
   if (p_clear_ > 0) {
-    const BsdfValue value = at_boundary([&](const auto& lobe) { return lobe.evaluate(wo_, wi); });
+    const LobeValue value = at_boundary([&](const auto& lobe) { return lobe.evaluate(wo_, wi); });
     const float share = (wi.z > 0 ? reflects_ : passes_ * passes) * left_by_layers(wi, &DisneyLayers::over_clear);
-    sum.f += value.f * share;
+    const Rgb clear = value.f * (share * cosine);
+    sum.f_cos += clear;
     sum.pdf += value.pdf * p_clear_;
-    if (specular) *specular += value.f * share;
+    if (specular) *specular += clear;
   }
   return sum;
 }
@@ -171,7 +173,7 @@ std::optional<BsdfSample> DisneyTransmissiveBsdf::sample(float u_lobe, const Vec
   if (!wi) return std::nullopt;
   const BsdfValue value = evaluate(*wi, specular);
   if (!(value.pdf > 0)) return std::nullopt;
-  return BsdfSample{sample.lobe, *wi, value.f, value.pdf};
+  return BsdfSample{sample.lobe, *wi, value.f_cos, value.pdf};
 }
 
 }  // namespace alabaster

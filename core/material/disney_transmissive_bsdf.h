@@ -41,7 +41,7 @@ class DisneyTransmissiveBsdf {
   /// True if f for `wi` is reflected light, which stays on wo's side.
   bool reflects_to(const Vec3f& wi) const { return near_.reaches(wi); }
 
-  /// What passes straight on: f of Lobe::straight. Black: that is no lobe here.
+  /// What passes straight on, by Lobe::straight. Black: that is no lobe here.
   Rgb straight() const;
 
   /// False if all light that passes goes straight on: evaluate() is zero on the other side.

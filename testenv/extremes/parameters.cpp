@@ -120,12 +120,12 @@ Rgb furnace_sample(const Bsdf& bsdf, const DisneyParameters& p, float lobe, cons
   const auto s = bsdf.sample(lobe, u);
   if (!s) return Rgb(0.0f);
   const bool discrete = s->lobe == Lobe::straight || s->lobe == Lobe::subsurface;
-  Rgb share = s->f * ((discrete ? 1 : std::abs(s->wi.z)) / s->pdf);
+  Rgb share = s->weight();
   if (s->lobe == Lobe::subsurface) share *= p.base_color * (41.0f / 42);  // what comes back of it at most
-  found->bad_numbers += !is_finite(share) || !(s->pdf > 0) || std::min({s->f.r, s->f.g, s->f.b}) < 0;
+  found->bad_numbers += !is_finite(share) || !(s->pdf > 0) || std::min({s->f_cos.r, s->f_cos.g, s->f_cos.b}) < 0;
   if (!discrete) {
     const BsdfValue value = bsdf.evaluate(s->wi);
-    found->disagreements += !(value.f == s->f) || value.pdf != s->pdf;
+    found->disagreements += !(value.f_cos == s->f_cos) || value.pdf != s->pdf;
   }
   return share;
 }
@@ -275,12 +275,12 @@ void print_integrals(Report& report) {
       const float lobe = rng.uniform();
       const auto s = bsdf.sample(lobe, uniform2(rng));
       directions.add(s ? 1 : 0);
-      light.add(s ? double(s->f.g * s->wi.z / s->pdf) : 0);
+      light.add(s ? double(s->weight().g) : 0);
     }
     const double mass =
         integrate_sphere([&](const Vec3f& wi) { return double(bsdf.evaluate(wi).pdf); }, mirror, c.pole);
     const double albedo = integrate_sphere(
-        [&](const Vec3f& wi) { return wi.z > 0 ? double(bsdf.evaluate(wi).f.g * wi.z) : 0; }, mirror, c.pole);
+        [&](const Vec3f& wi) { return wi.z > 0 ? double(bsdf.evaluate(wi).f_cos.g) : 0; }, mirror, c.pole);
     rows.compare("plastic", c.name, "integral of the pdf", directions, mass, 1e-3, "quadrature");
     rows.compare("plastic", c.name, "integral of f cos", light, albedo, 1e-3, "quadrature");
   }

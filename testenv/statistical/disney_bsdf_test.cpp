@@ -10,6 +10,7 @@
 
 #include "core/sampling/warp.h"
 #include "testenv/support/chi_square.h"
+#include "testenv/support/material_testing.h"
 #include "testenv/support/z_test.h"
 
 namespace alabaster {
@@ -286,7 +287,7 @@ TEST(Furnace, CoatReducesTheBaseByWhatItReflects) {
         wo, [&](const Vec3f& wi) { return kInvPi * coat.over_diffuse(wo, wi); }, 1);
     EXPECT_NEAR(base, double(coat.passed(wo)), 1e-4) << angle;
     const double layer = albedo_by_quadrature(
-        wo, [&](const Vec3f& wi) { return coat.evaluate(wo, wi).f.g; }, 3);
+        wo, [&](const Vec3f& wi) { return testing::f_of(coat.evaluate(wo, wi), wi).g; }, 3);
     const double mirror = albedo_by_quadrature(
         wo, [&](const Vec3f& wi) { return metal.evaluate(wo, wi).f.g * coat.over_specular(wo, wi); }, 3);
     std::printf("coat at %2.0f degrees: reflects %.4f, white %.4f, mirror %.4f\n", angle, layer, base + layer,
@@ -308,7 +309,7 @@ void expect_sampled_albedo(const L& lobe, const Vec3f& wo, double exponent, doub
   RunningStatistics weights;
   for (int i = 0; i < testing::run_samples(50000); ++i) {
     const auto wi = lobe.sample(wo, uniform2(rng));
-    const BsdfValue value = wi ? lobe.evaluate(wo, *wi) : BsdfValue();
+    const LobeValue value = wi ? lobe.evaluate(wo, *wi) : LobeValue();
     weights.add(value.pdf > 0 ? double(value.f.g) * double(wi->z) / double(value.pdf) : 0);
   }
   const auto result = z_test(weights, expected, {.slack = 2e-5});
@@ -348,13 +349,13 @@ TEST(Furnace, WholeBsdfBySamplesEqualsQuadrature) {
         const auto s = bsdf.sample(u_lobe, uniform2(rng));
         const bool walk = s && s->lobe == Lobe::subsurface;
         for (int c = 0; c < 3; ++c) {
-          local[c].add(s && !walk ? double(s->f[c]) * double(s->wi.z) / double(s->pdf) : 0);
-          entry[c].add(walk ? double(s->f[c]) / double(s->pdf) : 0);
+          local[c].add(s && !walk ? double(s->weight()[c]) : 0);
+          entry[c].add(walk ? double(s->weight()[c]) : 0);
         }
       }
       for (int c = 0; c < 3; ++c) {
         const double e = albedo_by_quadrature(
-            wo, [&](const Vec3f& wi) { return bsdf.evaluate(wi).f[c]; }, m.exponent);
+            wo, [&](const Vec3f& wi) { return testing::f_of(bsdf.evaluate(wi), wi)[c]; }, m.exponent);
         const auto r = z_test(local[c], e, {.slack = 2e-5});
         EXPECT_TRUE(plausible(r)) << m.name << " at " << angle << " channel " << c;
         const auto q = z_test(entry[c], double(bsdf.subsurface_entry()[c]));
@@ -372,7 +373,7 @@ TEST(Furnace, EntryTimesExitIsTheLambertPart) {
   for (double angle : kAngles) {
     const Vec3f wo = at_angle(angle);
     const double exit = albedo_by_quadrature(
-        {0, 0, 1}, [](const Vec3f& wi) { return eval_subsurface_exit(wi); }, 1);
+        {0, 0, 1}, [](const Vec3f& wi) { return subsurface_exit_f_cos(wi.z) / wi.z; }, 1);
     const double both = double(DisneyBsdf(p, wo).subsurface_entry().g) * exit;
     EXPECT_NEAR(both, double(DisneyDiffuse::lambert_albedo(wo.z)), 2e-5);
   }

@@ -184,7 +184,7 @@ RunningStatistics lobe_furnace(const Lobe& lobe, const Vec3f& wo, float eta) {
         const float u = rng.uniform();
         const auto wi = lobe.sample(wo, u, uniform2(rng));
         if (!wi) return {};
-        const BsdfValue value = lobe.evaluate(wo, *wi);
+        const LobeValue value = lobe.evaluate(wo, *wi);
         return {value.f.g * std::abs(wi->z) / value.pdf, wi->z < 0};
       },
       eta, 40000);
@@ -232,14 +232,12 @@ TEST(TransmissionFurnace, WholeBsdfBySamplesEqualsQuadrature) {
             const float u_lobe = rng.uniform();
             const auto s = bsdf.sample(u_lobe, uniform2(rng));
             if (!s || s->lobe == Lobe::subsurface) return {};
-            return {s->f.g * std::abs(s->wi.z) / s->pdf, false};
+            return {s->weight().g, false};
           },
           1, 100000);
       const auto integrate = [&](Half half) {
         const Frame frame = frame_from_normal(peak_of(wo, half, thin ? 1 : 1.5f));
-        const auto f_cos = [&](const Vec3f& wi) {
-          return lies_in(wi, half) ? double(bsdf.evaluate(wi).f.g) * std::abs(double(wi.z)) : 0.0;
-        };
+        const auto f_cos = [&](const Vec3f& wi) { return lies_in(wi, half) ? double(bsdf.evaluate(wi).f_cos.g) : 0.0; };
         return testing::integrate_sphere(f_cos, frame, 2);
       };
       const auto result = z_test(energy, integrate(Half::reflected) + integrate(Half::passed), {.slack = 1e-4});

@@ -1,9 +1,17 @@
-// Materials with textures, without a scene.
+// Materials without a scene.
 #pragma once
 
+#include <cmath>
+
+#include "core/material/bsdf_value.h"
 #include "core/material/disney_material.h"
 
 namespace alabaster::testing {
+
+/// f without the cosine, which is reciprocal.
+inline Rgb f_of(const BsdfValue& value, const Vec3f& wi) {
+  return value.f_cos * (1 / std::abs(wi.z));
+}
 
 /// Multiplies the parameter by a channel of the image.
 inline void connect(const char* parameter, std::shared_ptr<const Texture> image, DisneyMaterial* material,

@@ -292,7 +292,7 @@ void print_retro_reflection(Rows& rows) {
     RunningStatistics light;
     for (uint64_t i = 0; i < rows.report().walks_for(0.1); ++i) {
       const auto s = bsdf.sample(rng.uniform(), uniform2(rng));
-      light.add(s ? double(s->f.g * s->wi.z / s->pdf) : 0);
+      light.add(s ? double(s->weight().g) : 0);
     }
     return Estimate(light);
   };

@@ -48,7 +48,7 @@ Vec3f at(double cosine) {
 
 double reflected_of(const DisneyBsdf& bsdf, Rng& rng) {
   const auto sample = bsdf.sample(rng.uniform(), uniform2(rng));
-  return sample ? static_cast<double>(sample->f.g * sample->wi.z / sample->pdf) : 0;
+  return sample ? static_cast<double>(sample->weight().g) : 0;
 }
 
 Estimate furnace(const Case& c, EnergyModel model, double cosine, const Report& report) {
@@ -87,7 +87,7 @@ Estimate half_space(float albedo, float roughness, const Report& report) {
   for (uint64_t i = 0; i < samples; ++i) {
     const auto sample = bsdf.sample(rng.uniform(), uniform2(rng));
     const bool is_local = sample && sample->lobe != Lobe::subsurface;
-    statistics.add(walked + (is_local ? static_cast<double>(sample->f.g * sample->wi.z / sample->pdf) : 0));
+    statistics.add(walked + (is_local ? static_cast<double>(sample->weight().g) : 0));
   }
   return statistics;
 }

@@ -61,8 +61,8 @@ TEST(DirectLight, BelowTheFacetItLeavesFromTheSmoothSurface) {
   ASSERT_LT(chance, 0.9f);
 
   // In the middle of the wedge.
-  const Vec3f across = normalize(v.smooth_normal - v.hit.ng * dot(v.smooth_normal, v.hit.ng));
-  const float wedge = std::asin(length(cross(v.hit.ng, v.smooth_normal)));
+  const Vec3f across = normalize(v.smooth_normal() - v.hit.ng * dot(v.smooth_normal(), v.hit.ng));
+  const float wedge = std::asin(length(cross(v.hit.ng, v.smooth_normal())));
   const Vec3f towards = across * std::cos(wedge / 2) - v.hit.ng * std::sin(wedge / 2);
   LightParameters light = sun(0);
   light.light_to_world = Imath::rotationMatrix(Vec3d(0, 0, 1), Vec3d(towards));
@@ -71,7 +71,7 @@ TEST(DirectLight, BelowTheFacetItLeavesFromTheSmoothSurface) {
   tracer.settings.max_depth = 1;
   double sum = 0;
   for (uint32_t i = 0; i < 1024; ++i) sum += double(tracer.trace(i).color.g) / 1024;
-  const double cosine = std::sin(wedge / 2), from = double(dot(v.smooth_normal, -ray.dir));
+  const double cosine = std::sin(wedge / 2), from = double(dot(v.smooth_normal(), -ray.dir));
   const double expected =
       0.5 * 3 / M_PI * (1 - 0.5 * std::pow(1 - cosine, 5)) * (1 - 0.5 * std::pow(1 - from, 5)) * cosine;
   EXPECT_NEAR(sum, expected, 0.01 * expected);

@@ -9,6 +9,7 @@
 #include "testenv/support/chi_square.h"
 #include "testenv/support/disney_reference.h"
 #include "testenv/support/extreme_numbers.h"
+#include "testenv/support/material_testing.h"
 #include "testenv/support/z_test.h"
 
 namespace alabaster {
@@ -64,13 +65,13 @@ TEST(DisneyBsdf, FuzzIsFiniteNonNegativeAndBounded) {
     // The mirror direction and the way back are where lobes peak or lose their half vector.
     if (i % 8 == 0) wi = {-wo.x, -wo.y, wo.z};
     if (i % 8 == 1) wi = wo;
-    const auto [f, pdf] = bsdf.evaluate(wi);
-    ASSERT_TRUE(is_valid(f)) << i;
+    const auto [f_cos, pdf] = bsdf.evaluate(wi);
+    ASSERT_TRUE(is_valid(f_cos)) << i;
     ASSERT_TRUE(std::isfinite(pdf) && pdf >= 0) << i;
     ASSERT_TRUE(is_valid(bsdf.albedo()) && max_component(bsdf.albedo()) <= 1) << i;
     ASSERT_TRUE(is_valid(bsdf.subsurface_entry()) && max_component(bsdf.subsurface_entry()) <= 1) << i;
     // A direction that light can come from can be sampled, where the cosine's density does not underflow.
-    ASSERT_TRUE(pdf > 0 || wi.z < 1e-20f || is_black(f)) << i;
+    ASSERT_TRUE(pdf > 0 || wi.z < 1e-20f || is_black(f_cos)) << i;
 
     const float u_lobe = i % 16 == 0 ? kOneMinusEpsilon : rng.uniform();
     const Vec2f u = i % 16 == 1 ? Vec2f(kOneMinusEpsilon, kOneMinusEpsilon) : i % 16 == 2 ? Vec2f(0, 0) : uniform2(rng);
@@ -78,15 +79,14 @@ TEST(DisneyBsdf, FuzzIsFiniteNonNegativeAndBounded) {
     const auto sample = bsdf.sample(u_lobe, u, &specular);
     if (!sample) continue;
     ++samples;
-    ASSERT_TRUE(is_valid(sample->f)) << i;
+    ASSERT_TRUE(is_valid(sample->f_cos)) << i;
     ASSERT_TRUE(std::isfinite(sample->pdf) && sample->pdf > 0) << i;
-    const float cosine = sample->lobe == Lobe::subsurface ? 1 : sample->wi.z;
-    heaviest = std::max(heaviest, max_component(sample->f) * cosine / sample->pdf);
+    heaviest = std::max(heaviest, max_component(sample->weight()));
     if (sample->lobe == Lobe::subsurface) continue;
     ASSERT_NEAR(length(sample->wi), 1, 1e-5) << i;
     ASSERT_GT(sample->wi.z, 0) << i;
     const BsdfValue value = bsdf.evaluate(sample->wi, &evaluated_specular);
-    ASSERT_EQ(sample->f, value.f) << i;
+    ASSERT_EQ(sample->f_cos, value.f_cos) << i;
     ASSERT_EQ(sample->pdf, value.pdf) << i;
     ASSERT_EQ(specular, evaluated_specular) << i;
   }
@@ -103,16 +103,16 @@ TEST(DisneyBsdf, NothingBelowTheHorizon) {
   p.scatter_distance = {1, 0, 0};
   for (const Vec3f& wo : {Vec3f(0, 0, -1), Vec3f(1, 0, 0), Vec3f(0.8f, 0, -0.6f)}) {
     const DisneyBsdf bsdf(p, wo);
-    EXPECT_TRUE(is_black(bsdf.evaluate({0, 0, 1}).f));
+    EXPECT_TRUE(is_black(bsdf.evaluate({0, 0, 1}).f_cos));
     EXPECT_EQ(bsdf.evaluate({0, 0, 1}).pdf, 0);
     EXPECT_FALSE(bsdf.sample(0.3f, {0.4f, 0.6f}).has_value());
     EXPECT_TRUE(is_black(bsdf.subsurface_entry()));
   }
   const DisneyBsdf bsdf(p, {0, 0.6f, 0.8f});
   for (const Vec3f& wi : {Vec3f(0, 0, -1), Vec3f(0, 1, 0), Vec3f(0, 0.8f, -0.6f)}) {
-    EXPECT_TRUE(is_black(bsdf.evaluate(wi).f));
+    EXPECT_TRUE(is_black(bsdf.evaluate(wi).f_cos));
     EXPECT_EQ(bsdf.evaluate(wi).pdf, 0);
-    EXPECT_EQ(eval_subsurface_exit(wi), 0);
+    EXPECT_EQ(subsurface_exit_f_cos(wi.z), 0);
   }
 }
 
@@ -121,7 +121,7 @@ TEST(DisneyBsdf, ABlackSurfaceOfIorOneAbsorbsEverything) {
   p.base_color = Rgb(0.0f);
   p.ior = 1;
   const DisneyBsdf bsdf(p, {0, 0, 1});
-  EXPECT_TRUE(is_black(bsdf.evaluate(normalize(Vec3f(1, 0, 1))).f));
+  EXPECT_TRUE(is_black(bsdf.evaluate(normalize(Vec3f(1, 0, 1))).f_cos));
   EXPECT_FALSE(bsdf.sample(0.5f, {0.5f, 0.5f}).has_value());
 }
 
@@ -148,10 +148,11 @@ TEST(DisneyBsdf, SpecularPartIsThatOfSpecularAndClearcoat) {
     const Vec3f wo = random_direction(rng), wi = random_direction(rng);
     const DisneyBsdf bsdf(p, wo);
     Rgb part;
-    const Rgb all = bsdf.evaluate(wi, &part).f;
-    ASSERT_EQ(bsdf.evaluate(wi).f, all) << "whether it is asked for or not";
-    const Rgb glossy = DisneySpecular::from(p).evaluate(wo, wi).f +
-                       DisneyClearcoat::from(p.clearcoat, p.clearcoat_gloss).evaluate(wo, wi).f;
+    const Rgb all = bsdf.evaluate(wi, &part).f_cos;
+    ASSERT_EQ(bsdf.evaluate(wi).f_cos, all) << "whether it is asked for or not";
+    const Rgb glossy = (DisneySpecular::from(p).evaluate(wo, wi).f +
+                        DisneyClearcoat::from(p.clearcoat, p.clearcoat_gloss).evaluate(wo, wi).f) *
+                       std::max(0.0f, wi.z);
     for (int c = 0; c < 3; ++c) {
       ASSERT_TRUE(part[c] >= 0 && part[c] <= all[c]) << i;
       ASSERT_NEAR(part[c], glossy[c], 1e-6f * all[c]) << i;
@@ -173,8 +174,8 @@ TEST(DisneyBsdf, ScatterDistanceTakesTheLambertTermOfItsChannelOnly) {
     for (int c = 0; c < 3; ++c) mixed.scatter_distance[c] = rng.next() % 2 ? 0.0f : 1e-12f + rng.uniform();
     const Vec3f wo = random_direction(rng), wi = random_direction(rng);
     const DisneyBsdf a(plain, wo), b(mixed, wo);
-    const Rgb fa = a.evaluate(wi).f, fb = b.evaluate(wi).f;
-    const float lambert = (1 - plain.metallic) * DisneyDiffuse::lambert(wo, wi);
+    const Rgb fa = a.evaluate(wi).f_cos, fb = b.evaluate(wi).f_cos;
+    const float lambert = (1 - plain.metallic) * DisneyDiffuse::lambert(wo, wi) * wi.z;
     for (int c = 0; c < 3; ++c) {
       const bool scatters = mixed.scatter_distance[c] > 0;
       if (!scatters) {
@@ -206,7 +207,7 @@ TEST(DisneyBsdf, SubsurfaceSampleCarriesEntryAndProbability) {
       ++lost;
     } else if (sample->lobe == Lobe::subsurface) {
       ++walks;
-      ASSERT_EQ(sample->f, bsdf.subsurface_entry());
+      ASSERT_EQ(sample->f_cos, bsdf.subsurface_entry());
     }
   }
   const auto sample = bsdf.sample(kOneMinusEpsilon, {0.5f, 0.5f});
@@ -265,7 +266,7 @@ TEST(DisneyBsdf, MatchesIndependentReference) {
     const auto f0 = double(f0_from_ior(p.ior)) * double(max_component(tint(c)));
     if (f0 > 1) continue;
     const auto terms = testing::disney_reference_2012(r, normalize(Vec3d(wo)), normalize(Vec3d(wi)));
-    const Rgb f = DisneyBsdf(p, wo).evaluate(wi).f;
+    const Rgb f = testing::f_of(DisneyBsdf(p, wo).evaluate(wi), wi);
     for (int k = 0; k < 3; ++k) {
       const auto j = static_cast<size_t>(k);
       const double expected = terms.diffuse[j] + terms.sheen[j] + terms.specular[j] + terms.clearcoat;
@@ -338,13 +339,14 @@ TEST(DisneyBsdf, Reciprocity) {
     const DisneyClearcoat coat = DisneyClearcoat::from(p.clearcoat, p.clearcoat_gloss);
     expect_equal(coat.evaluate(wo, wi).f, coat.evaluate(wi, wo).f, i);
     for (const EnergyModel energy : {EnergyModel::burley2015, EnergyModel::bounded, EnergyModel::conserving})
-      expect_equal(DisneyBsdf(p, wo, energy).evaluate(wi).f, DisneyBsdf(p, wi, energy).evaluate(wo).f, i);
+      expect_equal(testing::f_of(DisneyBsdf(p, wo, energy).evaluate(wi), wi),
+                   testing::f_of(DisneyBsdf(p, wi, energy).evaluate(wo), wo), i);
   }
 }
 
 TEST(DisneyBsdf, ExitLobeIsLambertTimesTransmittance) {
-  EXPECT_FLOAT_EQ(eval_subsurface_exit({0, 0, 1}), kInvPi);
-  EXPECT_NEAR(eval_subsurface_exit({1, 0, 1e-6f}), 0.5f * kInvPi, 1e-5);
+  EXPECT_FLOAT_EQ(subsurface_exit_f_cos(1), kInvPi);
+  EXPECT_NEAR(subsurface_exit_f_cos(1e-6f) * 1e6f, 0.5f * kInvPi, 1e-5);
 }
 
 }  // namespace

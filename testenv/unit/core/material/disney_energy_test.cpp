@@ -7,6 +7,7 @@
 #include "core/material/disney_transmissive_bsdf.h"
 #include "core/sampling/warp.h"
 #include "testenv/support/chi_square.h"
+#include "testenv/support/material_testing.h"
 #include "testenv/support/z_test.h"
 
 namespace alabaster {
@@ -26,8 +27,7 @@ RunningStatistics reflected(const Bsdf& bsdf, int samples, Rng& rng) {
   RunningStatistics channels[3];
   for (int i = 0; i < testing::run_samples(samples); ++i) {
     const auto sample = bsdf.sample(rng.uniform(), uniform2(rng));
-    const bool straight = sample && sample->lobe == Lobe::straight;
-    const Rgb share = !sample ? Rgb(0.0f) : sample->f * ((straight ? 1 : std::abs(sample->wi.z)) / sample->pdf);
+    const Rgb share = sample ? sample->weight() : Rgb(0.0f);
     for (int c = 0; c < 3; ++c) channels[c].add(static_cast<double>(share[c]));
   }
   return *std::max_element(std::begin(channels), std::end(channels),
@@ -47,7 +47,7 @@ RunningStatistics reflected_evenly(const DisneyBsdf& bsdf, Rng& rng) {
       const Vec2f jitter = uniform2(rng);
       const auto s = bsdf.sample(std::min(u_lobe, kOneMinusEpsilon),
                                  {(float(i % kSide) + jitter.x) / kSide, (float(i / kSide) + jitter.y) / kSide});
-      if (s) sum += double(s->f.g * s->wi.z / s->pdf);
+      if (s) sum += double(s->weight().g);
     }
     shares.add(sum / (kSide * kSide));
   }
@@ -136,7 +136,7 @@ TEST(DisneyEnergy, TheWalksShareIsExactAndTheOthersYieldToIt) {
   double red = 0, samples = 100000;
   for (int i = 0; i < int(samples); ++i)
     if (const auto s = bounded.sample(rng.uniform(), uniform2(rng)); s && s->lobe != Lobe::subsurface)
-      red += double(s->f.r * s->wi.z / s->pdf) / samples;
+      red += double(s->weight().r) / samples;
   // An albedo of 1 leaves 1 - (1-.5F)(1-1/42) to all other lobes.
   EXPECT_LE(red + double(DisneyDiffuse::lambert_albedo(wo.z)), 1.001);
   EXPECT_GT(red + double(DisneyDiffuse::lambert_albedo(wo.z)), 0.99);
@@ -151,12 +151,12 @@ TEST(DisneyEnergy, EnergyConservingSurfacesAreThePublishedModel) {
       for (const float phi : {0.0f, 2.0f, 3.1f}) {
         const BsdfValue a = DisneyBsdf(p, along(o)).evaluate(along(i, phi));
         const BsdfValue b = DisneyBsdf(p, along(o), EnergyModel::bounded).evaluate(along(i, phi));
-        EXPECT_EQ(a.f, b.f);
+        EXPECT_EQ(a.f_cos, b.f_cos);
         EXPECT_EQ(a.pdf, b.pdf);
       }
   p.base_color = Rgb(1.0f);
-  EXPECT_LT(DisneyBsdf(p, along(0.8f), EnergyModel::bounded).evaluate(along(0.7f)).f.g,
-            DisneyBsdf(p, along(0.8f)).evaluate(along(0.7f)).f.g);
+  EXPECT_LT(DisneyBsdf(p, along(0.8f), EnergyModel::bounded).evaluate(along(0.7f)).f_cos.g,
+            DisneyBsdf(p, along(0.8f)).evaluate(along(0.7f)).f_cos.g);
 }
 
 TEST(DisneyEnergy, RoughWhiteMetalReflectsAllWhereEnergyIsConserved) {
@@ -257,8 +257,9 @@ TEST(DisneyEnergy, SamplesAgreeWithQuadrature) {
     RunningStatistics by_samples, by_hemisphere;
     for (int s = 0; s < testing::run_samples(100000); ++s) {
       const auto sample = bsdf.sample(rng.uniform(), uniform2(rng));
-      by_samples.add(sample ? double(sample->f.g * sample->wi.z / sample->pdf) : 0);
-      by_hemisphere.add(double(bsdf.evaluate(sample_cosine_hemisphere(uniform2(rng))).f.g * kPi));
+      by_samples.add(sample ? double(sample->weight().g) : 0);
+      const Vec3f wi = sample_cosine_hemisphere(uniform2(rng));
+      by_hemisphere.add(double(testing::f_of(bsdf.evaluate(wi), wi).g * kPi));
     }
     EXPECT_TRUE(plausible(z_test(by_samples, by_hemisphere))) << i;
   }
@@ -270,7 +271,7 @@ RunningStatistics albedo_of(const L& lobe, const Vec3f& wo, Rng& rng) {
   RunningStatistics statistics;
   for (int i = 0; i < testing::run_samples(200000); ++i) {
     const auto wi = lobe.sample(wo, uniform2(rng));
-    const BsdfValue value = wi ? lobe.evaluate(wo, *wi) : BsdfValue();
+    const LobeValue value = wi ? lobe.evaluate(wo, *wi) : LobeValue();
     statistics.add(value.pdf > 0 ? double(value.f.r * wi->z / value.pdf) : 0);
   }
   return statistics;
@@ -278,7 +279,7 @@ RunningStatistics albedo_of(const L& lobe, const Vec3f& wo, Rng& rng) {
 
 struct FlatLobe {
   float roughness;
-  BsdfValue evaluate(const Vec3f& wo, const Vec3f& wi) const {
+  LobeValue evaluate(const Vec3f& wo, const Vec3f& wi) const {
     return {Rgb(DisneyDiffuse::flat(wo, wi, roughness)), pdf_cosine_hemisphere(wi)};
   }
   std::optional<Vec3f> sample(const Vec3f&, const Vec2f& u) const { return sample_cosine_hemisphere(u); }

@@ -5,6 +5,7 @@
 
 #include "core/material/disney_transmissive_bsdf.h"
 #include "testenv/support/chi_square.h"
+#include "testenv/support/material_testing.h"
 #include "testenv/support/z_test.h"
 
 namespace alabaster {
@@ -70,7 +71,7 @@ struct Pair {
 /// f that a coat with a normal of its own adds to reflected light.
 float coat_share(const DisneyParameters& p, const InterfaceSide& side, const Vec3f& wo, const Vec3f& wi) {
   const auto layers = side.inside ? std::nullopt : DisneyLayers::of(p);
-  return layers && layers->coated() ? layers->coat.evaluate(wo, wi).f.g : 0;
+  return layers && layers->coated() ? testing::f_of(layers->coat.evaluate(wo, wi), wi).g : 0;
 }
 
 // f(wo, wi) / n_o^2 = f(wi, wo) / n_i^2, as in DisneyTransmissiveBsdf.Reciprocity. Diffuse light knows no index: there
@@ -80,7 +81,7 @@ void expect_reciprocal(const DisneyParameters& p, float eta, const Pair& w, Ener
   const InterfaceSide outside{eta, false}, inside{p.thin ? eta : 1 / eta, !p.thin};
   const DisneyParameters back = turned_over(p);
   const auto seen = [&](const DisneyParameters& q, const InterfaceSide& side, const Vec3f& wo, const Vec3f& wi) {
-    return DisneyTransmissiveBsdf(q, wo, side, energy).evaluate(wi).f.g;
+    return testing::f_of(DisneyTransmissiveBsdf(q, wo, side, energy).evaluate(wi), wi).g;
   };
   const auto expect_same = [&](const DisneyParameters& q, const InterfaceSide& side) {
     const float one = seen(q, side, w.wo, w.wi), other = seen(q, side, w.wi, w.wo);
@@ -123,7 +124,7 @@ TEST(DisneyLayers, ATiltedCoatIsReciprocalAboutItsOwnNormal) {
     const DisneyParameters p = tilted_coat(60 * rng.uniform(), lerp(0.2f, 1.0f, rng.uniform()));
     const DisneyCoat coat = DisneyLayers::of(p)->coat;
     const auto of_lobe = [&](const Vec3f& wo, const Vec3f& wi) {
-      return coat.evaluate(wo, wi).f.g * std::abs(wi.z) / dot(wi, p.coat_normal);
+      return coat.evaluate(wo, wi).f_cos.g / dot(wi, p.coat_normal);
     };
     const Vec3f wo = sample_cosine_hemisphere(uniform2(rng)), wi = sample_cosine_hemisphere(uniform2(rng));
     if (std::min(dot(wo, p.coat_normal), dot(wi, p.coat_normal)) < 0.02f || std::min(wo.z, wi.z) < 0.02f) continue;
@@ -139,9 +140,8 @@ RunningStatistics sent_on(const DisneyParameters& p, const Vec3f& wi, EnergyMode
   RunningStatistics share;
   for (int i = 0; i < testing::run_samples(20000); ++i) {
     const Vec3f wo = sample_cosine_hemisphere(uniform2(rng));
-    const Rgb reflected = DisneyTransmissiveBsdf(p, wo, {p.ior, false}, energy).evaluate(wi).f;
-    const Rgb passed = DisneyTransmissiveBsdf(p, wo, {p.ior, false}, energy).evaluate(below(wi)).f;
-    share.add(double(max_component(reflected + passed) * kPi));
+    const DisneyTransmissiveBsdf bsdf(p, wo, {p.ior, false}, energy);
+    share.add(double(max_component(bsdf.evaluate(wi).f_cos + bsdf.evaluate(below(wi)).f_cos) * (kPi / wi.z)));
   }
   return share;
 }
@@ -152,8 +152,7 @@ RunningStatistics seen_of(const DisneyTransmissiveBsdf& bsdf, Rng& rng) {
   for (int i = 0; i < testing::run_samples(20000); ++i) {
     const float u_lobe = rng.uniform();
     const auto sample = bsdf.sample(u_lobe, uniform2(rng));
-    const bool straight = sample && sample->lobe == Lobe::straight;
-    share.add(sample ? double(sample->f.g * ((straight ? 1 : std::abs(sample->wi.z)) / sample->pdf)) : 0);
+    share.add(sample ? double(sample->weight().g) : 0);
   }
   return share;
 }
@@ -210,7 +209,7 @@ Reflected reflected(const DisneyTransmissiveBsdf& bsdf, const Vec3f& normal, Rng
   const float u_lobe = rng.uniform();
   const auto s = bsdf.sample(u_lobe, uniform2(rng));
   const bool stays = s && s->lobe != Lobe::straight && dot(s->wi, normal) > 0 && bsdf.reflects_to(s->wi);
-  return stays ? Reflected{double(s->f.g * std::abs(s->wi.z) / s->pdf), s->wi} : Reflected();
+  return stays ? Reflected{double(s->weight().g), s->wi} : Reflected();
 }
 
 /// A viewer at `wo` sees in the coat over the tilted base what one at `over_flat` sees over a flat black base.
@@ -302,7 +301,7 @@ TEST(DisneyLayers, SmoothGlassUnderLayersLosesNothing) {
           const float u_lobe = rng.uniform();
           const auto s = bsdf.sample(u_lobe, uniform2(rng));
           // Radiance that enters a medium is larger by its index squared.
-          share.add(s ? double(s->f.g * std::abs(s->wi.z) / s->pdf * (s->wi.z < 0 ? eta * eta : 1)) : 0);
+          share.add(s ? double(s->weight().g * (s->wi.z < 0 ? eta * eta : 1)) : 0);
         }
         EXPECT_TRUE(plausible(z_test(share, 1, {.slack = 6e-3}))) << coated << inside << " at " << degrees;
       }
@@ -324,7 +323,7 @@ TEST(DisneyLayers, SolidsThatDiffuseLightPassesLoseNothingBelowLayers) {
       RunningStatistics evaluated;
       for (int i = 0; i < testing::run_samples(20000); ++i) {
         const Vec3f wi = sample_cosine_hemisphere(uniform2(rng));
-        evaluated.add(double(bsdf.evaluate(wi).f.g + bsdf.evaluate(below(wi)).f.g) * double(kPi));
+        evaluated.add(double(bsdf.evaluate(wi).f_cos.g + bsdf.evaluate(below(wi)).f_cos.g) * double(kPi / wi.z));
       }
       EXPECT_TRUE(plausible(z_test(evaluated, seen, {.slack = 1e-3})));
     }
@@ -373,7 +372,7 @@ TEST(DisneyLayers, AFilmWithoutThicknessOrOfTheIndexOfAirIsNone) {
           EXPECT_EQ(largest_difference(none, reflectances(air, cosine)), 0) << degrees;
           const Vec3f wo = at_degrees(degrees), wi = at_degrees(60, 2);
           for (const EnergyModel energy : kModels)
-            EXPECT_EQ(DisneyBsdf(thin, wo, energy).evaluate(wi).f, DisneyBsdf(bare, wo, energy).evaluate(wi).f);
+            EXPECT_EQ(DisneyBsdf(thin, wo, energy).evaluate(wi).f_cos, DisneyBsdf(bare, wo, energy).evaluate(wi).f_cos);
         }
 }
 

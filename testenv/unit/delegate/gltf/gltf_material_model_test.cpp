@@ -9,6 +9,7 @@
 #include "core/material/disney_bsdf.h"
 #include "core/material/disney_material.h"
 #include "testenv/support/gltf_testing.h"
+#include "testenv/support/material_testing.h"
 
 namespace alabaster::hd::gltf::testing {
 namespace {
@@ -58,7 +59,9 @@ double directional_albedo(const Brdf& f, double cos_o) {
 }
 
 Brdf ours(const DisneyParameters& p) {
-  return [p](const Vec3f& wo, const Vec3f& wi) { return double(DisneyBsdf(p, wo).evaluate(wi).f.r); };
+  return [p](const Vec3f& wo, const Vec3f& wi) {
+    return double(alabaster::testing::f_of(DisneyBsdf(p, wo).evaluate(wi), wi).r);
+  };
 }
 
 /// The specular term of glTF 2.0, appendix B.3: D V, with alpha = roughness^2 and height-correlated masking.
