@@ -39,8 +39,8 @@ WalkBeginning begin_walk(const SubsurfaceBody& body, const SubsurfaceEntry& entr
   // The paper's weights go on from the path's throughput, here relative to its largest channel.
   const Rgb relative = entry.throughput * (1 / max_component(entry.throughput));
   const ChannelValues throughput{relative.r, relative.g, relative.b};
-  if (entry.within)  // the side that the path comes from is the inner one
-    return {body.to_walk_space(entry, entry.within->org), {entry.within->dir, entry.hit.ng, throughput}};
+  if (entry.within)  // most such rays begin below a clear wall, which is steeper to them than the one that they meet
+    return {body.to_walk_space(entry, entry.within->org), {entry.within->dir, entry.within->dir, throughput}};
   const Vec3f inward = -entry.hit.ng, lobe = sample_entry_lobe(-entry.ns, u);
   return {body.below(entry),
           {mirrored_into(inward, lobe), inward, throughput},
