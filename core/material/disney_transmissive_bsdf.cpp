@@ -91,8 +91,10 @@ void DisneyTransmissiveBsdf::keep_boundary_albedo(const DisneyParameters& p, flo
   const DielectricAlbedo own = albedo(p.roughness), widened = albedo(p.least_roughness);
   if (!(widened.reflected > 0)) return;
   if (thin_) {
-    const auto both_faces = [c = choice_weight(p.base_color)](float f) { return f * (1 + c * (1 - f) / (1 + f)); };
-    reflects_ *= both_faces(own.reflected) / both_faces(widened.reflected);
+    const auto both_faces = [c = choice_weight(p.base_color)](const DielectricAlbedo& face) {
+      return face.reflected * (1 + c * face.passed / (2 * face.reflected + face.passed));
+    };
+    reflects_ *= both_faces(own) / both_faces(widened);
   } else {
     const float kept = (own.reflected + own.passed) / (widened.reflected + widened.passed);
     reflects_ *= kept, passes_ *= kept;
