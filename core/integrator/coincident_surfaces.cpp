@@ -12,7 +12,7 @@ namespace {
 // one of each body.
 class CoincidentSurfaces final : public HitFilter {
  public:
-  static constexpr uint32_t kMost = MediumStack::kMost;
+  static constexpr uint32_t kMost = 32;  // bodies whose walls lie within rounding of one point
 
   CoincidentSurfaces(const SceneSnapshot& scene, const Ray& ray, uint32_t own, const StochasticStop& path_stops)
       : scene_(scene), ray_(ray), own_(own), path_stops_(path_stops) {}

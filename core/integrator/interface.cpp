@@ -146,9 +146,8 @@ MediumStack interiors_at(const PathContext& context, Ray ray, Seeker seeker) {
   const ClearSurfaces filter(context.scene);
   const bool is_camera = seeker == Seeker::camera;
   MediumStack entered, about;
-  std::array<Interior, MediumStack::kMost> found;
-  uint32_t count = 0;
-  constexpr int kMostSurfaces = 256;
+  SmallStack<Interior> found;
+  constexpr int kMostSurfaces = 1 << 24;  // no scene has so many along a line
   TriangleHit hit;
   Vertex v;
   ray.tmax = std::numeric_limits<float>::infinity();
@@ -165,11 +164,11 @@ MediumStack interiors_at(const PathContext& context, Ray ray, Seeker seeker) {
       entered.enter(interior_of(v));
     else if (entered.contains(hit.instance))
       entered.leave(hit.instance);
-    else if (count < found.size())
-      found[count++] = interior_of(v);
+    else
+      found.push(interior_of(v));
   }
   // The surface that is left last was entered first.
-  while (count > 0) about.enter(found[--count]);
+  for (uint32_t i = found.size(); i > 0; --i) about.enter(found[i - 1]);
   return about;
 }
 

@@ -2,11 +2,14 @@
 // dielectrics (Schmidt and Budge 2002, "Simple Nested Dielectrics in Ray Traced Images").
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
+#include <memory>
 #include <type_traits>
+#include <vector>
 
 #include "core/color/rgb.h"
 #include "core/math/elementary.h"
@@ -14,36 +17,47 @@
 
 namespace alabaster {
 
-/// A stack with room for kMost. A copy costs what is on it.
-template <class T, uint32_t kMost>
+/// A stack, of which the first few need no memory of their own. A copy costs what is on it.
+template <class T>
 class SmallStack {
  public:
   static_assert(std::is_trivially_copyable_v<T>);
   SmallStack() {}
-  SmallStack(const SmallStack& o) : size_(o.size_) { std::memcpy(items_, o.items_, sizeof(T) * size_); }
+  SmallStack(const SmallStack& o) { *this = o; }
   SmallStack& operator=(const SmallStack& o) {
-    if (this != &o) std::memcpy(items_, o.items_, sizeof(T) * o.size_);
+    if (this == &o) return *this;
     size_ = o.size_;
+    std::memcpy(few_, o.few_, sizeof(T) * std::min(size_, kFew));
+    if (o.more_ || more_) [[unlikely]]
+      more_ = o.more_ ? std::make_unique<std::vector<T>>(*o.more_) : nullptr;
     return *this;
   }
 
   uint32_t size() const { return size_; }
-  const T& operator[](uint32_t i) const { return reinterpret_cast<const T*>(items_)[i]; }
-  /// False: it is full.
-  bool push(const T& item) {
-    if (size_ == kMost) return false;
-    std::memcpy(items_ + sizeof(T) * size_++, &item, sizeof(T));
-    return true;
+  const T& operator[](uint32_t i) const { return i < kFew ? reinterpret_cast<const T*>(few_)[i] : (*more_)[i - kFew]; }
+  void push(const T& item) {
+    if (size_ >= kFew) [[unlikely]] {
+      if (!more_) more_ = std::make_unique<std::vector<T>>();
+      more_->resize(size_ - kFew);
+      more_->push_back(item);
+    } else {
+      std::memcpy(few_ + sizeof(T) * size_, &item, sizeof(T));
+    }
+    ++size_;
   }
   /// The others keep their order.
   void erase(uint32_t i) {
     --size_;
-    std::memmove(items_ + sizeof(T) * i, items_ + sizeof(T) * (i + 1), sizeof(T) * (size_ - i));
+    for (; i < size_; ++i) at(i) = at(i + 1);
   }
 
  private:
-  alignas(T) std::byte items_[sizeof(T) * kMost];
+  static constexpr uint32_t kFew = 8;
+  T& at(uint32_t i) { return const_cast<T&>((*this)[i]); }
+
+  alignas(T) std::byte few_[sizeof(T) * kFew];
   uint32_t size_ = 0;
+  std::unique_ptr<std::vector<T>> more_;
 };
 
 struct Interior {
@@ -62,8 +76,6 @@ struct Interior {
 
 class MediumStack {
  public:
-  static constexpr uint32_t kMost = 32;
-
   bool empty() const { return size() == 0; }
   bool contains(uint32_t instance) const { return find(instance) < size(); }
   /// How often it has been entered: shells of one mesh may overlap.
@@ -109,8 +121,7 @@ class MediumStack {
   uint32_t size() const { return stack_.size(); }
   const Interior& operator[](uint32_t i) const { return stack_[i]; }
 
-  /// An interior beyond the most that are kept is not noticed, neither is leaving it. One that is index-matched takes
-  /// the index of the current one.
+  /// One that is index-matched takes the index of the current one.
   void enter(Interior interior) {
     const Interior* const around = interior.index_matched ? current() : nullptr;
     if (interior.index_matched) interior.ior = around ? around->ior : 1, interior.spread = around ? around->spread : 0;
@@ -136,7 +147,7 @@ class MediumStack {
     return best;
   }
 
-  SmallStack<Interior, kMost> stack_;
+  SmallStack<Interior> stack_;
 };
 
 /// Factor of a path's throughput where it goes from index `from` to index `to` by lobes without an index of their own:
@@ -149,11 +160,8 @@ inline Rgb index_factor(const Rgb& from, const Rgb& to) {
 /// of its shells that the path is in.
 class AirPockets {
  public:
-  static constexpr uint32_t kMost = 32;
-
   bool empty() const { return size() == 0; }
   bool contains(uint32_t instance) const { return find(instance) < size(); }
-  /// Bodies beyond kMost are ignored: the path then counts as within their medium.
   void enter(uint32_t instance) { stack_.push(instance); }
   /// Does nothing if the path is not in it.
   void leave(uint32_t instance) {
@@ -170,7 +178,7 @@ class AirPockets {
     return i;
   }
 
-  SmallStack<uint32_t, kMost> stack_;
+  SmallStack<uint32_t> stack_;
 };
 
 }  // namespace alabaster

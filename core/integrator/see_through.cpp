@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <new>
 
 #include "core/integrator/vertex.h"
 #include "core/subsurface/body.h"
@@ -126,16 +127,19 @@ bool StochasticStop::stops(const TriangleHit& hit) const noexcept {
 
 void StochasticStop::note_hole(const TriangleHit& hit) const {
   const Crossing crossing = crossing_at(scene_.instance(hit.instance), dir_, hit);
-  if (crossing == Crossing::none || count_ == holes_.size()) return;
-  for (uint32_t i = 0; i < count_; ++i)
+  if (crossing == Crossing::none) return;
+  for (uint32_t i = 0; i < holes_.size(); ++i)
     if (holes_[i].instance == hit.instance && holes_[i].triangle == hit.triangle) return;
-  holes_[count_++] = {hit.t, hit.instance, hit.triangle, crossing};
+  try {
+    holes_.push({hit.t, hit.instance, hit.triangle, crossing});
+  } catch (const std::bad_alloc&) {  // Embree's callbacks let none through; the path will ask for memory as well
+  }
 }
 
 void StochasticStop::cross_holes(float t, AirPockets* hollows) const {
   // Holes are found in no order. Entries come first, because a ray may leave a body that it has entered.
   for (const Crossing crossing : {Crossing::enters, Crossing::leaves})
-    for (uint32_t i = 0; i < count_; ++i) {
+    for (uint32_t i = 0; i < holes_.size(); ++i) {
       if (holes_[i].crossing != crossing || !(holes_[i].t < t)) continue;
       if (crossing == Crossing::enters)
         hollows->enter(air_pocket_of(scene_, holes_[i].instance));

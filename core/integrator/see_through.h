@@ -52,9 +52,7 @@ class StochasticStop final : public HitFilter {
   const MediumStack& within_;
   const PixelSampler& sampler_;
   uint32_t depth_;
-  mutable std::array<Hole, size_t{4} * AirPockets::kMost>
-      holes_;                   // passed ones, also beyond the surface that the ray stops at
-  mutable uint32_t count_ = 0;  // further ones are not noticed
+  mutable SmallStack<Hole> holes_;  // passed ones, also beyond the surface that the ray stops at
 };
 
 /// The share of light that arrives through the surfaces that a shadow ray passes: partly opaque ones, and clear sheets,

@@ -10,13 +10,14 @@
 namespace alabaster {
 
 struct DielectricBoundary {
-  float eta = 1.5f;        // index of the far side over that of the viewer's side
+  float eta = 1.5f;        // index of the far side over that of the viewer's side; of a sheet: its own over that around
   Rgb reflection{1.0f};    // tint, at most 1
   Rgb transmission{1.0f};  // tint, at most 1
   ThinFilm film{};
   bool film_beyond = false;  // on the far side
   /// The layers of the far side. Light that they do not let out comes back: `passed` does not have their factor.
   std::optional<DisneyLayers> layers_beyond = {};
+  bool sheet = false;  // both faces of one, with all light that goes back and forth between them
 
   /// A tint of the reflection, by specular, specularColor and specularTint, lets through what it does not reflect.
   static DielectricBoundary from(const DisneyParameters& p, float eta, const Rgb& transmission,
@@ -38,7 +39,15 @@ struct DielectricBoundary {
     const float beyond = film_beyond || layers_beyond ? cosine_refracted(cosine, eta) : 0;
     const Rgb fresnel =
         film.share > 0 ? film.over(Rgb(f), film_beyond ? beyond : cosine, Rgb(f0_from_ior(eta))) : Rgb(f);
-    Shares s{reflection * fresnel, transmission * (Rgb(1.0f) - fresnel * max_component(reflection))};
+    const Rgb entered = Rgb(1.0f) - fresnel * max_component(reflection);
+    Shares s{reflection * fresnel, transmission * entered};
+    if (sheet) {  // what came in has the tint once, whichever way it leaves
+      for (int c = 0; c < 3; ++c) {
+        if (!(entered[c] > 0)) continue;
+        s.passed[c] = transmission[c] * sqr(entered[c]) / (1 - sqr(s.reflected[c]));
+        s.reflected[c] *= 1 + s.passed[c];
+      }
+    }
     if (layers_beyond) s.reflected += s.passed * transmission * layers_beyond->held_back(beyond);
     const float reflected = choice_weight(s.reflected), passed = choice_weight(s.passed);
     if (reflected > 0) s.chance = reflected / (reflected + passed);

@@ -76,7 +76,7 @@ constexpr auto kParameters = std::to_array<MaterialParameter>({
       "whose medium has that colour."}},
     {{"thin", &P::thin, -kUnbounded, kUnbounded, {},
       "none", "The surface is a sheet without an interior: light passes without refraction, takes baseColor once, "
-      "and is spread by roughness (0.65 ior - 0.35)."}},
+      "and is spread by roughness (0.65 ior - 0.35). It has two faces, which reflect as those of a slab do."}},
     {{"flatness", &P::flatness, 0, 1, {},
       "none", "Blends the diffuse reflection of a thin surface towards the flatter one of a medium below it."}},
     {{"diffTrans", &P::diff_trans, 0, 2, {},

@@ -1,7 +1,9 @@
 // A sheet of a dielectric, too thin to be seen to refract (Burley 2015, section 5.3, "thin surface"; the thin surfaces
 // of KHR_materials_transmission): its reflection, and the same lobe mirrored to the other side with a roughness of its
-// own. One boundary stands for both: the light between them is not followed, so a smooth sheet reflects F and passes
-// (1 - F) tint. f has no cosine; pdf per solid angle. Reciprocal; energy <= 1, for f |wi.z| / pdf = G1(wi) tint.
+// own. It has two faces, and all orders of light between them count (OpenPBR's thin walls; Kulla and Conty 2017): a
+// smooth sheet passes T = tint (1 - F)^2 / (1 - F^2) and reflects F (1 + T), as a slab of the solid does. f has no
+// cosine; pdf per solid angle. Reciprocal; energy <= 1, for f |wi.z| / pdf is G1(wi) times what passes and is
+// reflected.
 #pragma once
 
 #include "core/material/bsdf_value.h"

@@ -49,6 +49,7 @@ DisneyTransmissiveBsdf::DisneyTransmissiveBsdf(const DisneyParameters& p, const 
   if (thin_) {
     const float through = DisneyThinDielectric::roughness_through(p.roughness, p.ior);
     sheet_ = {DielectricBoundary::from(p, side.eta, p.base_color), ggx, disney_ggx(through, p.anisotropic)};
+    sheet_.boundary.sheet = true;
   } else {
     // The colour of a cloudy body is that of its medium.
     const Rgb tint = p.scatters() ? Rgb(1.0f) : square_root(p.base_color);
@@ -90,7 +91,10 @@ void DisneyTransmissiveBsdf::keep_boundary_albedo(const DisneyParameters& p, flo
   const DielectricAlbedo own = albedo(p.roughness), widened = albedo(p.least_roughness);
   if (!(widened.reflected > 0)) return;
   if (thin_) {
-    reflects_ *= own.reflected / widened.reflected;
+    const auto both_faces = [c = choice_weight(p.base_color)](const DielectricAlbedo& face) {
+      return face.reflected * (1 + c * face.passed / (2 * face.reflected + face.passed));
+    };
+    reflects_ *= both_faces(own) / both_faces(widened);
   } else {
     const float kept = (own.reflected + own.passed) / (widened.reflected + widened.passed);
     reflects_ *= kept, passes_ *= kept;

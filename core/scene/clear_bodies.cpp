@@ -178,12 +178,16 @@ ClearBoxes::ClearBoxes(const SceneSnapshot& snapshot) {
   for (const InstanceArray& array : snapshot.arrays)
     if (has_clear_interior(array.look)) add(array.placed->bounds(), kNone);
   boxes_ = BoxTree(std::move(boxes));
-  if (!instances_.empty()) opaque_ = BoxTree(boxes_of_opaque_surfaces(snapshot));
+  if (instances_.empty()) return;
+  std::vector<Bounds> opaque = boxes_of_opaque_surfaces(snapshot);
+  for (Bounds& box : opaque) box = wider(box);
+  opaque_ = BoxTree(std::move(opaque));
 }
 
 Bounds ClearBoxes::that_meet(const Bounds& box, const std::vector<uint32_t>& left_out) const {
   Bounds all;
-  boxes_.search([&](const Bounds& b) { return overlap(b, box) && !contains(all, b); },
+  const Bounds touching = wider(box);
+  boxes_.search([&](const Bounds& b) { return overlap(b, touching) && !contains(all, b); },
                 [&](uint32_t i) {
                   if (!std::binary_search(left_out.begin(), left_out.end(), instances_[i])) all.extend(boxes_[i]);
                 });

@@ -219,6 +219,39 @@ std::string describe_open_fellows(size_t others) {
          " not closed either: a set does not close the meshes that it unites";
 }
 
+void report_lights_without_size(const ReportedScene& scene) {
+  if (scene.snapshot.features.emissive_meshes) return;
+  const LightParameters* first = nullptr;
+  for (const LightParameters& light : scene.description.lights) {
+    if (light.intensity == 0) continue;
+    const bool has_size = light.type == LightType::distant  ? light.angle != 0
+                          : light.type == LightType::sphere ? light.radius != 0 && !light.treat_as_point
+                                                            : true;
+    if (has_size) return;
+    if (!first) first = &light;
+  }
+  if (!first) return;
+  const auto refracts = [](const DisneyMaterial* m) {
+    const DisneyParameters& p = m->constants;
+    return !p.thin && p.spec_trans > 0 && p.metallic < 1 && p.ior != 1;
+  };
+  std::set<std::string> solids;  // instances share a name
+  const auto look = [&](const Instance& instance, uint32_t index) {
+    if (std::any_of(instance.materials.begin(), instance.materials.end(), refracts))
+      solids.insert(name_of(scene, index));
+  };
+  for (uint32_t i = 0; i < scene.snapshot.instances.size(); ++i) look(scene.snapshot.instances[i], i);
+  for (const InstanceArray& array : scene.snapshot.arrays) look(array.look, array.first);
+  if (solids.empty()) return;
+  const std::string others = solids.size() > 1 ? " and of " + std::to_string(solids.size() - 1) + " others" : "";
+  report(
+      scene.sink, Severity::warning, "light.withoutSize", first->name,
+      "no light of the scene has a size, and light without size does not pass where it is refracted: what lies within "
+      "or behind the clear solid " +
+          *solids.begin() + others +
+          " is dark; give a light a radius or an angle, or the material `thin` if it is a pane");
+}
+
 void report_bodies(const ReportedScene& scene) {
   report_open_bodies(scene);
   report_thin_shells(scene);

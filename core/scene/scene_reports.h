@@ -25,4 +25,7 @@ std::string describe_open_fellows(size_t others);
 /// they leave. Throws BuildCancelled.
 void report_bodies(const ReportedScene& scene);
 
+/// Warns where all lights are without size, and something refracts.
+void report_lights_without_size(const ReportedScene& scene);
+
 }  // namespace alabaster

@@ -453,7 +453,9 @@ struct SnapshotCompiler::Compilation {
     keep_alive({drawn, looks}, snapshot.get());
     const bool same_lights = light();
     const DiagnosticSink keep = [&](const Diagnostic& d) { faults.push_back(d); };
-    if (snapshot->features.subsurface) report_bodies({description, {drawn, looks}, *snapshot, keep, cancel});
+    const ReportedScene reported{description, {drawn, looks}, *snapshot, keep, cancel};
+    if (snapshot->features.subsurface) report_bodies(reported);
+    report_lights_without_size(reported);
     const bool alike = same_lights && snapshot->top == last->top && are_linked_alike();
     plan_lit_surfaces(alike ? last : nullptr, snapshot.get());
     snapshot->memory_bytes += snapshot->lights.memory_bytes() + texture_bytes(*snapshot);

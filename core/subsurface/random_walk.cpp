@@ -39,8 +39,8 @@ WalkBeginning begin_walk(const SubsurfaceBody& body, const SubsurfaceEntry& entr
   // The paper's weights go on from the path's throughput, here relative to its largest channel.
   const Rgb relative = entry.throughput * (1 / max_component(entry.throughput));
   const ChannelValues throughput{relative.r, relative.g, relative.b};
-  if (entry.within)  // the side that the path comes from is the inner one
-    return {body.to_walk_space(entry, entry.within->org), {entry.within->dir, entry.hit.ng, throughput}};
+  if (entry.within)  // there is no entry: the axis of guiding is the ray's
+    return {body.to_walk_space(entry, entry.within->org), {entry.within->dir, entry.within->dir, throughput}};
   const Vec3f inward = -entry.hit.ng, lobe = sample_entry_lobe(-entry.ns, u);
   return {body.below(entry),
           {mirrored_into(inward, lobe), inward, throughput},
@@ -95,6 +95,12 @@ std::optional<SubsurfaceExit> RandomWalk::carry(const SubsurfaceBody& body, cons
     if (beginning.lobe != beginning.start.direction) part_at_entry(beginning, *entry.medium, numbers);
   }
   const auto walk = [&](auto tracer) {
+    if (entry.within && used.guiding) {  // most such rays begin below a clear wall, a camera's anywhere
+      typename decltype(tracer)::Hit behind{};
+      ++counters.walk_rays;
+      if (tracer.intersect(-entry.within->dir, std::numeric_limits<float>::infinity(), &behind))
+        beginning.start.depth = tracer.exit_distance(behind);
+    }
     if (!record) return run_walk(tracer, beginning.start, *entry.medium, used, numbers, counters);
     RecordingTracer recording(tracer, record);
     const auto end = run_walk(recording, beginning.start, *entry.medium, used, numbers, counters);

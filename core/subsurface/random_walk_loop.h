@@ -44,6 +44,7 @@ struct WalkStart {
   /// Unit: walks are guided this way alone. Zero: to the surface that they entered through and to the opposite one.
   Vec3f to_light{0, 0, 0};
   HalfSpaceTwin* twin = nullptr;  // follows the walk; null: none
+  double depth = 0;               // below the surface, against `inward`
 };
 
 template <class Hit>
@@ -90,6 +91,7 @@ class WalkLoop {
       if (!medium.medium.active[c]) throughput_[c] = 0;
     entering_ = sum_of(throughput_);
     thickness_known_ = start.to_light != Vec3f(0, 0, 0);
+    if constexpr (kShortcuts.guiding) guide_.advance(start.inward, start.depth);
   }
 
   std::optional<Exit> run() {

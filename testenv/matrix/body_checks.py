@@ -5,8 +5,8 @@ import math
 import numpy as np
 
 import features
-from features import LAYERS, Look, look_at, scene_of
-from measure import SEEDS, Verdict, blocks, picture, renderer_of, same, same_bytes, same_noise, within
+from features import LAYERS, SIDE, Look, look_at, placed, scene_of
+from measure import SEEDS, Verdict, blocks, picture, renderer_of, same, same_blocks, same_bytes, same_noise, within
 
 FURNACE = 0.003
 CEILING = 1 + FURNACE
@@ -14,7 +14,7 @@ LOSSLESS = 1 - FURNACE
 LAYERED = 0.85  # layers and rough facets keep some of the light: printed, and compared with Lambert where there is one
 LAYERED_CLEAR = 0.5  # they keep some each time that light passes a boundary from within
 SKY = {"intensity": 1.0, "visibleToCamera": True}
-SIDE, OPPOSITE = (0.3, 0.2, 1.0), (-0.8, 0.4, 0.45)  # 20 and 63 degrees from z
+OPPOSITE = (-0.8, 0.4, 0.45)  # 63 degrees from z
 
 
 def least(scenery):
@@ -72,9 +72,9 @@ class LambertFurnace:
         return same(*mean, rule=FURNACE, error=0.0005)
 
 
-def distant(scene, direction, angle, **links):
+def distant(scene, direction, angle, way="as is", **links):
     """Light of a cone, or parallel light, whose irradiance is 1."""
-    scene.set_light("/sun", "distantLight", look_at(direction), intensity=1.0, angle=angle, normalize=True, **links)
+    scene.set_light("/sun", "distantLight", placed(look_at(direction), way), intensity=1.0, angle=angle, normalize=True, **links)
 
 
 def meter(scene, low, high):
@@ -103,7 +103,8 @@ class LightFurnace:
 
     @staticmethod
     def asks(scenery):
-        return not scenery.any("cut", "camera inside")
+        # Parallel light that a pane passes meets no eye.
+        return not scenery.any("cut", "camera inside", "pane")
 
     @classmethod
     def met(cls, scenery, angle):
@@ -224,11 +225,68 @@ LAYER_AOVS = ("diffuse", "subsurface", "specular", "emission")
 PARTS = ("subsurfaceUnscattered", "subsurfaceSingle", "subsurfaceMultiple")
 
 
-def lit(scenery):
-    scene, camera = scene_of(scenery, Look(white=False))
+def lit(scenery, way="as is"):
+    scene, camera = scene_of(scenery, Look(white=False, way=way))
     scene.set_light("/sky", "domeLight", **SKY)
-    scene.set_light("/lamp", "rectLight", look_at(SIDE, 4.0), intensity=8.0, width=1.0, height=1.0)
+    scene.set_light("/lamp", "rectLight", placed(look_at(SIDE, 4.0), way), intensity=8.0, width=1.0, height=1.0)
     return scene, camera
+
+
+def lit_blocks(scenery, way):
+    """Blocks of 4 x 4 pixels of the scene as it is written down so, and their mean, drawn by seed."""
+    scene, camera = lit(scenery, way)
+    distant(scene, (-0.8, 0.6, 0.7), 60.0 if scenery.clear else 0.0, way=way)
+    renderer = renderer_of(scene, samples=16)
+
+    def one(seed):
+        renderer.set(seed=seed)
+        pixels = picture(renderer, camera)
+        each = blocks(pixels[:, ::-1] if way == "mirrored" else pixels)
+        return np.append(each, each.mean())
+    return one
+
+
+class Turned:
+    """The scene, its light and the camera turned together show the same picture."""
+    name, way = "turned as a whole", "turned"
+
+    @staticmethod
+    def asks(scenery):
+        return True
+
+    @classmethod
+    def run(cls, scenery):
+        return same_blocks(lit_blocks(scenery, cls.way), lit_blocks(scenery, "as is"))
+
+
+class AsArray(Turned):
+    """Bodies that are each one of an array's instances show the picture of bodies that stand alone."""
+    name, way = "as an array", "array"
+
+
+class LightWithoutSize:
+    """Parallel light shows what light of half a degree does, where nothing refracts: sheets pass it, holes and gaps as well."""
+    name = "light without size"
+
+    @staticmethod
+    def asks(scenery):
+        return not scenery.clear and not scenery.any("camera inside")  # where there is hardly any light
+
+    @staticmethod
+    def draw(scenery, angle):
+        scene, camera = scene_of(scenery, Look(white=False))
+        distant(scene, SIDE, angle)
+        renderer = renderer_of(scene, samples=16)
+
+        def one(seed):
+            renderer.set(seed=seed)
+            return picture(renderer, camera).mean(axis=(0, 1))
+        return one
+
+    @classmethod
+    def run(cls, scenery):
+        error = 0.008 if scenery.any("cut", "opacity") else 0.003  # light walks through, or goes in and out of holes
+        return same(cls.draw(scenery, 0.0), cls.draw(scenery, 0.5), 0.01, error, (*SEEDS, 768))
 
 
 class LayersAddUp:
@@ -268,4 +326,5 @@ class SameBytes:
         return same_bytes(lambda: lit(scenery))
 
 
-CHECKS = (ViewerFurnace, LambertFurnace, LightFurnace, Reciprocity, LambertLimit, WalkIsReference, LayersAddUp, SameBytes)
+CHECKS = (ViewerFurnace, LambertFurnace, LightFurnace, Reciprocity, LambertLimit, WalkIsReference, Turned, AsArray, LightWithoutSize,
+          LayersAddUp, SameBytes)

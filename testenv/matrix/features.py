@@ -15,6 +15,7 @@ from gltf_writer import png  # noqa: E402
 from shapes import cube_sphere  # noqa: E402
 
 VIEW = (0.25, 0.35, 1.0)  # sees the main body with what touches it
+SIDE = (0.3, 0.2, 1.0)  # 20 degrees from z: where key lights are
 FILM = 2.2  # width of the film; the main body is 2 wide
 MAIN, SECOND = "/main", "/second"
 
@@ -25,6 +26,7 @@ class Look(NamedTuple):
     clear_roughness: float = 0.0
     mask: bool = False  # opaque bodies of the same opacity, to measure what rays meet
     flat: bool = False  # all bodies squashed along z: a ball hides what is not reciprocal from sums over its surface
+    way: str = "as is"  # one of WAYS: how the scene is written down
 
 
 class Body:
@@ -33,6 +35,7 @@ class Body:
         self.place = np.eye(4) if place is None else place
         self.material = {} if material is None else material  # shared by bodies of one look
         self.shape, self.hollow, self.displaced, self.bumped, self.set = "ball", False, False, False, None
+        self.labelled = False
 
 
 class Draft:
@@ -55,6 +58,34 @@ def moved(x, y, z, scale=1.0):
 
 
 SHEAR = np.array([[1.05, 0, 0, 0], [0.35, 0.95, 0, 0], [0, 0.25, 0.9, 0], [0, 0, 0, 1]], float)
+
+
+MIRROR = np.diag([-1.0, 1.0, 1.0, 1.0])
+
+
+def turn():
+    """By 74 degrees about (1, 2, 3), and moved."""
+    axis = np.array((1.0, 2.0, 3.0)) / math.sqrt(14)
+    k, m = np.cross(np.eye(3), axis), moved(3.0, -2.0, 5.0)
+    m[:3, :3] = np.eye(3) + math.sin(1.3) * k + (1 - math.cos(1.3)) * k @ k
+    return m
+
+
+WAYS = {  # of writing down a scene, so that it shows the same picture: the matrix that all of it is multiplied by
+    "as is": np.eye(4),
+    "turned": turn(),
+    "mirrored": MIRROR,  # as is the picture
+    "reordered": np.eye(4),  # other names, in another order, with others in between
+    "array": np.eye(4),  # each body is one of an array
+    "copies": np.eye(4),  # placements are in the points
+}
+ARRAY = 8192  # instances from which on they are an array (delegate/prims/scene_translation.cpp)
+
+
+def placed(transform, way):
+    """A camera or a light in a scene that is written down so. What is mirrored keeps its handedness by a mirror of its own."""
+    m = transform @ WAYS[way]
+    return MIRROR @ m if way == "mirrored" else m
 
 
 def look_at(direction, distance=8.0, centre=(0, 0, 0)):
@@ -111,6 +142,13 @@ def put_glass(draft, z, size=1.0):
     draft.bodies.append(slab)
 
 
+def pane(draft):
+    """A sheet of clear glass before the main body, as the light and the camera see it."""
+    sheet = Body("pane", look_at(SIDE, 1.8), "/pane")
+    sheet.shape = "pane"
+    draft.bodies.append(sheet)
+
+
 def pyramid(draft):
     """The main body has no centre of symmetry."""
     draft.main.shape = "pyramid"
@@ -148,6 +186,8 @@ FEATURES = {  # in the order of the issue
     "below glass": below_glass,
     "glass on its face": glass_on_its_face,
     "pyramid": pyramid,
+    "label": main_has("labelled"),  # some of the faces have a material of their own, which is opaque
+    "pane": pane,
 }
 LAYERS = ("coat", "fibre sheen", "clearcoat", "rough specular")
 
@@ -205,7 +245,11 @@ def pyramid_mesh():
     return points, np.int32([(3, 2, 1), (3, 1, 0), (0, 1, 4), (1, 2, 4), (2, 3, 4), (3, 0, 4)])
 
 
-SHAPES = {"box": box, "pyramid": pyramid_mesh}
+def square():
+    return np.float32([(-1.5, -1.5, 0), (1.5, -1.5, 0), (1.5, 1.5, 0), (-1.5, 1.5, 0)]), np.int32([(0, 1, 2, 3)])
+
+
+SHAPES = {"box": box, "pyramid": pyramid_mesh, "pane": square}
 
 
 @functools.lru_cache(maxsize=None)
@@ -230,6 +274,8 @@ _FOLDER = tempfile.TemporaryDirectory(prefix="matrix_")
 
 
 def material_of(body, look):
+    if body.kind == "pane":
+        return {"baseColor": (1.0,) * 3, "specTrans": 1.0, "thin": True, "roughness": 0.0}
     if look.mask:
         scatters = {} if body.kind == "glass" else {"scatterDistance": (0.1,) * 3}  # unions have no walls within
         return {"baseColor": (0.5,) * 3, "opacity": body.material.get("opacity", 1.0), **scatters}
@@ -257,37 +303,65 @@ def nodes_of(body, look):
     return nodes
 
 
+def bake(points, normals, place):
+    """The points where the placement has them, and their normals."""
+    def apply(m, values, w):
+        return np.float32((np.c_[np.float64(values), np.full(len(values), w)] @ m)[:, :3])
+    turned = apply(np.linalg.inv(place).T, normals, 0.0)
+    return apply(place, points, 1.0), turned / np.linalg.norm(turned, axis=1, keepdims=True)
+
+
 def add_body(scene, body, draft, look):
-    material = body.path + "_look"
+    material, world = body.path + "_look", WAYS[look.way]
     scene.set_material(material, nodes=nodes_of(body, look), displacement="relief" if body.displaced else "")
-    given = {"material": material}
+    given, primvars = {"material": material}, {}
     if body.shape in SHAPES:
         points, quads = SHAPES[body.shape]()
-        primvars = {}
+        normals = np.ones_like(points)  # of no use: its faces are flat
     else:
         points, quads, normals, uvs = ball(8 if body.displaced else 32, body.hollow)
-        primvars = {"st": hdalabaster.Primvar(uvs, "faceVarying", role="textureCoordinate")}
-        if body.displaced:
-            given.update(scheme="catmullClark", refine_level=3)
-        else:
-            primvars["normals"] = normals
+        primvars["st"] = hdalabaster.Primvar(uvs, "faceVarying", role="textureCoordinate")
+    if body.labelled:
+        color = (0.5,) * 3 if look.mask else (1.0,) * 3 if look.white else (0.3, 0.6, 0.9)
+        scene.set_material(body.path + "_label", baseColor=color, specular=0.0)
+        given["subsets"] = {body.path + "_label": np.int32(np.flatnonzero(points[quads].mean(axis=1)[:, 0] > 0.3))}
     if body.set:
         primvars["subsurfaceSet"] = hdalabaster.Primvar(body.set, "constant")
-    if draft.shear:
-        instancer = body.path + "_instances"
-        scene.set_instancer(instancer, {body.path: [0]}, transforms=np.array([body.place @ SHEAR]))
-        given["instancer"] = instancer
-        if draft.moves:
-            scene.set_instancer(instancer, {body.path: [0]}, transforms=np.array([body.place @ SHEAR]), motion=swing(np.eye(4)))
-    elif draft.moves:
-        given["motion"] = swing(body.place)
+
+    # Heights are in the mesh's own space, so only what keeps lengths may go into its points.
+    place = body.place @ (SHEAR if draft.shear else np.eye(4))
+    if look.way == "copies" and not (body.displaced and draft.shear):
+        points, normals = bake(points, normals, place)
+        place = np.eye(4)
+    if body.displaced:
+        given.update(scheme="catmullClark", refine_level=3)
+    elif body.shape not in SHAPES:
+        primvars["normals"] = normals
+    motion = swing(np.eye(4), world) if draft.moves else None
+    if draft.shear or look.way == "array":
+        others = [moved(0.2 * (i % 91) - 9, 0.2 * (i // 91) - 9, -100, 0.02) for i in range(1, ARRAY)] if look.way == "array" else []
+        given["instancer"] = body.path + "_instances"
+        transforms = np.array([place, *others])
+        stands = {"motion": motion} if motion else {"transform": world}
+        scene.set_instancer(given["instancer"], {body.path: range(len(transforms))}, transforms=transforms, **stands)
+    elif motion:
+        given["motion"] = swing(place, world)
     else:
-        given["transform"] = body.place
+        given["transform"] = place @ world
     scene.set_mesh(body.path, points, quads, primvars=primvars, categories=["bodies"], **given)
 
 
-def swing(place):
-    return [(0.0, place @ moved(-0.1, 0, 0)), (1.0, place @ moved(0.1, 0.05, 0))]
+def swing(place, world):
+    return [(0.0, place @ moved(-0.1, 0, 0) @ world), (1.0, place @ moved(0.1, 0.05, 0) @ world)]
+
+
+def reorder(draft, scene):
+    """The last body becomes the first, by its name and by when it is given. 255 others, far away, lie between each two."""
+    draft.bodies.reverse()
+    for i, body in enumerate(draft.bodies):
+        body.path = f"/{i:02}" + body.path[1:]
+        for k in range(255 if i else 0):
+            scene.set_mesh(f"/{i - 1:02}z{k:03}", *box(), transform=moved(0, 0, -50 - 0.01 * k - 5 * i, 1e-3))
 
 
 def bounds(draft):
@@ -298,7 +372,7 @@ def bounds(draft):
     for body in draft.bodies:
         shape = SHAPES[body.shape]()[0] if body.shape in SHAPES else points
         shape = np.c_[shape, np.ones(len(shape))] @ body.place @ (SHEAR if draft.shear else np.eye(4))
-        ways = [m for _, m in swing(np.eye(4))] if draft.moves else [np.eye(4)]
+        ways = [m for _, m in swing(np.eye(4), np.eye(4))] if draft.moves else [np.eye(4)]
         corners += [(shape @ m)[:, :3] for m in ways]
     corners = np.concatenate(corners)
     return corners.min(axis=0), corners.max(axis=0)
@@ -307,11 +381,14 @@ def bounds(draft):
 def scene_of(scenery, look):
     """A scene without lights, and its camera as render() takes it."""
     draft, scene = scenery.draft(), hdalabaster.Scene()
+    if look.way == "reordered":
+        reorder(draft, scene)
     for body in draft.bodies:
         if look.flat:
             body.place = body.place @ SQUASH
         add_body(scene, body, draft, look)
-    return scene, camera_of(draft)
+    camera = camera_of(draft)
+    return scene, {**camera, "transform": placed(camera["transform"], look.way)}
 
 
 def camera_of(draft, direction=VIEW, film=FILM):

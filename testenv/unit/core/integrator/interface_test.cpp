@@ -150,7 +150,7 @@ TEST(Interface, ABodyHasItsBaseColorOnceAndSoHasASheet) {
     for (int c = 0; c < 3; ++c) {
       const double color = double(glass.base_color[c]), f = 0.04;
       const double echo = 1 / (1 - f * f);  // reflections inside are not tinted
-      expect_mean(&tracer, c, thin ? (1 - f) * color : (1 - f) * (1 - f) * echo * color, thin ? "sheet" : "slab");
+      expect_mean(&tracer, c, (1 - f) * (1 - f) * echo * color, thin ? "sheet" : "slab");
     }
   }
 }
@@ -222,6 +222,23 @@ TEST(Interface, NestedInteriorsAreFoundAtAPoint) {
   EXPECT_EQ(index_at({0, 0, 0}), 1.2f);
   EXPECT_EQ(index_at({0, -0.7f, 0}), 1.5f);
   EXPECT_EQ(index_at({0, -2, 0}), 1.33f);
+}
+
+// There is no number of bodies within each other beyond which one is not noticed.
+TEST(Interface, TheInnermostOfManyBodiesAbsorbs) {
+  for (const int count : {7, 60}) {
+    SceneBuilder b;
+    for (int i = 0; i < count; ++i) {
+      DisneyParameters p = clear(1);
+      if (i == count - 1) p.attenuation_color = Rgb(0.5f), p.attenuation_distance = 2;
+      const float half = static_cast<float>(count - i);
+      b.add(b.prototype(slab_mesh(-half, half, 100 + half)), b.material(p));
+    }
+    b.add(testing::constant_dome(1, true));
+    PathTracer tracer(b.snapshot(), {0, 200, 0});
+    tracer.settings.max_depth = 1000;
+    EXPECT_NEAR(tracer.trace(0).color.g, 0.5f, 1e-3f) << count;
+  }
 }
 
 // A body of ior 1 is not seen: every sample is the background's.

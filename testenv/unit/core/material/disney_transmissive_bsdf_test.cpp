@@ -155,7 +155,7 @@ TEST(DisneyTransmissiveBsdf, IorOneDoesNothing) {
     }
 }
 
-// A smooth sheet reflects F and passes (1 - F) baseColor.
+// Two faces, and all orders of the light between them.
 TEST(DisneyThinDielectric, ASmoothSheetIsItsClosedForm) {
   DisneyParameters p;
   p.base_color = {0.9f, 0.5f, 0.1f};
@@ -177,8 +177,9 @@ TEST(DisneyThinDielectric, ASmoothSheetIsItsClosedForm) {
       (straight ? passed : reflected) += s->weight() * (1 / static_cast<float>(kSamples));
     }
     for (int c = 0; c < 3; ++c) {
-      EXPECT_NEAR(passed[c], (1 - fresnel) * p.base_color[c], 0.03f * passed[c]);
-      EXPECT_NEAR(reflected[c], fresnel, 0.03f);
+      const float through = (1 - fresnel) / (1 + fresnel) * p.base_color[c];
+      EXPECT_NEAR(passed[c], through, 0.03f * through);
+      EXPECT_NEAR(reflected[c], fresnel * (1 + through), 0.03f * reflected[c] + 0.002f);
     }
   }
 }

@@ -89,6 +89,35 @@ Mesh slab(float thickness, float at) {
   return build_mesh(cage, {}, {});
 }
 
+TEST(SceneReports, LightsWithoutSizeBesideClearSolidsAreReported) {
+  DisneyParameters glass;
+  glass.spec_trans = 1;
+  const auto found = [&](const DisneyParameters& p, const LightParameters* more = nullptr) {
+    SceneBuilder b;
+    b.add(b.prototype(testing::sphere_mesh(1, 16, true)), b.material(p));
+    b.description.instances.back().name = "/vase";
+    LightParameters bulb = lamp(3, "/bulb"), sun;
+    bulb.treat_as_point = true;
+    sun.type = LightType::distant, sun.angle = 0, sun.name = "/sun";
+    b.add(bulb).add(sun);
+    if (more) b.add(*more);
+    return warnings(b, "light.withoutSize");
+  };
+  ASSERT_EQ(found(glass).size(), 1u);
+  EXPECT_EQ(found(glass)[0].where, "/bulb");
+  EXPECT_NE(found(glass)[0].text.find("/vase"), std::string::npos);
+
+  // Another light, or nothing that refracts.
+  const LightParameters sized = lamp(4, "/lamp"), sky = testing::constant_dome(1, true);
+  EXPECT_TRUE(found(glass, &sized).empty());
+  EXPECT_TRUE(found(glass, &sky).empty());
+  EXPECT_TRUE(found(wax()).empty());
+  DisneyParameters pane = glass, index_of_air = glass;
+  pane.thin = true, index_of_air.ior = 1;
+  EXPECT_TRUE(found(pane).empty());
+  EXPECT_TRUE(found(index_of_air).empty());
+}
+
 TEST(SceneReports, ASlabThinnerThanRoundingIsReported) {
   for (const auto& [thickness, count] : {std::pair(1e-3f, 0u), std::pair(1e-5f, 0u), std::pair(2e-7f, 1u)}) {
     SceneBuilder b;
