@@ -125,8 +125,8 @@ struct MaterialNode {
 ///   anisotropicRotation. sourceColorSpace "auto" is sRGB or linear by the image's type for colours, raw for numbers
 ///   (scatterDistance among them).
 /// - AlabasterPrimvar: the mesh's displayColor (outputs rgb, r, g, b) and displayOpacity (output a); 1 if it has none.
-/// - UsdPreviewSurface with UsdUVTexture, UsdTransform2d and UsdPrimvarReader_*, as specified; delegate/manual/usd.md
-///   has what differs.
+/// - UsdPreviewSurface, MaterialX's ND_*, Arnold's surfaces, and the nodes above them, as authored: delegate/manual/usd.md
+///   lists them. A parameter colorSpace:NAME says the space of NAME.
 struct MaterialNetwork {
   std::map<Path, MaterialNode> nodes;
   std::map<Token, MaterialConnection> terminals;

@@ -7,10 +7,9 @@
 
 #include "core/material/disney_material.h"
 #include "core/material/microfacet.h"
-#include "core/subsurface/medium.h"
 #include "delegate/gltf/gltf_material_builder.h"
+#include "delegate/looks/formulas.h"
 #include "delegate/support/nearest_name.h"
-#include "delegate/support/surface_formulas.h"
 
 namespace alabaster::hd::gltf {
 namespace {
@@ -43,7 +42,7 @@ void set_specular_glossiness(MaterialBuilder* material) {
   const TextureUse texture = material->texture(kGlossiness, "specularGlossinessTexture");
   const double glossiness = material->number(kGlossiness, "glossinessFactor");
   material->set("metallic", 0.0);
-  material->set("specularColor", specular * support::kSpecularColorOfOne);
+  material->set("specularColor", specular * looks::kSpecularColorOfOne);
   material->connect("specularColor", texture, color_reading());
   if (texture.index < 0) {
     material->set("baseColor", material->color_set("baseColor") * (1 - std::max({specular.x, specular.y, specular.z})));
@@ -95,7 +94,7 @@ void set_emission(MaterialBuilder* material) {
 void set_dielectric(MaterialBuilder* material) {
   double ior = material->number(kIor, "ior");
   Vec3f tint(1);
-  if (ior == 0) tint = Vec3f(support::kSpecularColorOfOne);  // "reflects everything": f0 is specularColor itself
+  if (ior == 0) tint = Vec3f(looks::kSpecularColorOfOne);  // "reflects everything": f0 is specularColor itself
   if (ior > 0 && ior < 1)
     material->say(Severity::warning, "material.ior", "extensions.KHR_materials_ior.ior",
                   "is below 1, which is not supported; 1.5 is used");
@@ -136,7 +135,8 @@ void set_coats(MaterialBuilder* material) {
     material->set("sheen", 1.0);
     material->set("sheenTint", 0.0);
     // 0 would be Burley's sheen; the lobe itself ends at 0.07.
-    material->set("sheenRoughness", std::max(0.07, material->number(kSheen, "sheenRoughnessFactor")));
+    material->set("sheenRoughness",
+                  std::max(double(looks::kLeastSheenRoughness), material->number(kSheen, "sheenRoughnessFactor")));
   }
   if (!material->has_weight(kIridescence)) return;
   material->emit(kIridescence);
@@ -190,7 +190,7 @@ double set_scatter_anisotropy(MaterialBuilder* material) {
 float scatter_distance(double attenuation_color, double attenuation_distance, double albedo, double g) {
   if (attenuation_color <= 0 || attenuation_distance <= 0) return 0;
   const double sigma_t = -std::log(std::min(attenuation_color, 0.999)) / attenuation_distance;
-  return float(1 / (sigma_t * (1 - g) * distance_scale(albedo)));
+  return float(looks::scatter_distance(sigma_t, albedo, g));
 }
 
 // Replaces the base colour by that of a scattering volume.

@@ -2,17 +2,14 @@
 #pragma once
 
 #include "delegate/api/scene_delegate.h"
-#include "delegate/hydra/materials.h"
 
 namespace alabaster::hydra {
 
-/// Geometry means the same in Hydra and here. Lights and materials are translated.
+/// Geometry means the same in Hydra and here, and materials are read by the renderer. Lights are translated.
 class TranslatedScene : public hd::SceneDelegate {
  public:
-  /// `report`: the prim, then a diagnostic's code and text.
-  using Report = std::function<void(const hd::Path& id, const char* code, const std::string& text)>;
   /// `domes_visible`: to the camera, where a dome does not say (Hydra's setting domeLightCameraVisibility).
-  TranslatedScene(bool domes_visible, Report report) : domes_visible_(domes_visible), report_(std::move(report)) {}
+  explicit TranslatedScene(bool domes_visible) : domes_visible_(domes_visible) {}
 
   /// The host's value of the name, or of that with "inputs:" before it, as the schema of UsdLux has it.
   hd::Value GetLightParamValue(const hd::Path& id, const hd::Token& name) final {
@@ -21,19 +18,13 @@ class TranslatedScene : public hd::SceneDelegate {
     const bool is_unsaid = found.empty() && name == hd::Token("visibleToCamera");
     return is_unsaid && GetHostLightType(id) == hd::Token("domeLight") ? domes_visible_ : found;
   }
-  hd::MaterialNetwork GetMaterialResource(const hd::Path& id) final {
-    return TranslateMaterial(GetHostMaterial(id),
-                             [&](const char* code, const std::string& text) { report_(id, code, text); });
-  }
 
  protected:
   virtual hd::Token GetHostLightType(const hd::Path& id) = 0;
   virtual hd::Value GetHostLightParameter(const hd::Path& id, const hd::Token& name) = 0;
-  virtual hd::MaterialNetwork GetHostMaterial(const hd::Path& id) = 0;
 
  private:
   bool domes_visible_;
-  Report report_;
 };
 
 }  // namespace alabaster::hydra

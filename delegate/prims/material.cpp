@@ -4,13 +4,13 @@
 #include <cmath>
 #include <map>
 
+#include "delegate/looks/looks.h"
 #include "delegate/prims/parameters.h"
 #include "delegate/prims/prims.h"
 #include "delegate/support/color_space.h"
 #include "delegate/support/lookup.h"
 #include "delegate/support/nearest_name.h"
 #include "delegate/support/parameters.h"
-#include "delegate/support/preview_surface.h"
 
 namespace alabaster::hd::prims {
 namespace {
@@ -44,6 +44,14 @@ struct NodeReader {
     return read;
   }
   TextureInputs texture_inputs() const { return inputs<TextureInputs>(alabaster::texture_inputs()); }
+  /// What stands for an image that cannot be read, as other formats have it (delegate/looks).
+  std::optional<Vec4f> fallback() const {
+    std::array<double, 4> n{};
+    const size_t count = parameter("fallback").components(&n);
+    if (count == 0) return std::nullopt;
+    if (count == 1) return Vec4f(float(n[0]));
+    return Vec4f(float(n[0]), float(n[1]), float(n[2]), count == 4 ? float(n[3]) : 1);
+  }
 };
 
 /// A node of type AlabasterTexture.
@@ -70,7 +78,11 @@ struct TextureNodeReader : NodeReader {
     const TextureInputs in = texture_inputs();
     source.wrap_s = in.wrap_s, source.wrap_t = in.wrap_t, source.filter = in.filter;
     TextureLookup lookup;
-    lookup.image = param.texture(source, fault, sink, cancel);
+    std::optional<std::string> missing;
+    const bool may_miss = fallback().has_value();
+    lookup.image =
+        param.texture(source, may_miss ? &missing : fault, may_miss ? alabaster::DiagnosticSink() : sink, cancel);
+    if (missing) warn("material.texture.fallback", *missing + "; its fallback is used");
     if (!lookup.image) return std::nullopt;
     if (const std::string set = parameter("st").text_or(""); !set.empty()) lookup.uv_set = set;
     lookup.transform = UvTransform(in.st_offset, in.st_rotation, in.st_scale);
@@ -127,9 +139,8 @@ class MaterialReader {
       return nullptr;
     }
     if (!(node->second.nodeTypeId == Token("AlabasterDisney"))) {
-      warn("material.node",
-           "node type '" + node->second.nodeTypeId.str() +
-               "' is not known; the default material is used (known: AlabasterDisney, UsdPreviewSurface)");
+      warn("material.node", "node type '" + node->second.nodeTypeId.str() +
+                                "' is not known; the default material is used (known: " + looks::LookTypes() + ")");
       return nullptr;
     }
     return &node->second;
@@ -202,7 +213,9 @@ class MaterialReader {
       else
         lost.emplace_back(&connection.upstreamNode, channel);
     }
-    // A constant that nobody gave must not scale the texture.
+    // A constant that nobody gave must not scale the texture, nor what stands for it.
+    for (const auto& [node, channel] : lost)
+      if (const auto texture = texture_node(*node)) connected = connected || texture->fallback();
     if (connected && !has_constant) has_constant = true, support::set_parameter(*row, 1.0f, &material->constants);
     for (const auto& [node, channel] : lost)
       if (channel == Channel::direction)
@@ -217,13 +230,14 @@ class MaterialReader {
                      DisneyParameters* constants) const {
     const std::optional<NodeReader> node = texture_node(node_id);
     if (!node || node->parameter("file").text_or("").empty()) return;
-    if (row.member == decltype(row.member)(&DisneyParameters::base_color)) {
+    const auto fallback = node->fallback();
+    if (!fallback && row.member == decltype(row.member)(&DisneyParameters::base_color)) {
       constants->base_color = kLostColor;
       return;
     }
     if (!has_constant) return;
     const TextureInputs in = node->texture_inputs();
-    const Vec4f white = in.scale + in.bias;
+    const Vec4f white = fallback.value_or(in.scale + in.bias);
     const float one = white[channel == Channel::a ? 3 : component_of(channel)];
     const Vec3f all = channel == Channel::rgb ? Vec3f(white.x, white.y, white.z) : Vec3f(one);
     const Value held = support::get_parameter(row, *constants);
@@ -358,8 +372,7 @@ void MaterialPrim::post(const std::shared_ptr<const MaterialNetwork>& network, S
       alabaster::report(sink, alabaster::Severity::warning, code, id.str(), text);
     };
     MaterialRecord record;
-    record.material =
-        MaterialReader(id, support::TranslatePreviewSurface(*network, warn), param, sink, cancel).read(&record.fault);
+    record.material = MaterialReader(id, looks::ReadLook(*network, warn), param, sink, cancel).read(&record.fault);
     const alabaster::DiagnosticSink tell = [&](const alabaster::Diagnostic& d) {
       const bool is_of_file = d.where != id.str() && !d.code.starts_with("material.");  // of the prim or its nodes
       if (is_of_file)

@@ -16,10 +16,11 @@ CONTRACT = ["api", "host", "gltf", "archive", "description"]  # rooms with insta
 DELEGATE_ROOMS = {  # room -> the rooms of delegate that it may include besides itself
     "api": [],
     "support": ["api"],
-    "prims": ["api", "support"],
+    "looks": ["api", "support"],
+    "prims": ["api", "support", "looks"],
     "rendering": ["api", "support", "prims"],
     "host": ["api", "support"],
-    "gltf": ["api", "support", "host"],
+    "gltf": ["api", "support", "looks", "host"],
     "description": ["api", "support", "host", "gltf", "archive"],
     "archive": ["api", "support", "host"],
     "c_api": CONTRACT + ["support"],
@@ -33,13 +34,13 @@ CORE_SEEN_BY = {  # room of delegate -> the rooms of core that it may include
     "prims": CORE_ROOMS,
     "rendering": CORE_ROOMS,
     "support": ["color", "files", "parameter"],
+    "looks": ["color", "material", "subsurface"],  # chromaticities, the table of parameters, formulas
     # of camera, light, material, scene and session the tables of parameters
     "host": ["camera", "color", "denoise", "digest", "film", "files", "images", "light", "material", "math", "scene", "session"],
     "archive": ["digest", "files", "memory", "texture"],
     "c_api": ["math"],
     "gltf": ["files", "images", "material", "math", "memory", "subsurface", "texture"],
     "description": ["files", "math", "memory", "texture"],
-    "hydra": ["subsurface"],  # a formula
     "tradeoff": ["files"],
     "cli": ["files"],
     "view": ["files"],

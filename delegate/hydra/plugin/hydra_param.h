@@ -36,11 +36,7 @@ class HydraParam final : public pxr::HdRenderParam {
   void write_scene(const hd::RenderPassState& state) const;
 
   HydraScene scene(pxr::HdSceneDelegate* host, const pxr::SdfPath& id, const pxr::TfToken& light_type = {}) const {
-    return {host, id, domes_visible_,
-            [this](const hd::Path& where, const char* code, const std::string& text) {
-              sink_({hd::Severity::warning, code, where.str(), text});
-            },
-            light_type};
+    return {host, id, domes_visible_, light_type};
   }
 
   /// Those of the scene's active render settings prim.

@@ -198,7 +198,7 @@ hd::Value HydraScene::GetHostLightParameter(const hd::Path& id, const hd::Token&
   return ToValue(host_->GetLightParamValue(path(id), pxr::TfToken(name.str())));
 }
 
-hd::MaterialNetwork HydraScene::GetHostMaterial(const hd::Path& id) {
+hd::MaterialNetwork HydraScene::GetMaterialResource(const hd::Path& id) {
   const pxr::VtValue resource = host_->GetMaterialResource(path(id));
   hd::MaterialNetwork ours;
   if (!resource.IsHolding<pxr::HdMaterialNetworkMap>()) return ours;

@@ -13,9 +13,9 @@ namespace alabaster::hydra {
 class HydraScene final : public TranslatedScene {
  public:
   /// `light_type`: of the prim, if it is a light.
-  HydraScene(pxr::HdSceneDelegate* host, const pxr::SdfPath& id, bool domes_visible, Report report,
+  HydraScene(pxr::HdSceneDelegate* host, const pxr::SdfPath& id, bool domes_visible,
              const pxr::TfToken& light_type = {})
-      : TranslatedScene(domes_visible, std::move(report)), host_(host), id_(id), light_type_(light_type) {}
+      : TranslatedScene(domes_visible), host_(host), id_(id), light_type_(light_type) {}
 
   hd::MeshTopology GetMeshTopology(const hd::Path& id) override;
   hd::SubdivTags GetSubdivTags(const hd::Path& id) override;
@@ -27,6 +27,7 @@ class HydraScene final : public TranslatedScene {
   hd::Token GetRenderTag(const hd::Path& id) override;
   std::vector<hd::Token> GetCategories(const hd::Path& id) override;
   hd::Path GetMaterialId(const hd::Path& id) override;
+  hd::MaterialNetwork GetMaterialResource(const hd::Path& id) override;
   std::vector<hd::PrimvarDescriptor> GetPrimvarDescriptors(const hd::Path& id) override;
   hd::Value GetPrimvar(const hd::Path& id, const hd::Token& name, hd::Array<int32_t>* indices) override;
   hd::TimeSamples<hd::Matrix4d> SampleTransform(const hd::Path& id) override;
@@ -44,7 +45,6 @@ class HydraScene final : public TranslatedScene {
  protected:
   hd::Token GetHostLightType(const hd::Path& id) override;
   hd::Value GetHostLightParameter(const hd::Path& id, const hd::Token& name) override;
-  hd::MaterialNetwork GetHostMaterial(const hd::Path& id) override;
 
  private:
   pxr::SdfPath path(const hd::Path& id) const;

@@ -29,8 +29,7 @@ constexpr int kSize = 32;
 /// without "inputs:".
 class HostScene final : public TranslatedScene {
  public:
-  explicit HostScene(bool domes_visible = true)
-      : TranslatedScene(domes_visible, [](const Path&, const char*, const std::string&) {}) {}
+  explicit HostScene(bool domes_visible = true) : TranslatedScene(domes_visible) {}
 
   hd::MeshTopology GetMeshTopology(const Path&) override {
     hd::MeshTopology topology;
@@ -72,7 +71,7 @@ class HostScene final : public TranslatedScene {
     const auto found = held.find(name);
     return found == held.end() ? Value() : found->second;
   }
-  hd::MaterialNetwork GetHostMaterial(const Path&) override {
+  hd::MaterialNetwork GetMaterialResource(const Path&) override {
     hd::MaterialNetwork network;
     network.nodes["/s"] = {"ND_standard_surface_surfaceshader",
                            {{"base", 1.0f}, {"base_color", Vec3f(0.6f, 0.3f, 0.2f)}, {"specular", 0.0f}},

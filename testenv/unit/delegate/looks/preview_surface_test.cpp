@@ -1,4 +1,4 @@
-#include "delegate/support/preview_surface.h"
+#include "delegate/looks/looks.h"
 
 #include <gtest/gtest.h>
 
@@ -7,7 +7,7 @@
 #include "core/texture/uv_transform.h"
 #include "testenv/support/stage.h"
 
-namespace alabaster::hd::support {
+namespace alabaster::hd::looks {
 namespace {
 
 MaterialNetwork preview(std::map<Token, Value> parameters) {
@@ -19,8 +19,8 @@ MaterialNetwork preview(std::map<Token, Value> parameters) {
 
 struct Translated {
   explicit Translated(const MaterialNetwork& from) {
-    network = TranslatePreviewSurface(
-        from, [this](const char* code, const std::string& text) { warnings.push_back(code + (": " + text)); });
+    network =
+        ReadLook(from, [this](const char* code, const std::string& text) { warnings.push_back(code + (": " + text)); });
   }
   const MaterialNode& node(const char* path) { return network.nodes.at(path); }
   const Value& parameter(const char* name) { return node("/m/surface").parameters.at(name); }
@@ -34,7 +34,8 @@ TEST(PreviewSurface, HasTheSpecificationsDefaults) {
   EXPECT_EQ(t.node("/m/surface").nodeTypeId, Token("AlabasterDisney"));
   EXPECT_EQ(t.parameter("baseColor"), Value(Vec3f(0.18f)));
   EXPECT_EQ(t.parameter("coatRoughness"), Value(0.01f));
-  EXPECT_EQ(t.node("/m/surface").parameters.size(), 2u) << "the others are the same";
+  EXPECT_EQ(t.parameter("baseColor:colorSpace"), Value(Token("lin_rec709")));
+  EXPECT_EQ(t.node("/m/surface").parameters.size(), 3u) << "the others are the same";
   EXPECT_TRUE(t.warnings.empty());
 }
 
@@ -48,7 +49,7 @@ TEST(PreviewSurface, ConstantsAreParameters) {
 
 TEST(PreviewSurface, TheSpecularWorkflowGivesF0AndNoMetal) {
   Translated t(preview({{"useSpecularWorkflow", 1}, {"specularColor", Vec3f(0.04f, 0.08f, 1)}, {"metallic", 1.0f}}));
-  EXPECT_EQ(t.parameter("ior"), Value(1.5f));
+  EXPECT_FALSE(t.node("/m/surface").parameters.contains("ior")) << "1.5";
   const Vec3f scale = t.parameter("specularColor").get_or(Vec3f(0));
   EXPECT_NEAR(scale.x, 1, 1e-6);
   EXPECT_NEAR(scale.y, 2, 1e-6);
@@ -147,4 +148,4 @@ TEST(PreviewSurface, IsDrawn) {
 }
 
 }  // namespace
-}  // namespace alabaster::hd::support
+}  // namespace alabaster::hd::looks

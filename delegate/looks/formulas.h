@@ -1,0 +1,53 @@
+// What several readers of materials compute alike.
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/subsurface/medium.h"
+#include "delegate/api/scene_types.h"
+
+namespace alabaster::hd::looks {
+
+/// AlabasterDisney's specularColor where the reflectance at normal incidence is 1: of ior 1.5 it is 0.04.
+inline constexpr float kSpecularColorOfOne = 25;
+
+/// AlabasterDisney's sheenRoughness 0 is another lobe, Burley's; that of fibres ends here.
+inline constexpr float kLeastSheenRoughness = 0.07f;
+
+/// The scatterDistance of AlabasterDisney whose walk has this extinction, one over its mean free path, below a surface
+/// of albedo A, at Henyey-Greenstein g: Chiang, Kutz, Burley 2016, eq. 2 and 3.
+inline double scatter_distance(double extinction, double albedo, double g) {
+  const double within = std::clamp(g, -kMaxScatterAnisotropy, kMaxScatterAnisotropy);
+  return 1 / (extinction * (1 - within) * distance_scale(albedo));
+}
+
+/// Texture coordinates uv' = R (scale uv) + offset, with v up and R counter-clockwise.
+struct Placement {
+  Vec2f scale{1, 1}, offset{0, 0};
+  float angle = 0;  // radians
+
+  bool is_identity() const { return scale == Vec2f(1, 1) && offset == Vec2f(0, 0) && angle == 0; }
+  /// False where the result is none of these: uneven scale after a rotation.
+  bool multiply(const Vec2f& factor) {
+    if (angle != 0 && factor.x != factor.y) return false;
+    scale *= factor, offset *= factor;
+    return true;
+  }
+  void rotate(float radians) {
+    const float c = std::cos(radians), s = std::sin(radians);
+    offset = Vec2f(c * offset.x - s * offset.y, s * offset.x + c * offset.y);
+    angle += radians;
+  }
+};
+
+/// AlabasterTexture's transform is that of glTF, with v down from the image's upper left corner.
+inline void place_image(const Placement& placed, MaterialNode* texture) {
+  const float c = std::cos(placed.angle), s = std::sin(placed.angle);
+  texture->parameters["stScale"] = placed.scale;
+  texture->parameters["stRotation"] = placed.angle;
+  texture->parameters["stOffset"] =
+      Vec2f(placed.offset.x - s * placed.scale.y, 1 - placed.offset.y - c * placed.scale.y);
+}
+
+}  // namespace alabaster::hd::looks
