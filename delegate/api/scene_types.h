@@ -125,7 +125,7 @@ struct MaterialNode {
 ///   anisotropicRotation. sourceColorSpace "auto" is sRGB or linear by the image's type for colours, raw for numbers
 ///   (scatterDistance among them).
 /// - AlabasterPrimvar: the mesh's displayColor (outputs rgb, r, g, b) and displayOpacity (output a); 1 if it has none.
-/// - UsdPreviewSurface, MaterialX's ND_*, Arnold's surfaces, and the nodes above them, as authored: delegate/manual/usd.md
+/// - UsdPreviewSurface, surfaces of MaterialX and Arnold, and the nodes above them, as authored: delegate/manual/usd.md
 ///   lists them. A parameter colorSpace:NAME says the space of NAME.
 struct MaterialNetwork {
   std::map<Path, MaterialNode> nodes;

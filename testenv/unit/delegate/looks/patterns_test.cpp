@@ -14,8 +14,8 @@ using Parameters = std::map<Token, Value>;
 using Connections = std::map<Token, std::vector<MaterialConnection>>;
 
 /// An OpenPBR surface; nodes are named by a letter.
-struct Look {
-  Look() {
+struct SampleLook {
+  SampleLook() {
     network.nodes["/s"] = {"ND_open_pbr_surface_surfaceshader", {}, {}};
     network.terminals["surface"] = {"/s", "out"};
   }
@@ -47,7 +47,7 @@ MaterialConnection from(const char* node, const char* output = "out") {
 }
 
 TEST(Patterns, ConstantsAreFolded) {
-  Look look;
+  SampleLook look;
   look.add("/c", "ND_constant_color3", {{"value", Vec3f(0.1f, 0.2f, 0.4f)}});
   look.add("/m", "ND_multiply_color3FA", {{"in2", 2.0f}}, {{"in1", {from("/c")}}});
   look.add("/i", "ND_invert_color3", {}, {{"in", {from("/m")}}});
@@ -64,7 +64,7 @@ TEST(Patterns, ConstantsAreFolded) {
 }
 
 TEST(Patterns, ArithmeticOfOneImageIsItsScaleAndBias) {
-  Look look;
+  SampleLook look;
   look.add_image("/t");
   look.add("/m", "ND_multiply_color3", {{"in2", Vec3f(0.5f, 0.25f, 1)}}, {{"in1", {from("/t")}}});
   look.add("/a", "ND_add_color3FA", {{"in2", 0.1f}}, {{"in1", {from("/m")}}});
@@ -83,7 +83,7 @@ TEST(Patterns, ArithmeticOfOneImageIsItsScaleAndBias) {
 }
 
 TEST(Patterns, ProductsOfImagesStayProducts) {
-  Look look;
+  SampleLook look;
   look.add_image("/t");
   look.add_image("/u", "ND_image_float");
   look.add("/m", "ND_multiply_color3FA", {}, {{"in1", {from("/t")}}, {"in2", {from("/u")}}});
@@ -96,7 +96,7 @@ TEST(Patterns, ProductsOfImagesStayProducts) {
 }
 
 TEST(Patterns, ChannelsThatArePutTogetherAgainAreTheImage) {
-  Look look;
+  SampleLook look;
   look.add_image("/t");
   look.add("/s3", "ND_separate3_color3", {}, {{"in", {from("/t")}}});
   look.add("/c", "ND_combine3_color3", {},
@@ -112,7 +112,7 @@ TEST(Patterns, ChannelsThatArePutTogetherAgainAreTheImage) {
 }
 
 TEST(Patterns, OtherNodesAreNamedAndLeaveTheConstant) {
-  Look look;
+  SampleLook look;
   look.add_image("/t");
   look.add("/n", "ND_noise3d_color3", {});
   look.add("/m", "ND_multiply_color3", {}, {{"in1", {from("/t")}}, {"in2", {from("/n")}}});
@@ -128,7 +128,7 @@ TEST(Patterns, OtherNodesAreNamedAndLeaveTheConstant) {
 
 // Each node twice the other: as many paths as there are grains of sand.
 TEST(Patterns, NetworksThatMultiplyWithoutEndAreRefusedAtOnce) {
-  Look look;
+  SampleLook look;
   look.add_image("/0");
   std::string below = "/0";
   for (int i = 1; i < 200; ++i) {
@@ -138,6 +138,31 @@ TEST(Patterns, NetworksThatMultiplyWithoutEndAreRefusedAtOnce) {
   }
   look.connect("base_color", below.c_str());
   look.read();
+  EXPECT_EQ(look.warnings.size(), 1u);
+}
+
+TEST(Patterns, TexturesBelowTheSurfaceAreReadAsFarAsOneWalkCan) {
+  SampleLook look;
+  look.add_image("/t");
+  look.add_image("/w", "ND_image_float");
+  auto& p = look.network.nodes["/s"].parameters;
+  p["subsurface_weight"] = 1.0f, p["subsurface_color"] = Vec3f(0.8f), p["subsurface_radius"] = 2.0f;
+  look.connect("subsurface_radius_scale", "/t");
+  const auto scale = [&] { return look.read().parameters.at("scatterDistance").component(0); };
+  EXPECT_NEAR(scale(), 2 / 1.1, 1e-5) << "times the texture";
+  EXPECT_EQ(look.read().inputConnections.at("scatterDistance").at(0), (MaterialConnection{"/t", "rgb"}));
+  EXPECT_TRUE(look.warnings.empty()) << "this is no approximation";
+
+  look.network.nodes["/s"].inputConnections.clear();
+  look.connect("subsurface_weight", "/w");
+  EXPECT_NEAR(scale(), 2 / 1.1, 1e-5);
+  EXPECT_EQ(look.read().inputConnections.at("scatterDistance").at(0), (MaterialConnection{"/w", "r"}));
+  EXPECT_EQ(look.warnings.size(), 1u);
+
+  look.network.nodes["/s"].inputConnections.clear();
+  look.connect("subsurface_color", "/t");
+  EXPECT_NEAR(scale(), 2 / (1.9 - 0.5 + 3.5 * 0.09), 1e-5) << "of albedo 0.5";
+  EXPECT_EQ(look.read().inputConnections.at("baseColor").at(0), (MaterialConnection{"/t", "rgb"}));
   EXPECT_EQ(look.warnings.size(), 1u);
 }
 
@@ -152,7 +177,7 @@ Vec2f placed(const MaterialNode& texture, const Vec2f& uv) {
 TEST(Patterns, Place2dPlacesAsMaterialXDoes) {
   const Vec2f scale(2, 2), offset(0.1f, 0.3f), pivot(0.5f, 0.25f);
   for (const int order : {0, 1}) {
-    Look look;
+    SampleLook look;
     look.add_image("/t");
     look.add("/uv", "ND_texcoord_vector2", {{"index", 1}});
     look.add("/p", "ND_place2d_vector2",
@@ -178,7 +203,7 @@ TEST(Patterns, Place2dPlacesAsMaterialXDoes) {
 
 // MaterialX's glTF image is placed as KHR_texture_transform says, which is AlabasterTexture's own placement.
 TEST(Patterns, GltfImagesArePlacedAsInGltf) {
-  Look look;
+  SampleLook look;
   look.add_image("/t", "ND_gltf_image_color3_color3_1_0",
                  {{"scale", Vec2f(2, 2)}, {"rotate", 40.0f}, {"offset", Vec2f(0.2f, 0.3f)}, {"factor", Vec3f(0.5f)}});
   look.connect("base_color", "/t");
@@ -192,7 +217,7 @@ TEST(Patterns, GltfImagesArePlacedAsInGltf) {
 }
 
 TEST(Patterns, ConstantsOfOtherSpacesBecomeRec709) {
-  Look look;
+  SampleLook look;
   auto& p = look.network.nodes["/s"].parameters;
   p["base_color"] = Vec3f(0.5f), p["colorSpace:base_color"] = Token("srgb_texture");
   EXPECT_NEAR(look.read().parameters.at("baseColor").component(0), 0.21404, 1e-5);
@@ -209,7 +234,7 @@ TEST(Patterns, ConstantsOfOtherSpacesBecomeRec709) {
 }
 
 TEST(Patterns, DisplacementsOfMaterialXAreTextures) {
-  Look look;
+  SampleLook look;
   look.add_image("/t", "ND_image_float");
   look.add("/d", "ND_displacement_float", {{"scale", 0.25f}}, {{"displacement", {from("/t")}}});
   look.network.terminals["displacement"] = {"/d", "out"};

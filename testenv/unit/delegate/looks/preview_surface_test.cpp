@@ -17,8 +17,8 @@ MaterialNetwork preview(std::map<Token, Value> parameters) {
   return network;
 }
 
-struct Translated {
-  explicit Translated(const MaterialNetwork& from) {
+struct PreviewRead {
+  explicit PreviewRead(const MaterialNetwork& from) {
     network =
         ReadLook(from, [this](const char* code, const std::string& text) { warnings.push_back(code + (": " + text)); });
   }
@@ -30,7 +30,7 @@ struct Translated {
 };
 
 TEST(PreviewSurface, HasTheSpecificationsDefaults) {
-  Translated t(preview({}));
+  PreviewRead t(preview({}));
   EXPECT_EQ(t.node("/m/surface").nodeTypeId, Token("AlabasterDisney"));
   EXPECT_EQ(t.parameter("baseColor"), Value(Vec3f(0.18f)));
   EXPECT_EQ(t.parameter("coatRoughness"), Value(0.01f));
@@ -40,7 +40,8 @@ TEST(PreviewSurface, HasTheSpecificationsDefaults) {
 }
 
 TEST(PreviewSurface, ConstantsAreParameters) {
-  Translated t(preview({{"diffuseColor", Vec3f(1, 0, 0)}, {"metallic", 1.0f}, {"clearcoat", 0.5f}, {"opacity", 0.3f}}));
+  PreviewRead t(
+      preview({{"diffuseColor", Vec3f(1, 0, 0)}, {"metallic", 1.0f}, {"clearcoat", 0.5f}, {"opacity", 0.3f}}));
   EXPECT_EQ(t.parameter("baseColor"), Value(Vec3f(1, 0, 0)));
   EXPECT_EQ(t.parameter("metallic"), Value(1.0f));
   EXPECT_EQ(t.parameter("coat"), Value(0.5f));
@@ -48,7 +49,7 @@ TEST(PreviewSurface, ConstantsAreParameters) {
 }
 
 TEST(PreviewSurface, TheSpecularWorkflowGivesF0AndNoMetal) {
-  Translated t(preview({{"useSpecularWorkflow", 1}, {"specularColor", Vec3f(0.04f, 0.08f, 1)}, {"metallic", 1.0f}}));
+  PreviewRead t(preview({{"useSpecularWorkflow", 1}, {"specularColor", Vec3f(0.04f, 0.08f, 1)}, {"metallic", 1.0f}}));
   EXPECT_FALSE(t.node("/m/surface").parameters.contains("ior")) << "1.5";
   const Vec3f scale = t.parameter("specularColor").get_or(Vec3f(0));
   EXPECT_NEAR(scale.x, 1, 1e-6);
@@ -58,7 +59,7 @@ TEST(PreviewSurface, TheSpecularWorkflowGivesF0AndNoMetal) {
 }
 
 // A texture with placed coordinates for colour and normal, and colours of the mesh.
-MaterialNetwork textured() {
+MaterialNetwork textured_preview() {
   MaterialNetwork network = preview({{"diffuseColor", Vec3f(0.5f)}});
   network.nodes["/m/reader"] = {"UsdPrimvarReader_float2", {{"varname", "map1"}}, {}};
   network.nodes["/m/place"] = {"UsdTransform2d",
@@ -77,7 +78,7 @@ MaterialNetwork textured() {
 }
 
 TEST(PreviewSurface, TexturesAndPrimvarsAreConnected) {
-  Translated t(textured());
+  PreviewRead t(textured_preview());
   const MaterialNode& surface = t.node("/m/surface");
   EXPECT_FALSE(surface.parameters.contains("baseColor")) << "a connection replaces the constant";
   const MaterialConnection& color = surface.inputConnections.at("baseColor").front();
@@ -98,7 +99,7 @@ TEST(PreviewSurface, TexturesAndPrimvarsAreConnected) {
 
 // UsdTransform2d's definition, with v up: scale, then rotate counter-clockwise, then translate.
 TEST(PreviewSurface, CoordinatesArePlacedAsSpecified) {
-  Translated t(textured());
+  PreviewRead t(textured_preview());
   const auto& parameters = t.node("/m/image").parameters;
   const UvTransform placed(parameters.at("stOffset").get_or(Vec2f(0)),
                            static_cast<float>(parameters.at("stRotation").number_or(0)),
@@ -121,7 +122,7 @@ TEST(PreviewSurface, UnreadableInputsAreWarnedOfOnce) {
   inputs["roughness"] = {{"/m/reader", "result"}};
   inputs["metallic"] = {{"/m/image", "r"}};
   inputs["opacity"] = {{"/m/none", "r"}};
-  Translated t(network);
+  PreviewRead t(network);
   EXPECT_EQ(t.warnings.size(), 5u);
   EXPECT_EQ(t.parameter("baseColor"), Value(Vec3f(0.18f)));
   EXPECT_TRUE(t.node("/m/surface").inputConnections.empty());
@@ -130,8 +131,8 @@ TEST(PreviewSurface, UnreadableInputsAreWarnedOfOnce) {
 TEST(PreviewSurface, OtherNetworksStayAsTheyAre) {
   MaterialNetwork network = preview({});
   network.nodes["/m/surface"].nodeTypeId = "AlabasterDisney";
-  EXPECT_EQ(Translated(network).network, network);
-  EXPECT_EQ(Translated({}).network, MaterialNetwork());
+  EXPECT_EQ(PreviewRead(network).network, network);
+  EXPECT_EQ(PreviewRead({}).network, MaterialNetwork());
 }
 
 TEST(PreviewSurface, IsDrawn) {

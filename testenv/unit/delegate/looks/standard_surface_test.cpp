@@ -16,8 +16,8 @@ MaterialNetwork standard(std::map<Token, Value> parameters) {
   return network;
 }
 
-struct Translated {
-  explicit Translated(const MaterialNetwork& from) {
+struct StandardRead {
+  explicit StandardRead(const MaterialNetwork& from) {
     network = ReadLook(from, [this](const char*, const std::string& text) { warnings.push_back(text); });
   }
   const MaterialNode& node(const char* path) const { return network.nodes.at(path); }
@@ -30,7 +30,7 @@ struct Translated {
 };
 
 TEST(StandardSurface, HasItsOwnDefaults) {
-  const Translated t(standard({}));
+  const StandardRead t(standard({}));
   EXPECT_EQ(t.node("/m/s").nodeTypeId, Token("AlabasterDisney"));
   EXPECT_EQ(t.parameter("roughness"), Value(0.2f));
   for (const char* name :
@@ -47,14 +47,14 @@ TEST(OwnNodes, LoseNothingButEmptyColourSpaces) {
       {}};
   network.nodes["/m/t"] = {"AlabasterTexture", {{"colorSpace:file", Token("")}}, {}};
   network.terminals["surface"] = {"/m/s", "surface"};
-  const Translated t(network);
+  const StandardRead t(network);
   network.nodes["/m/s"].parameters.erase("colorSpace:roughness");
   EXPECT_EQ(t.network, network);
   EXPECT_TRUE(t.warnings.empty());
 }
 
 TEST(StandardSurface, WeightsMultiplyTheirColours) {
-  const Translated t(standard(
+  const StandardRead t(standard(
       {{"base", 0.5f}, {"base_color", Vec3f(1, 0.5f, 0)}, {"emission", 2.0f}, {"emission_color", Vec3f(1, 0, 0.5f)}}));
   EXPECT_EQ(t.color("baseColor"), Vec3f(0.5f, 0.25f, 0));
   EXPECT_EQ(t.color("emission"), Vec3f(2, 0, 1));
@@ -62,12 +62,12 @@ TEST(StandardSurface, WeightsMultiplyTheirColours) {
 
 TEST(StandardSurface, SubsurfaceWalksWithTheRadiusAsMeanFreePath) {
   const Vec3f color(0.8f, 0.6f, 0.4f);
-  const Translated t(standard({{"subsurface", 1.0f},
-                               {"subsurface_color", color},
-                               {"base_color", Vec3f(0)},
-                               {"subsurface_radius", Vec3f(1, 0.5f, 0.25f)},
-                               {"subsurface_scale", 0.5f},
-                               {"subsurface_anisotropy", 0.3f}}));
+  const StandardRead t(standard({{"subsurface", 1.0f},
+                                 {"subsurface_color", color},
+                                 {"base_color", Vec3f(0)},
+                                 {"subsurface_radius", Vec3f(1, 0.5f, 0.25f)},
+                                 {"subsurface_scale", 0.5f},
+                                 {"subsurface_anisotropy", 0.3f}}));
   EXPECT_EQ(t.color("baseColor"), color);
   EXPECT_EQ(t.parameter("scatterAnisotropy"), Value(0.3f));
   const Vec3f d = t.color("scatterDistance");
@@ -80,7 +80,7 @@ TEST(StandardSurface, AShareOfSubsurfaceMixesColoursAndShortensTheDistance) {
                                     {"subsurface_color", Vec3f(1, 0, 0)},
                                     {"base_color", Vec3f(0, 0, 1)},
                                     {"subsurface_radius", Vec3f(1)}};
-  const Translated t(standard(half));
+  const StandardRead t(standard(half));
   EXPECT_EQ(t.color("baseColor"), Vec3f(0.5f, 0, 0.5f));
   EXPECT_NEAR(t.color("scatterDistance").x, 0.5 / (1.9 - 0.5 + 3.5 * 0.09), 1e-6);
   EXPECT_NEAR(t.color("scatterDistance").y, 0.5 / (1.9 + 3.5 * 0.64), 1e-6);
@@ -88,10 +88,10 @@ TEST(StandardSurface, AShareOfSubsurfaceMixesColoursAndShortensTheDistance) {
 }
 
 TEST(StandardSurface, TransmissionTintsTheSurfaceOrWithADepthTheInterior) {
-  const Translated surface(standard({{"transmission", 1.0f}, {"transmission_color", Vec3f(1, 0.5f, 0)}}));
+  const StandardRead surface(standard({{"transmission", 1.0f}, {"transmission_color", Vec3f(1, 0.5f, 0)}}));
   EXPECT_EQ(surface.parameter("specTrans"), Value(1.0f));
   EXPECT_EQ(surface.color("baseColor"), Vec3f(1, 0.5f, 0));
-  const Translated interior(
+  const StandardRead interior(
       standard({{"transmission", 1.0f}, {"transmission_color", Vec3f(1, 0.5f, 0)}, {"transmission_depth", 2.0f}}));
   EXPECT_EQ(interior.color("attenuationColor"), Vec3f(1, 0.5f, 0));
   EXPECT_EQ(interior.parameter("attenuationDistance"), Value(2.0f));
@@ -99,11 +99,11 @@ TEST(StandardSurface, TransmissionTintsTheSurfaceOrWithADepthTheInterior) {
 }
 
 TEST(StandardSurface, LayersAreThereOnlyWithAWeight) {
-  const Translated t(standard({{"coat", 0.5f},
-                               {"sheen", 0.25f},
-                               {"sheen_color", Vec3f(1, 0, 0)},
-                               {"thin_film_thickness", 300.0f},
-                               {"opacity", Vec3f(0.5f)}}));
+  const StandardRead t(standard({{"coat", 0.5f},
+                                 {"sheen", 0.25f},
+                                 {"sheen_color", Vec3f(1, 0, 0)},
+                                 {"thin_film_thickness", 300.0f},
+                                 {"opacity", Vec3f(0.5f)}}));
   EXPECT_EQ(t.parameter("coat"), Value(0.5f));
   EXPECT_EQ(t.parameter("coatRoughness"), Value(0.1f));
   EXPECT_EQ(t.parameter("sheenTint"), Value(0.0f));
@@ -113,15 +113,15 @@ TEST(StandardSurface, LayersAreThereOnlyWithAWeight) {
 }
 
 TEST(StandardSurface, UnsupportedInputsAreReported) {
-  const Translated t(standard({{"diffuse_roughness", 0.5f}, {"coat", 1.0f}, {"coat_color", Vec3f(1, 0, 0)}}));
+  const StandardRead t(standard({{"diffuse_roughness", 0.5f}, {"coat", 1.0f}, {"coat_color", Vec3f(1, 0, 0)}}));
   ASSERT_EQ(t.warnings.size(), 1u);
   EXPECT_NE(t.warnings[0].find("diffuse_roughness, coat_color"), std::string::npos) << t.warnings[0];
-  const Translated unused(standard({{"coat_color", Vec3f(1, 0, 0)}, {"transmission_dispersion", 3.0f}}));
+  const StandardRead unused(standard({{"coat_color", Vec3f(1, 0, 0)}, {"transmission_dispersion", 3.0f}}));
   EXPECT_TRUE(unused.warnings.empty()) << "of layers that have no weight";
 }
 
 // An image of colours through a conversion, with its coordinates scaled, turned and moved.
-MaterialNetwork textured() {
+MaterialNetwork textured_standard() {
   MaterialNetwork network = standard({{"base", 0.5f}});
   network.nodes["/m/uv"] = {"ND_geompropvalue_vector2", {{"geomprop", "map1"}}, {}};
   network.nodes["/m/1"] = {"ND_convert_vector2_vector3", {}, {{"in", {{"/m/uv", "out"}}}}};
@@ -146,7 +146,7 @@ MaterialNetwork textured() {
 }
 
 TEST(StandardSurface, ImagesAreTextures) {
-  const Translated t(textured());
+  const StandardRead t(textured_standard());
   const MaterialNode& image = t.node("/m/image");
   EXPECT_EQ(image.nodeTypeId, Token("AlabasterTexture"));
   EXPECT_EQ(image.parameters.at("sourceColorSpace").text_or(""), "auto");
@@ -163,7 +163,7 @@ TEST(StandardSurface, ImagesAreTextures) {
 
 // MaterialX's rotate3d turns clockwise about z (its shader code of 1.38 and 1.39).
 TEST(StandardSurface, CoordinatesAreScaledTurnedAndMoved) {
-  const Translated t(textured());
+  const StandardRead t(textured_standard());
   const auto& placed = t.node("/m/image").parameters;
   const UvTransform ours(placed.at("stOffset").get_or(Vec2f(0)),
                          static_cast<float>(placed.at("stRotation").number_or(0)),
@@ -182,7 +182,7 @@ TEST(StandardSurface, NormalMapsAreUnpacked) {
   network.nodes["/m/relief"] = {"ND_image_vector3", {{"file", AssetPath{"n.png", "/n.png", nullptr}}}, {}};
   network.nodes["/m/map"] = {"ND_normalmap", {{"scale", 0.5f}}, {{"in", {{"/m/relief", "out"}}}}};
   network.nodes["/m/s"].inputConnections["normal"] = {{"/m/map", "out"}};
-  const Translated t(network);
+  const StandardRead t(network);
   const auto& image = t.node(t.node("/m/s").inputConnections.at("normal").front().upstreamNode.str().c_str());
   EXPECT_EQ(image.parameters.at("scale"), Value(Vec4f(1, 1, 2, 1)));
   EXPECT_EQ(image.parameters.at("bias"), Value(Vec4f(-0.5f, -0.5f, -1, 0)));
@@ -196,25 +196,25 @@ TEST(StandardSurface, ConnectionsThatCannotBeReadLeaveTheConstant) {
   network.nodes["/m/s"].inputConnections["base_color"] = {{"/m/noise", "out"}};
   network.nodes["/m/s"].inputConnections["metalness"] = {{"/m/a", "out"}};
   network.nodes["/m/s"].inputConnections["specular"] = {{"/m/gone", "out"}};
-  const Translated t(network);
+  const StandardRead t(network);
   EXPECT_EQ(t.color("baseColor"), Vec3f(0.25f));
   EXPECT_EQ(t.warnings.size(), 3u);
   EXPECT_TRUE(t.node("/m/s").inputConnections.empty());
 }
 
 TEST(StandardSurface, AnOutputWithoutANameIsTheWholeImage) {
-  MaterialNetwork network = textured();
+  MaterialNetwork network = textured_standard();
   network.nodes["/m/split"] = {"ND_separate4_color4", {}, {{"in", {{"/m/image", "out"}}}}};
   network.nodes["/m/s"].inputConnections["base_color"] = {{"/m/split", ""}};
-  EXPECT_EQ(Translated(network).node("/m/s").inputConnections.at("baseColor").front().upstreamOutput, Token("rgb"));
+  EXPECT_EQ(StandardRead(network).node("/m/s").inputConnections.at("baseColor").front().upstreamOutput, Token("rgb"));
 }
 
 TEST(Looks, OtherNetworksStayAsTheyAre) {
   MaterialNetwork network;
   network.nodes["/m/s"] = {"ND_surface", {{"roughness", 0.5f}}, {}};
   network.terminals["surface"] = {"/m/s", "surface"};
-  EXPECT_EQ(Translated(network).network, network);
-  EXPECT_EQ(Translated(MaterialNetwork()).network, MaterialNetwork());
+  EXPECT_EQ(StandardRead(network).network, network);
+  EXPECT_EQ(StandardRead(MaterialNetwork()).network, MaterialNetwork());
 }
 
 }  // namespace
