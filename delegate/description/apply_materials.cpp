@@ -1,4 +1,5 @@
 #include "delegate/description/load_state.h"
+#include "delegate/looks/looks.h"
 #include "delegate/support/color_space.h"
 #include "delegate/support/json_values.h"
 
@@ -125,7 +126,11 @@ void apply_material_entry(LoadState& load, const std::string& pointer, const jso
   for (const Path& path : paths) {
     const auto known = load.scene->GetMaterials().find(path);
     const bool keep = !replace && known != load.scene->GetMaterials().end();
-    MaterialNetwork network = keep ? known->second : plain_network(path);
+    // A look of another kind is changed as the AlabasterDisney that it is drawn as.
+    const auto warn = [&](const char* code, const std::string& text) {
+      load.report(Severity::warning, code, path.str(), text);
+    };
+    MaterialNetwork network = keep ? looks::ReadLook(known->second, warn) : plain_network(path);
     change_network(load, pointer, entry, path, &network);
     load.scene->SetMaterial(path, std::move(network));
     if (entry.contains("name")) add_name(load, "material", path);

@@ -21,7 +21,7 @@ DELEGATE_ROOMS = {  # room -> the rooms of delegate that it may include besides 
     "rendering": ["api", "support", "prims"],
     "host": ["api", "support"],
     "gltf": ["api", "support", "looks", "host"],
-    "description": ["api", "support", "host", "gltf", "archive"],
+    "description": ["api", "support", "looks", "host", "gltf", "archive"],
     "archive": ["api", "support", "host"],
     "c_api": CONTRACT + ["support"],
     "python": ["c_api"],

@@ -58,6 +58,31 @@ class LoadArchive : public ::testing::Test {
   std::string said_;
 };
 
+// Materials that nothing addresses stay as they were authored.
+TEST_F(LoadArchive, LooksOfOtherKindsAreChangedAsTheDisneyMaterialThatTheyAreDrawnAs) {
+  const auto look = [](const char* type, std::map<Token, Value> parameters) {
+    MaterialNetwork network;
+    network.nodes["/look/s"] = {type, std::move(parameters), {}};
+    network.terminals["surface"] = {"/look/s", "out"};
+    return network;
+  };
+  host::RetainedSceneDelegate made;
+  const MaterialNetwork other = look("UsdPreviewSurface", {});
+  made.SetMaterial("/looks/skin", look("ND_open_pbr_surface_surfaceshader", {{"base_color", Vec3f(0.5f, 0.25f, 0)}}));
+  made.SetMaterial("/looks/preview", look("UsdPreviewSurface", {{"diffuseColor", Vec3f(0.5f)}}));
+  made.SetMaterial("/looks/other", other);
+  ASSERT_EQ(archive::WriteArchive(folder_.path() + "/a.alab", made.GetPrims()), "");
+  LoadOptions options;
+  options.overrides = {"materials/skin.roughness=0.625", "materials/preview.metallic=1"};
+  ASSERT_TRUE(load("", options).ok) << said_;
+  const auto surface = [&](const char* path) { return scene_.GetMaterials().at(path).nodes.at("/look/s"); };
+  EXPECT_EQ(surface("/looks/skin").nodeTypeId, Token("AlabasterDisney"));
+  EXPECT_EQ(surface("/looks/skin").parameters.at("baseColor"), Value(Vec3f(0.5f, 0.25f, 0)));
+  EXPECT_EQ(surface("/looks/skin").parameters.at("roughness").number_or(0), 0.625);
+  EXPECT_EQ(surface("/looks/preview").parameters.at("metallic").number_or(0), 1);
+  EXPECT_EQ(scene_.GetMaterials().at("/looks/other"), other);
+}
+
 // promise: pipeline.archive.camera, pipeline.archive.lights
 TEST_F(LoadArchive, KeepsItsSettingsCamerasAndDarkness) {
   LoadOptions options;
