@@ -148,7 +148,7 @@ Signal gltf_threshold(const Terms& in) {
 /// The volume of a glTF material: what rows about it have as their first inputs.
 std::vector<LookInput> with_volume(std::vector<LookInput> before, const std::vector<LookInput>& after = {}) {
   const std::vector<LookInput> volume{{"thickness"},        {"attenuation_color", Vec3f(1)}, {"attenuation_distance"},
-                                      {"scatter_strength"}, {"multiscatter_color"},          {"transmission"}};
+                                      {"scatter_strength"}, {"multiscatter_color", 1},       {"transmission"}};
   before.insert(before.end(), volume.begin(), volume.end());
   before.insert(before.end(), after.begin(), after.end());
   return before;
@@ -371,7 +371,7 @@ Look gltf_pbr() {
       {"thin", with_volume({}, {"diffuse_transmission"}), nullptr, gltf_thin},
       {"specTrans", with_volume({}), "transmission", gltf_clear_share},
       {"subsurface", with_volume({}), cloud, gltf_sheet_share},
-      {"subsurfaceColor", {"multiscatter_color"}, cloud},
+      {"subsurfaceColor", {{"multiscatter_color", 1}}, cloud},
       {"scatterDistance", with_volume({}, {"scatter_anisotropy"}), cloud, gltf_scatter_distance},
       {"scatterAnisotropy", {"scatter_anisotropy"}, cloud},
       {"diffTrans", with_volume({}, {"diffuse_transmission"}), "diffuse_transmission", gltf_diffuse},
