@@ -61,7 +61,8 @@ for cases in (light_cases, node_cases, capture_cases):
 def standard_surface(_):
     paint = standard("paint", "color3f inputs:base_color = (0.2, 0.5, 0.8)", "float inputs:specular_roughness = 0.3", "float inputs:subsurface = 0.5",
                      "color3f inputs:subsurface_color = (0.9, 0.3, 0.2)", "color3f inputs:subsurface_radius = (0.3, 0.2, 0.1)", "float inputs:coat = 0.5")
-    return {"stage": HEAD + camera() + sun() + paint + octahedron("body", bound("/paint")), "written": True}
+    return {"stage": HEAD + camera() + sun() + paint + octahedron("body", bound("/paint")), "written": True,
+            "warns": "a weight of subsurface between 0 and 1 is drawn"}
 
 
 SKELETON = '''def SkelRoot "model" (prepend apiSchemas = ["SkelBindingAPI"])
