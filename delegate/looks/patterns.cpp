@@ -125,6 +125,12 @@ Vec2f pair_of(const MaterialNode& node, const char* name, float otherwise) {
   return {static_cast<float>(numbers[0]), static_cast<float>(numbers[count == 1 ? 0 : 1])};
 }
 
+/// A whole number from 0 to `most`; 0 where it is none.
+int index_of(const MaterialNode& node, int most) {
+  const double index = support::number_in(node.parameters, "index");
+  return index >= 0 && index <= double(most) ? static_cast<int>(index) : 0;
+}
+
 float radians_of(const MaterialNode& node, const char* name) {
   const auto degrees = static_cast<float>(value_in(node.parameters, name).number_or(0));
   return degrees * std::numbers::pi_v<float> / 180;
@@ -184,7 +190,7 @@ std::optional<std::string> coordinates_of(const MaterialNode& node) {
   if (is_a(node, "UsdPrimvarReader_float2") || is_a(node, "ND_UsdPrimvarReader_vector2")) return named("varname");
   if (is_a(node, "ND_geompropvalue_")) return named("geomprop");
   if (!is_a(node, "ND_texcoord_")) return std::nullopt;
-  const int index = static_cast<int>(support::number_in(node.parameters, "index"));
+  const int index = index_of(node, 99);
   return index == 0 ? "st" : "st" + std::to_string(index);
 }
 
@@ -257,7 +263,7 @@ Pattern Patterns::read_node(const Path& id, const MaterialNode& node, const std:
   if (is_a(node, "ND_separate") || is_a(node, "ND_extract_")) {
     Pattern in = input(node, "in", 0, depth);
     size_t channel = std::string_view("rgbaxyzw").find(output.empty() ? '-' : output.back());
-    if (is_a(node, "ND_extract_")) channel = size_t(std::clamp(support::number_in(node.parameters, "index"), 0.0, 3.0));
+    if (is_a(node, "ND_extract_")) channel = size_t(index_of(node, 3));
     if (in.signal && channel != std::string_view::npos) in.signal = channel_of(*in.signal, int(channel % 4));
     return in;
   }
