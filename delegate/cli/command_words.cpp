@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <filesystem>
 #include <map>
-#include <nlohmann/json.hpp>
 #include <set>
 #include <utility>
 
@@ -83,15 +82,14 @@ const CLI::Option* known_option(const CLI::App& command, const std::string& word
   return command.get_option_no_throw(word.substr(0, 2));
 }
 
-/// The schemas of the settings that --set takes, by name.
-const nlohmann::json& setting_schemas() {
-  static const nlohmann::json kSchemas = [] {
-    const auto schema = [](const char* name) { return nlohmann::json::parse(hd::description::SchemaText(name)); };
-    nlohmann::json all = schema("render_description")["properties"]["settings"]["properties"];
-    all.update(schema("render_settings")["properties"]);  // in the place of references to them
+/// The settings that --set takes, by name.
+const std::map<std::string, hd::host::FieldRow>& known_settings() {
+  static const std::map<std::string, hd::host::FieldRow> kSettings = [] {
+    std::map<std::string, hd::host::FieldRow> all;
+    for (const hd::host::FieldRow& row : hd::description::DescriptionKeys("settings")) all[row.name] = row;
     return all;
   }();
-  return kSchemas;
+  return kSettings;
 }
 
 /// "glossy-filter" of glossyFilter.
@@ -110,7 +108,7 @@ struct MeantOption {
   std::string option, setting;
 
   std::string text() const { return setting.empty() ? option : option + " " + setting + "=VALUE"; }
-  bool is_switch() const { return !setting.empty() && setting_schemas()[setting].value("type", "") == "boolean"; }
+  bool is_switch() const { return !setting.empty() && known_settings().at(setting).type.type == ALABASTER_BOOL; }
 };
 
 /// An alias, else the shortest name that begins as the word does, else the nearest name. Names are those of options and
@@ -125,7 +123,7 @@ MeantOption meant_option(const CLI::App& command, const std::string& wrong) {
     names.insert(names.end(), option->get_lnames().begin(), option->get_lnames().end());
   std::map<std::string, std::string> settings;
   if (command.get_option_no_throw("--set"))
-    for (const auto& [setting, schema] : setting_schemas().items())
+    for (const auto& [setting, row] : known_settings())
       if (const std::string name = flag_name(setting); !command.get_option_no_throw("--" + name))
         names.push_back(name), settings[name] = setting;
   std::string longer;
@@ -282,9 +280,8 @@ std::string early_option_fault(const CLI::App& app, const Words& words) {
 std::vector<std::string> choices_of(const std::string& option) {
   if (option == "--engine") return farm_engines();
   if (option == "--aov") return hd::host::ProductAovs();
-  const nlohmann::json& settings = setting_schemas();
-  const auto setting = settings.find(option.substr(option.find_first_not_of('-')));
-  return setting == settings.end() ? std::vector<std::string>() : setting->value("enum", std::vector<std::string>());
+  const auto setting = known_settings().find(option.substr(option.find_first_not_of('-')));
+  return setting == known_settings().end() ? std::vector<std::string>() : setting->second.words;
 }
 
 /// The choice that a wrong one means. Empty if it is right, or the option takes other values than choices.

@@ -13,7 +13,7 @@
 #include "delegate/cli/shell_word.h"
 #include "delegate/cli/stopwatch.h"
 #include "delegate/description/scene_names.h"
-#include "delegate/host/schemas.h"
+#include "delegate/host/parameter_pages.h"
 #include "delegate/support/json_values.h"
 #include "delegate/support/nearest_name.h"
 #include "delegate/support/process_usage.h"
@@ -194,22 +194,21 @@ std::string box_text(const Json& box) {
   return text;
 }
 
-/// The lists of a render description, with a change of an entry, and the properties that an entry has.
+/// The lists of a render description, with a change of an entry.
 struct Kind {
-  const char *list, *example, *schema, *pointer;
+  const char *list, *example;
 };
-constexpr Kind kKinds[] = {{"materials", "roughness=0.3", "disney_material", "/properties"},
-                           {"meshes", "visible=false", "render_description", "/properties/meshes/items/properties"},
-                           {"lights", "intensity=2", "render_description", "/properties/lights/items/properties"},
-                           {"camera", "fStop=2.8", "render_description", "/properties/camera/properties"}};
+constexpr Kind kKinds[] = {
+    {"materials", "roughness=0.3"}, {"meshes", "visible=false"}, {"lights", "intensity=2"}, {"camera", "fStop=2.8"}};
 
 std::string properties_text(const Kind& kind) {
   constexpr size_t kWidth = 100;
   const std::set<std::string> of_new_entries{"match", "name", "type"};
   const std::string begin = "  can be set:";
-  const auto schema = Json::parse(hd::description::SchemaText(kind.schema));
+  std::set<std::string> names;
+  for (const hd::host::FieldRow& row : hd::description::DescriptionKeys(kind.list)) names.insert(row.name);
   std::string text = begin, line, comma;
-  for (const auto& [name, value] : schema.at(Json::json_pointer(kind.pointer)).items()) {
+  for (const std::string& name : names) {
     if (of_new_entries.contains(name)) continue;
     line += comma;
     if (begin.size() + line.size() + name.size() + 2 > kWidth)
@@ -365,8 +364,9 @@ const std::vector<std::string> kSchemas{
     "lights",          "camera",       "render_settings",   "render_description", "quality_presets"};
 
 void write_table_files(const std::string& sources, Console* console) {
-  std::map<std::string, std::string> texts = hd::host::TableFiles();
-  texts["schemas/render_description.json"] = hd::description::SchemaText("render_description");
+  std::map<std::string, std::string> texts = hd::host::ParameterPages();
+  for (const std::string& name : kSchemas)
+    if (name != "quality_presets") texts["schemas/" + name + ".json"] = hd::description::SchemaText(name);
   for (const auto& [name, text] : texts) console->write_file(sources + "/" + name, text, "The file");
 }
 

@@ -1,7 +1,6 @@
 #include "delegate/description/apply_motion.h"
 #include "delegate/description/load_state.h"
 #include "delegate/description/placement.h"
-#include "delegate/description/schema_check.h"
 #include "delegate/support/json_values.h"
 
 namespace alabaster::hd::description {
@@ -9,13 +8,6 @@ namespace {
 
 using nlohmann::json;
 constexpr float kMetresPerMillimetre = 0.001f;
-
-Array<Vec4f> to_planes(const json& planes) {
-  std::vector<Vec4f> all;
-  for (const json& p : planes)
-    all.emplace_back(p[0].get<float>(), p[1].get<float>(), p[2].get<float>(), p[3].get<float>());
-  return all;
-}
 
 // The camera is placed by one of transform, lookAt and motion.
 void place_camera(LoadState& load, const json& entry) {
@@ -57,18 +49,12 @@ void apply_camera(LoadState& load) {
   if (!entry) return;
   if (entry->contains("use")) load.camera.use = the_camera(load, (*entry)["use"]).str();
   place_camera(load, *entry);
-  static const json parameters = expanded_schema("camera")["properties"];
-  for (const auto& [name, schema] : parameters.items()) {
-    const auto given = entry->find(name);
+  for (const host::FieldRow& row : host::ParameterRows("camera")) {
+    const auto given = entry->find(row.name);
     if (given == entry->end()) continue;
-    Value& value = load.camera.parameters[name];
-    const bool millimetres = schema.value("unitInDescription", "") == "mm";
-    if (name == "clipPlanes")
-      value = to_planes(*given);
-    else if (given->is_number())
-      value = given->get<float>() * (millimetres ? kMetresPerMillimetre : 1.0f);
-    else
-      value = given->is_string() ? Value(Token(given->get<std::string>())) : support::value_of(*given);
+    Value& value = load.camera.parameters[row.name] = support::value_of(*given);
+    if (given->is_string()) value = Token(given->get<std::string>());
+    if (given->is_number()) value = given->get<float>() * (row.in_millimetres ? kMetresPerMillimetre : 1.0f);
   }
 }
 

@@ -1,9 +1,8 @@
+// Edits of lights as fields of their prims.
 #include <algorithm>
 
 #include "delegate/description/load_state.h"
 #include "delegate/description/placement.h"
-#include "delegate/description/schema_check.h"
-#include "delegate/support/color_space.h"
 #include "delegate/support/json_values.h"
 #include "delegate/support/lookup.h"
 
@@ -11,43 +10,37 @@ namespace alabaster::hd::description {
 namespace {
 
 using nlohmann::json;
+using support::text_in;
 
-const json& light_schema() {
-  static const json properties = expanded_schema("lights")["properties"];
-  return properties;
-}
-
-void set_parameter(LoadState& load, const std::string& pointer, const std::string& name, const json& value,
-                   host::LightDescription* light) {
-  const json& schema = light_schema()[name];
-  if (const auto types = schema.find("appliesTo"); types != schema.end())
-    if (std::find(types->begin(), types->end(), light->type.str()) == types->end())
-      load.fail(pointer, "A " + light->type.str() + " has no '" + name + "'; that belongs to " +
-                             (*types)[0].get<std::string>() + ".");
+/// Adds the field that a key of the entry sets.
+void add_field(LoadState& load, const std::string& pointer, const host::FieldRow& row, const json& entry,
+               const host::LightDescription& light, host::Fields* fields) {
+  const std::string& name = row.name;
+  const json& value = entry[name];
+  if (!row.lights.empty() && std::find(row.lights.begin(), row.lights.end(), light.type.str()) == row.lights.end())
+    load.fail(pointer, "A " + light.type.str() + " has no '" + name + "'; that belongs to " + row.lights[0] + ".");
   if (name == "texture:file" || name == "shaping:ies:file") {
-    const std::string file = value;
-    const auto layer = light->parameters.find("texture:layer");
-    light->parameters[name] =
-        file.empty() ? AssetPath()
-        : name == "texture:file"
-            ? load.image(pointer, file, layer == light->parameters.end() ? "" : layer->second.text_or(""))
-            : load.asset(pointer, file);
+    const std::string file = value, layer = entry.value("texture:layer", text_in(light.parameters, "texture:layer"));
+    fields->emplace_back(name, file.empty()             ? AssetPath()
+                               : name == "texture:file" ? load.image(pointer, file, layer)
+                                                        : load.asset(pointer, file));
   } else {
-    light->parameters.erase(name + support::kColorSpace);
-    light->parameters[name] = value.is_number() ? Value(value.get<float>()) : support::value_of(value);
+    fields->emplace_back(name, value.is_number() ? Value(value.get<float>()) : support::value_of(value));
   }
 }
 
-void place_light(LoadState& load, const std::string& pointer, const json& entry, host::LightDescription* light) {
+/// Where the entry puts a light; empty: it leaves the light where it is, at `own`.
+std::optional<Matrix4d> placement_of(LoadState& load, const std::string& pointer, const json& entry,
+                                     const Matrix4d& own) {
   const bool aimed = entry.contains("position") || entry.contains("target") || entry.contains("up");
   if (entry.contains("transform")) {
     if (aimed) load.fail(pointer, "Give either a transform or position, target and up.");
     const auto transform = to_transform(entry["transform"]);
     if (!transform) load.fail(pointer + "/transform", "The transform cannot be inverted or is not affine.");
-    light->transform = *transform;
+    return transform;
   }
-  if (!aimed) return;
-  Matrix4d& m = light->transform;
+  if (!aimed) return std::nullopt;
+  Matrix4d m = own;
   const Vec3d position = entry.contains("position") ? to_vec3d(entry["position"]) : m.translation();
   if (entry.contains("target")) {
     const Vec3d up = entry.contains("up") ? to_vec3d(entry["up"]) : up_vector(load.result->info.up);
@@ -58,6 +51,7 @@ void place_light(LoadState& load, const std::string& pointer, const json& entry,
     load.fail(pointer + "/up", "'up' needs a 'target'.");
   }
   for (int i = 0; i < 3; ++i) m[3][i] = position[i];
+  return m;
 }
 
 // Checks the names of meshes for a category of the light's own, which apply_links gives them.
@@ -71,22 +65,25 @@ void link(LoadState& load, const std::string& pointer, const json& names, const 
   load.links[Token(category)] = names.get<std::vector<std::string>>();
 }
 
+/// Gives `light`, which is new unless there is one of the path, what the entry says.
 void change_light(LoadState& load, const std::string& pointer, const json& entry, const Path& path,
-                  host::LightDescription light) {
-  if (const auto layer = entry.find("texture:layer"); layer != entry.end())
-    light.parameters["texture:layer"] = layer->get<std::string>();  // of the file, which is opened
-  for (const auto& [name, value] : entry.items())
-    if (light_schema().contains(name)) set_parameter(load, pointer_append(pointer, name), name, value, &light);
+                  const host::LightDescription& light, const Token& new_kind) {
+  static const auto* const rows = new std::vector(host::ParameterRows("lights"));
+  host::Fields fields;
+  for (const host::FieldRow& row : *rows)
+    if (entry.contains(row.name)) add_field(load, pointer_append(pointer, row.name), row, entry, light, &fields);
   for (const char* const name : {"lightLink", "shadowLink"})
     if (const auto names = entry.find(name); names != entry.end()) {
       const std::string category = std::string(name) + " of " + path.str();
       link(load, pointer_append(pointer, name), *names, category);
-      light.parameters[name] = category;
+      fields.emplace_back(name, category);
     }
   // A point light has no radius unless one is given.
-  if (entry.value("treatAsPoint", false) && !light.parameters.contains("radius")) light.parameters["radius"] = 0.0f;
-  place_light(load, pointer, entry, &light);
-  load.scene->SetLight(path, std::move(light));
+  if (entry.value("treatAsPoint", false) && !light.parameters.contains("radius") && !entry.contains("radius"))
+    fields.emplace_back("radius", 0.0f);
+  if (const auto placed = placement_of(load, pointer, entry, light.transform))
+    fields.emplace_back("transform", *placed);
+  load.edit(pointer, path, new_kind, fields);
 }
 
 // The dome of the options, which is the last light, takes their place.
@@ -102,17 +99,13 @@ void apply_light_entry(LoadState& load, const std::string& pointer, const json& 
     if (entry.contains("name") || entry.contains("type"))
       load.fail(pointer, "Either match existing lights, or give the name and type of a new one.");
     for (const Path& path : find_prims(load, "light", entry["match"], pointer + "/match"))
-      change_light(load, pointer, entry, path, load.scene->GetLights().at(path));
+      change_light(load, pointer, entry, path, load.scene->GetLights().at(path), {});
     return;
   }
-  const Path path = Path("/lights").append(entry["name"]);
-  if (load.scene->GetLights().contains(path) || load.archive_paths.contains(path))
-    load.fail(pointer + "/name", "There is already a " +
-                                     std::string(load.scene->GetLights().contains(path) ? "light" : "prim") + " '" +
-                                     path.str() + "'; choose another name.");
+  const Path path = new_path(load, "light", "/lights", pointer, entry["name"]);
   host::LightDescription light;
   light.type = entry["type"].get<std::string>();
-  change_light(load, pointer, entry, path, std::move(light));
+  change_light(load, pointer, entry, path, light, light.type);
   add_name(load, "light", path);
 }
 
@@ -140,9 +133,8 @@ void place_lights(LoadState& load) {
   load.for_each_entry("lights", [&](const std::string& pointer, const json& entry) {
     if (!entry.contains("match")) return;
     for (const Path& path : find_prims(load, "light", entry["match"], pointer + "/match")) {
-      host::LightDescription light = load.scene->GetLights().at(path);
-      place_light(load, pointer, entry, &light);
-      load.scene->SetLight(path, std::move(light));
+      const auto placed = placement_of(load, pointer, entry, load.scene->GetLights().at(path).transform);
+      if (placed) load.edit(pointer, path, {}, {{"transform", *placed}});
     }
   });
 }

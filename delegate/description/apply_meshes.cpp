@@ -171,7 +171,7 @@ void change_mesh(LoadState& load, const std::string& pointer, const json& entry,
   host::Fields fields;
   for (const auto& [name, value] : entry.items())
     add_fields(load, pointer_append(pointer, name), name, value, target, &fields);
-  load.edit(pointer, path, fields);
+  load.edit(pointer, path, {}, fields);
   if (entry.value("refineLevel", 0) > 0 && load.scene->GetMeshes().at(path).topology.scheme == Token("none"))
     load.warn(pointer + "/refineLevel", "Has no effect on mesh '" + path.str() +
                                             "', which is not a subdivision surface; set its scheme as well.");

@@ -1,5 +1,6 @@
 #include <cmath>
 
+#include "delegate/description/document_keys.h"
 #include "delegate/description/load_state.h"
 #include "delegate/host/product_writer.h"
 #include "delegate/support/json_values.h"
@@ -51,8 +52,9 @@ ProductPlan product_of(LoadState& load, const std::string& pointer, const json& 
   plan.frame.resolution = resolution_of(entry);
   read_crop(load, pointer, entry, &plan.frame.crop);
   host::Fields fields{{"products:0:file", load.resolve(pointer + "/file", entry["file"])}};
-  for (const char* name : {"dataType", "denoise", "colorSpace", "display", "view", "look", "exposure"})
-    if (entry.contains(name)) fields.emplace_back(std::string("products:0:") + name, support::value_of(entry[name]));
+  for (const Key& key : find_key(description_key().keys, "products")->keys)
+    if (const std::string& name = key.row.name; !key.kind.empty() && entry.contains(name))
+      fields.emplace_back("products:0:" + name, support::value_of(entry[name]));
   RenderSettingsDescription settings;
   set_fields(load, pointer, fields, &settings);
   plan.product = std::move(settings.products[0]);

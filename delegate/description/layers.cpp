@@ -5,8 +5,8 @@
 #include <filesystem>
 #include <sstream>
 
+#include "delegate/description/document_keys.h"
 #include "delegate/description/quality_presets.h"
-#include "delegate/description/schema_check.h"
 #include "delegate/support/extension.h"
 #include "delegate/support/json_values.h"
 #include "delegate/support/nearest_name.h"
@@ -87,35 +87,42 @@ json dome_light(const std::string& dome) {
 
 // Lists of a description whose entries change the prims of a name.
 constexpr const char* kLists[] = {"materials", "meshes", "lights"};
+bool is_list(const std::string& part) {
+  return std::find(std::begin(kLists), std::end(kLists), part) != std::end(kLists);
+}
 // Keys of which a description has one only.
 constexpr const char* kPlacements[] = {"transform", "lookAt", "motion"};
 
-class Layers {
+/// Reads options as edits.
+class OptionReader {
  public:
-  Layers(const LoadOptions& options, const DiagnosticSink& sink, JsonDocument* document)
-      : options_(options), sink_(sink), document_(*document) {}
+  OptionReader(const LoadOptions& options, const DiagnosticSink& sink) : options_(options), sink_(sink) {}
 
-  bool add() {
+  bool read() {
     for (const auto& [name, number] : {std::pair{"time", options_.time.value_or(0)},
                                        {"shutter", options_.shutter ? options_.shutter->open : 0},
                                        {"shutter", options_.shutter ? options_.shutter->close : 0}})
       if (!std::isfinite(number)) return fail("option", option(name), "It is not a finite number.");
-    if (!options_.camera.empty()) choose_camera();
-    if (options_.shutter) {
-      document_.set("/camera/shutterOpen", options_.shutter->open, option("shutter"));
-      document_.set("/camera/shutterClose", options_.shutter->close, option("shutter"));
+    if (!options_.camera.empty())
+      add({"camera", {}, {}, {{"use", options_.camera}}, option("camera", options_.camera)});
+    if (const auto& shutter = options_.shutter) {
+      add({"camera", {}, "shutterOpen", shutter->open, option("shutter")});
+      add({"camera", {}, "shutterClose", shutter->close, option("shutter")});
     }
-    if (!choose_of_model()) return false;
+    for (const auto& [key, choice] :
+         {std::pair{"scene", options_.scene}, {"animation", options_.animation}, {"variant", options_.variant}})
+      if (!choice.empty()) add({"models", {}, key, choice, option(key, choice)});
     for (const Override& one : options_.overrides)
-      if (const std::string fault = add_override(one); !fault.empty()) return fail("override", one.origin, fault);
-    if (options_.size) document_.set("/settings/resolution", {options_.size->x, options_.size->y}, option("size"));
+      if (const std::string fault = read_override(one); !fault.empty()) return fail("override", one.origin, fault);
+    if (const auto& size = options_.size) add({"settings", {}, "resolution", {size->x, size->y}, option("size")});
     if (const auto& c = options_.crop)
-      document_.set("/settings/crop", {c->minX, c->minY, c->maxX, c->maxY}, option("crop"));
+      add({"settings", {}, "crop", {c->minX, c->minY, c->maxX, c->maxY}, option("crop")});
     const std::string dome = option("dome", options_.dome);
     if (!is_utf8(options_.dome)) return fail("dome", dome, "It is not UTF-8, as names of files in a scene are.");
-    if (!options_.dome.empty()) append("lights", dome_light(options_.dome), dome);
+    if (!options_.dome.empty()) add({"lights", {}, {}, dome_light(options_.dome), dome});
     return true;
   }
+  Edits edits;
 
  private:
   std::string option(const std::string& name, const std::string& value = {}) const {
@@ -125,67 +132,42 @@ class Layers {
     if (sink_) sink_({Severity::error, code, where, text});
     return false;
   }
-
-  // The file's camera is called "camera", if it makes one. Its changes are meant for that one, and not for another.
-  void choose_camera() {
-    const auto own = document_.value.find("camera");
-    const bool makes_one = own != document_.value.end() && own->size() > size_t(own->contains("use"));
-    if (options_.camera == "camera" && makes_one) return;
-    document_.set("/camera", json::object(), option("camera", options_.camera));
-    document_.set("/camera/use", options_.camera, option("camera", options_.camera));
-  }
-
-  bool choose_of_model() {
-    const char* const list = document_.value.contains("gltf") ? "gltf" : "models";
-    const auto models = document_.value.find(list);
-    if (models == document_.value.end()) return true;
-    const std::string pointer = std::string("/") + list;
-    for (const auto& [key, choice] :
-         {std::pair{"scene", options_.scene}, {"animation", options_.animation}, {"variant", options_.variant}}) {
-      if (choice.empty()) continue;
-      if (models->size() > 1)
-        return fail("gltf.choice", document_.place(pointer),
-                    "There are several models: write scene, animation or variant beside each one's file.");
-      document_.set(pointer_append(pointer + "/0", key), choice, option(key, choice));
-    }
-    return true;
-  }
-
-  void append(const std::string& list, json entry, const std::string& origin) {
-    const auto found = document_.value.find(list);
-    const size_t size = found == document_.value.end() ? 0 : found->size();
-    document_.set("/" + list + "/" + std::to_string(size), std::move(entry), origin);
-  }
+  void add(Edit edit) { edits.push_back(std::move(edit)); }
 
   /// The fault, or "".
-  std::string add_override(const Override& one) {
+  std::string read_override(const Override& one) {
     if (one.value.empty()) return "'" + one.place + "' is not an assignment: write key=value.";
     const auto* text = one.value.get<std::string>();
     if (!is_utf8(one.place) || (text && !is_utf8(*text))) return "It is not UTF-8, as names and values of a scene are.";
     if (text && is_too_deep(*text)) return "The value is nested too deeply: no setting has more than a few levels.";
-    return set(one.place, text ? json_or_text(*text) : support::json_of(one.value), one.origin);
+    return read_place(one.place, text ? json_or_text(*text) : support::json_of(one.value), one.origin);
   }
 
-  // "materials/skin.roughness" -> {"materials": [{"match": "skin", "set": {"roughness": value}}]}
-  std::string set(const std::string& place, json value, const std::string& origin) {
+  std::string read_place(const std::string& place, json value, const std::string& origin) {
     const size_t end = std::min(place.find_first_of("./"), place.size()), dot = place.rfind('.');
     const std::string kind = place.substr(0, end);
-    const bool is_list = std::find(std::begin(kLists), std::end(kLists), kind) != std::end(kLists);
-    if (!is_list && kind != "camera" && end == place.size()) {
-      set_setting(place, std::move(value), origin);
+    const bool is_of_list = is_list(kind);
+    if (!is_of_list && kind != "camera" && end == place.size()) {
+      add_setting(place, std::move(value), origin);
       return {};
     }
-    if (!place.substr(end).starts_with(is_list ? "/" : ".") || !(is_list || kind == "camera"))
+    if (!place.substr(end).starts_with(is_of_list ? "/" : ".") || !(is_of_list || kind == "camera"))
       return end < place.size() ? unknown_place(place) : no_parameter(place);
-    if (dot == std::string::npos || dot + 1 == place.size() || (is_list && dot < end + 2)) return no_parameter(place);
-    if (!is_list) {
-      set_camera(place.substr(end + 1), std::move(value), origin);
-      return {};
-    }
-    json entry{{"match", place.substr(end + 1, dot - end - 1)}};
-    (kind == "materials" ? entry["set"] : entry)[place.substr(dot + 1)] = std::move(value);
-    append(kind, std::move(entry), origin);
+    if (dot == std::string::npos || dot + 1 == place.size() || (is_of_list && dot < end + 2))
+      return no_parameter(place);
+    if (is_of_list)
+      add({kind, place.substr(end + 1, dot - end - 1), place.substr(dot + 1), std::move(value), origin});
+    else
+      add({kind, {}, place.substr(end + 1), std::move(value), origin});
     return {};
+  }
+
+  // A preset is written out where it stands.
+  void add_setting(const std::string& name, json value, const std::string& origin) {
+    if (name == "quality" && value.is_string())
+      if (const QualityPreset* preset = FindQualityPreset(value.get<std::string>()))
+        for (const auto& [key, own] : preset->settings) add({"settings", {}, key, support::json_of(own), origin});
+    add({"settings", {}, name, std::move(value), origin});
   }
 
   // "--set camera=1" and the like. A place begins with the kind.
@@ -200,7 +182,7 @@ class Layers {
     std::vector<std::string> kinds{"camera"};
     kinds.insert(kinds.end(), std::begin(kLists), std::end(kLists));
     const std::string kind = support::NearestName(place.substr(0, end), kinds), parameter = place.substr(last + 1);
-    const std::vector<std::string> settings = known_keys(description_schema()["properties"]["settings"]);
+    const std::vector<std::string> settings = names_of(find_key(description_key().keys, "settings")->keys);
     std::string nearest = support::NearestName(parameter, settings);
     if (place.find('/') != std::string::npos && nearest != parameter) nearest.clear();
     if (kind == "camera")
@@ -213,26 +195,52 @@ class Layers {
            (nearest.empty() ? "" : " Did you mean '" + nearest + "'?");
   }
 
-  void set_camera(const std::string& name, json value, const std::string& origin) {
-    const auto camera = document_.value.find("camera");
-    if (camera != document_.value.end() && std::count(std::begin(kPlacements), std::end(kPlacements), name) > 0)
-      for (const char* other : kPlacements) camera->erase(other);
-    document_.value.emplace("camera", json::object());
-    document_.set(pointer_append("/camera", name), std::move(value), origin);
-  }
-
-  void set_setting(const std::string& name, json value, const std::string& origin) {
-    if (name == "quality" && value.is_string())
-      if (const QualityPreset* preset = FindQualityPreset(value.get<std::string>()))
-        for (const auto& [key, own] : preset->settings) set_setting(key, support::json_of(own), origin);
-    document_.value.emplace("settings", json::object());
-    document_.set(pointer_append("/settings", name), std::move(value), origin);
-  }
-
   const LoadOptions& options_;
   const DiagnosticSink& sink_;
-  JsonDocument& document_;
 };
+
+// The file's camera is called "camera", if it makes one. Its changes are meant for that one, and not for another.
+bool is_own_camera(const Edit& edit, const JsonDocument& document) {
+  const auto own = document.value.find("camera");
+  return edit.value["use"] == "camera" && own != document.value.end() && own->size() > size_t(own->contains("use"));
+}
+
+/// False after a report.
+bool add_edit(const Edit& edit, const DiagnosticSink& sink, JsonDocument* document) {
+  json& all = document->value;
+  if (edit.part == "camera" && edit.name.empty()) {
+    if (is_own_camera(edit, *document)) return true;
+    document->set("/camera", json::object(), edit.origin);
+    document->set("/camera/use", edit.value["use"], edit.origin);
+  } else if (edit.part == "models") {
+    const char* const list = all.contains("gltf") ? "gltf" : "models";
+    const auto models = all.find(list);
+    const std::string pointer = std::string("/") + list;
+    if (models == all.end()) return true;
+    if (models->size() > 1) {
+      if (sink)
+        sink({Severity::error, "gltf.choice", document->place(pointer),
+              "There are several models: write scene, animation or variant beside each one's file."});
+      return false;
+    }
+    document->set(pointer_append(pointer + "/0", edit.name), edit.value, edit.origin);
+  } else if (is_list(edit.part)) {
+    json entry = edit.value;
+    if (!edit.name.empty()) {
+      entry = {{"match", edit.pattern}};
+      (edit.part == "materials" ? entry["set"] : entry)[edit.name] = edit.value;
+    }
+    const auto found = all.find(edit.part);
+    const size_t size = found == all.end() ? 0 : found->size();
+    document->set("/" + edit.part + "/" + std::to_string(size), std::move(entry), edit.origin);
+  } else {
+    const auto part = all.emplace(edit.part, json::object()).first;
+    if (edit.part == "camera" && std::count(std::begin(kPlacements), std::end(kPlacements), edit.name) > 0)
+      for (const char* other : kPlacements) part->erase(other);
+    document->set(pointer_append("/" + edit.part, edit.name), edit.value, edit.origin);
+  }
+  return true;
+}
 
 /// Calls visit(pointer, &name) for each name of a file to read. The names of products are those of files to write.
 void for_each_input_name(const std::string& pointer, json* value,
@@ -279,8 +287,13 @@ std::string option_text(const LoadOptions& options, const std::string& name, con
   return value.empty() ? text : text + (options.are_flags ? " " : "=") + value;
 }
 
-bool add_options(const LoadOptions& options, const DiagnosticSink& sink, JsonDocument* document) {
-  return Layers(options, sink, document).add();
+std::optional<Edits> edits_of(const LoadOptions& options, const DiagnosticSink& sink) {
+  OptionReader reader(options, sink);
+  return reader.read() ? std::optional(std::move(reader.edits)) : std::nullopt;
+}
+
+bool add_edits(const Edits& edits, const DiagnosticSink& sink, JsonDocument* document) {
+  return std::all_of(edits.begin(), edits.end(), [&](const Edit& edit) { return add_edit(edit, sink, document); });
 }
 
 std::string WithOptions(const std::string& text, const LoadOptions& options,
@@ -292,7 +305,7 @@ std::string WithOptions(const std::string& text, const LoadOptions& options,
     LoadOptions no_dome = options;
     no_dome.dome.clear();
     expand_preset(&document.value);
-    add_options(no_dome, {}, &document);
+    add_edits(edits_of(no_dome, {}).value_or(Edits()), {}, &document);
     for (const char* list : {"gltf", "models"})
       if (const auto models = document.value.find(list); options.time && models != document.value.end())
         for (json& model : *models)

@@ -3,9 +3,9 @@
 
 #include "core/files/input_file.h"
 #include "core/files/real_path.h"
+#include "delegate/description/document_keys.h"
 #include "delegate/description/layers.h"
 #include "delegate/description/load_state.h"
-#include "delegate/description/schema_check.h"
 #include "delegate/support/extension.h"
 #include "delegate/support/process_usage.h"
 
@@ -41,10 +41,11 @@ class Loader {
     // Check the options alone: their faults are those of usage, and their memory limit counts while the file is read.
     JsonDocument given;
     given.value = nlohmann::json::object();
-    require(add_options(state_.options, sink, &given) && check_description(given, sink), LoadCause::option);
+    const std::optional<Edits> edits = edits_of(state_.options, sink);
+    require(edits && add_edits(*edits, sink, &given) && check_description(given, sink), LoadCause::option);
     limit_memory(given);
     read_file(file);
-    require(add_options(state_.options, sink, &state_.document), LoadCause::option);
+    require(add_edits(*edits, sink, &state_.document), LoadCause::option);
     apply_models(state_);
     apply_materials(state_);
     apply_meshes(state_);

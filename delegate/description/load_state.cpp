@@ -79,8 +79,9 @@ void LoadState::fail(const std::string& pointer, const std::string& text) {
        document.place(pointer), text);
 }
 
-void LoadState::edit(const std::string& pointer, const Path& prim, const host::Fields& fields) {
-  const std::string fault = host::EditPrim(scene, prim, fields).fault;
+void LoadState::edit(const std::string& pointer, const Path& prim, const Token& new_kind, const host::Fields& fields) {
+  const std::string fault =
+      new_kind.empty() ? host::EditPrim(scene, prim, fields).fault : host::SetPrim(scene, prim, new_kind, fields).fault;
   if (!fault.empty()) fail(pointer, fault + ".");
 }
 
@@ -146,6 +147,17 @@ std::vector<Path> find_prims(LoadState& load, std::string_view kind, const std::
   load.fail(pointer, "No " + std::string(kind) + " matches '" + pattern + "'." +
                          (named.empty() ? " The scene has none." : nearest_prims(pattern, named)));
   return found;
+}
+
+Path new_path(LoadState& load, const std::string& kind, const Path& folder, const std::string& pointer,
+              const std::string& name) {
+  Path path = folder.append(name);
+  const auto known = load.scene->GetPrims().find(path);
+  const bool is_of_kind = known != load.scene->GetPrims().end() && host::KindOf(known->second) == kind;
+  if (is_of_kind || load.archive_paths.contains(path))
+    load.fail(pointer + "/name", "There is already a " + (is_of_kind ? kind : "prim") + " '" + path.str() +
+                                     "': match it, or choose another name.");
+  return path;
 }
 
 std::vector<size_t> find_parts(LoadState& load, const std::string& pattern, const Path& mesh) {

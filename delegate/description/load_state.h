@@ -1,5 +1,5 @@
-// The state of a load, and the steps that change it, each in a file of its own. The schema has already accepted all
-// values; the steps check the rest (names, indices, contradictions).
+// The state of a load, and the steps that change it, each in a file of its own. All values have been checked by their
+// tables already; the steps check the rest (names, indices, contradictions), and edit prims by their fields.
 #pragma once
 
 #include <map>
@@ -86,8 +86,8 @@ struct LoadState {
       apply("/" + std::string(list) + "/" + std::to_string(i), (*entries)[i]);
   }
   // These throw LoadFailed after a report.
-  /// Changes the named fields of a prim; a fault is reported at the pointer.
-  void edit(const std::string& pointer, const Path& prim, const host::Fields& fields);
+  /// Changes the named fields of a prim, or makes it if a kind is given; a fault is reported at the pointer.
+  void edit(const std::string& pointer, const Path& prim, const Token& new_kind, const host::Fields& fields);
   void report(Severity severity, const char* code, const std::string& where, const std::string& text) const;
   [[noreturn]] void fail(LoadCause noted, const char* code, const std::string& where, const std::string& text);
   /// Reports an error at the origin of the value.
@@ -144,6 +144,9 @@ void pose_camera(LoadState* state);
 /// reports the nearest existing name, but not while posing.
 std::vector<Path> find_prims(LoadState& load, std::string_view kind, const std::string& pattern,
                              const std::string& pointer);
+/// The path of a prim that an entry makes, which none must have yet.
+Path new_path(LoadState& load, const std::string& kind, const Path& folder, const std::string& pointer,
+              const std::string& name);
 /// The subsets of a mesh that `pattern` matches, unless it matches the mesh.
 std::vector<size_t> find_parts(LoadState& load, const std::string& pattern, const Path& mesh);
 /// Tells that the scene has a new prim.

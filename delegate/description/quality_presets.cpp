@@ -3,15 +3,15 @@
 #include <algorithm>
 #include <nlohmann/json.hpp>
 
-#include "delegate/description/render_description.h"
 #include "delegate/support/json_values.h"
+#include "delegate/support/presets_text.h"
 
 namespace alabaster::hd::description {
 
 const std::vector<QualityPreset>& QualityPresets() {
   static const std::vector<QualityPreset> presets = [] {
     std::vector<QualityPreset> all;
-    const nlohmann::json file = nlohmann::json::parse(SchemaText("quality_presets"));
+    const nlohmann::json file = nlohmann::json::parse(support::presets_text());
     for (const nlohmann::json& entry : file.at("presets")) {
       QualityPreset& preset = all.emplace_back(QualityPreset{entry.at("name"), entry.at("description"), {}});
       for (const auto& [name, value] : entry.at("settings").items()) preset.settings[name] = support::value_of(value);

@@ -2,6 +2,7 @@
 // LoadScene, which loads any scene file: .json, .gltf, .glb and .alab (archive/archive.h).
 #pragma once
 
+#include "delegate/host/scene_fields.h"
 #include "delegate/host/scene_source.h"
 
 namespace alabaster::hd::description {
@@ -118,9 +119,13 @@ class ALABASTER_API OpenScene {
 ALABASTER_API std::string WithOptions(const std::string& text, const LoadOptions& options,
                                       const std::function<std::string(const std::string&)>& place);
 
-/// The text of a schema by name: disney_material, mesh, lights, camera, render_settings, render_description, or
-/// quality_presets, which holds settings and measurements rather than a schema. Null if unknown. The texts are those of
-/// schemas/, but for rows of tables that have not been written there yet.
+/// The keys of a part of descriptions, in the order of its table: "settings", "camera", or of an entry of "models",
+/// "meshes", "lights" and "products"; of "materials" those of `set`.
+ALABASTER_API std::vector<host::FieldRow> DescriptionKeys(const std::string& part);
+
+/// The text of a schema by name: disney_material, texture_node, displacement_node, textures, mesh, lights, camera,
+/// render_settings, render_description, or quality_presets, which holds settings and measurements rather than a schema.
+/// Null if unknown. Schemas are written from tables.
 ALABASTER_API const char* SchemaText(const std::string& name);
 
 }  // namespace alabaster::hd::description

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "delegate/support/nearest_name.h"
+
 namespace alabaster::hd::host {
 namespace {
 
@@ -11,13 +13,10 @@ bool is_text(const Value& value) {
          (value.type() == ALABASTER_TOKEN || value.type() == ALABASTER_STRING || value.type() == ALABASTER_PATH);
 }
 
-std::string number_text(double number) {
-  return Value(number).to_string();
-}
 std::string range_text(const Limits& limits, const char* what) {
   if (std::isinf(limits.low) && std::isinf(limits.high)) return what;
-  if (std::isinf(limits.high)) return std::string(what) + ", at least " + number_text(limits.low);
-  return std::string(what) + " from " + number_text(limits.low) + " to " + number_text(limits.high);
+  if (std::isinf(limits.high)) return std::string(what) + ", at least " + limit_text(limits.low);
+  return std::string(what) + " from " + limit_text(limits.low) + " to " + limit_text(limits.high);
 }
 
 template <class T>
@@ -63,13 +62,14 @@ std::string read(const Value& value, const Limits&, std::string* out) {
 }
 std::string read(const Value& value, const Limits&, bool* out) {
   const double number = value.number_or(std::numeric_limits<double>::quiet_NaN());
-  if (std::isnan(number)) return "a bool";
+  if (std::isnan(number)) return "true or false";
   *out = number != 0;
   return {};
 }
 template <class Number>
 requires std::is_arithmetic_v<Number> std::string read(const Value& value, const Limits& limits, Number* out) {
-  const double number = value.number_or(std::numeric_limits<double>::quiet_NaN());
+  constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
+  const double number = value.type() == ALABASTER_BOOL ? kNone : value.number_or(kNone);
   constexpr bool kIsWhole = std::is_integral_v<Number>;
   const bool fits = number >= std::max(limits.low, double(std::numeric_limits<Number>::lowest())) &&
                     number <= std::min(limits.high, double(std::numeric_limits<Number>::max()));
@@ -139,12 +139,26 @@ Value write(const std::optional<Rect2i>& member, const Limits&) {
   return member ? Value(Array<int32_t>{member->minX, member->minY, member->maxX, member->maxY}) : Value();
 }
 
-std::string fault_text(std::string_view name, const std::string& must, const Value& value) {
+std::string fault_text(std::string_view name, const std::string& must, const Value& value,
+                       const std::vector<std::string>& words) {
+  constexpr size_t kMostBytes = 60;
   const bool is_long = value.is_array() || value.type() == ALABASTER_SAMPLES || value.type() == ALABASTER_DICTIONARY;
-  const std::string is = is_long
-                             ? (value.is_array() ? "an array of " : "") + std::string(GetTypeInfo(value.type()).name)
-                             : value.to_string();
-  return "'" + std::string(name) + "' must be " + must + ", and is " + is;
+  std::string is = is_long ? (value.is_array() ? "an array of " : "") + std::string(GetTypeInfo(value.type()).name)
+                           : value.to_string();
+  if (is.size() > kMostBytes) {
+    size_t end = kMostBytes - 3;
+    while (end > 0 && (is[end] & 0xC0) == 0x80) --end;  // no part of a character
+    is = is.substr(0, end) + "...";
+  }
+  return "'" + std::string(name) + "' must be " + must + ", and is " + is +
+         (is_text(value) ? support::DidYouMean(value.text_or(""), words) : "");
+}
+
+std::vector<std::string> words_of(const Limits& limits) {
+  std::vector<std::string> words;
+  for (const char* word : limits.words)
+    if (word) words.emplace_back(word);
+  return words;
 }
 
 }  // namespace alabaster::hd::host

@@ -81,8 +81,12 @@ Value write(const std::optional<T>& member, const Limits& limits) {
   return member ? write(*member, limits) : Value();
 }
 
-/// "'refineLevel' must be 0 to 8, and is 9".
-std::string fault_text(std::string_view name, const std::string& must, const Value& value);
+/// "'refineLevel' must be 0 to 8, and is 9". `words`: that the field takes; the nearest one is named.
+std::string fault_text(std::string_view name, const std::string& must, const Value& value,
+                       const std::vector<std::string>& words = {});
+std::vector<std::string> words_of(const Limits& limits);
+/// An end of a range: "4294967295".
+std::string limit_text(double limit);
 
 /// No value, or an empty text.
 bool is_default(const Value& value);
@@ -156,7 +160,7 @@ constexpr Field field(const char* name, DirtyBits dirty, const char* text, const
               return {};
             }
             const std::string must = read(value, row.limits, &member);
-            return must.empty() ? must : fault_text(row.name, must, value);
+            return must.empty() ? must : fault_text(row.name, must, value, words_of(row.limits));
           },
           [](const Field& row, const void* object) {
             return write(follow<kFirst, kRest...>(*static_cast<const Object*>(object)), row.limits);

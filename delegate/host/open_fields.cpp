@@ -36,7 +36,7 @@ template <class T>
 std::string read_into(const std::string& name, const Value& value, const Limits& limits, T* out) {
   if (is_default(value)) return *out = T(), "";
   const std::string must = read(value, limits, out);
-  return must.empty() ? must : fault_text(name, must, value);
+  return must.empty() ? must : fault_text(name, must, value, words_of(limits));
 }
 
 // Primvars ------------------------------------------------------------------------------------------
@@ -64,64 +64,78 @@ bool is_text_or_asset(const Value& value) {
                                value.type() == ALABASTER_PATH || value.type() == ALABASTER_ASSET);
 }
 bool fits(const OtherParameter& row, const Value& value) {
+  const auto is_value = [&](const char* word) { return word && value.text_or("") == word; };
+  if (row.words[0]) return is_text_or_asset(value) && std::any_of(row.words.begin(), row.words.end(), is_value);
   if (row.type.type == ALABASTER_STRING) return is_text_or_asset(value);
-  return value.type() == row.type.type && value.is_array() == row.type.is_array;
+  std::array<double, 4> numbers{};
+  const size_t count = value.components(&numbers);
+  return value.type() == row.type.type && value.is_array() == row.type.is_array &&
+         std::all_of(numbers.begin(), numbers.begin() + count, [&](double one) { return one >= row.low; });
 }
 constexpr FieldType kText = {ALABASTER_STRING, false};
+constexpr uint32_t bit(LightType type) {
+  return 1u << static_cast<uint32_t>(type);
+}
+constexpr uint32_t kWithImages = bit(LightType::dome) | bit(LightType::rect);
+constexpr uint32_t kWithProfiles =
+    bit(LightType::sphere) | bit(LightType::rect) | bit(LightType::disk) | bit(LightType::cylinder);
 constexpr OtherParameter kOfTextures[] = {
-    {"file", kText, "a file",
-     R"({"type": "string", "default": "", "unit": "none", "description": "Image file; <UDIM> in its name stands for the numbers of a set of images."})"},
-    {"layer", kText, "a layer",
-     R"({"type": "string", "default": "", "unit": "none", "description": "Layer of an EXR; empty: the picture."})"},
+    {"file", kText, "a file", "Image file; <UDIM> in its name stands for the numbers of a set of images."},
+    {"layer", kText, "a layer", "Layer of an EXR; empty: the picture."},
     {"sourceColorSpace", kText, "a colour space",
-     R"({"type": "string", "default": "auto", "unit": "none", "description": "auto (sRGB or linear by the image's type for colours, raw for numbers), sRGB, raw, linear, or a name of the OpenColorIO configuration."})"},
-    {"st", kText, "a primvar",
-     R"({"type": "string", "default": "st", "unit": "none", "description": "Primvar that the image is looked up by."})"}};
+     "auto (sRGB or linear by the image's type for colours, raw for numbers), sRGB, raw, linear, or a name of the "
+     "OpenColorIO configuration.",
+     "auto"},
+    {"st", kText, "a primvar", "Primvar that the image is looked up by.", "st"}};
 constexpr OtherParameter kOfDisplacements[] = {{"displacement", {ALABASTER_PATH, false}, "connected to a texture"}};
 constexpr OtherParameter kOfMeshes[] = {
     {"subsurfaceSet", kText, "a name",
-     R"({"type": "string", "minLength": 1, "default": "", "unit": "none", "description": "Set of objects that scatter light below the surface as one body, their union; byMaterial makes a set for each material. Without it each object scatters by itself."})"}};
+     "Set of objects that scatter light below the surface as one body, their union; byMaterial makes a set for each "
+     "material. Without it each object scatters by itself."}};
 constexpr OtherParameter kOfLights[] = {
     {"texture:file", kText, "a file",
-     R"({"type": "string", "minLength": 0, "default": "", "unit": "none", "appliesTo": ["domeLight", "rectLight"], "description": "Image that multiplies the light. Dome: latitude-longitude around the scene (y up, USD's orientation). Rect: upright as seen from the front, with the y axis of the light up."})"},
+     "Image that multiplies the light. Dome: latitude-longitude around the scene (y up, USD's orientation). Rect: "
+     "upright as seen from the front, with the y axis of the light up.",
+     "", kWithImages},
     {"texture:layer", kText, "a layer",
-     R"({"type": "string", "default": "", "unit": "none", "appliesTo": ["domeLight", "rectLight"], "description": "Layer of an EXR that the image is: a part, or what stands before R, G and B in the names of its channels. Without it, the picture (RGBA, beauty, Combined, ...)."})"},
+     "Layer of an EXR that the image is: a part, or what stands before R, G and B in the names of its channels. "
+     "Without it, the picture (RGBA, beauty, Combined, ...).",
+     "", kWithImages},
     {"shaping:ies:file", kText, "a file",
-     R"({"type": "string", "minLength": 0, "default": "", "unit": "none", "appliesTo": ["sphereLight", "rectLight", "diskLight", "cylinderLight"], "description": "Photometric profile of a luminaire (IES LM-63, type C): its candela multiply the light by direction. Straight down in the profile is the light's -z, horizontal angle 0 its x axis, 90 its y axis."})"},
+     "Photometric profile of a luminaire (IES LM-63, type C): its candela multiply the light by direction. Straight "
+     "down in the profile is the light's -z, horizontal angle 0 its x axis, 90 its y axis.",
+     "", kWithProfiles},
     {"color:colorSpace", kText, "lin_rec709"},
     {"lightLink", kText, "a category"},
     {"shadowLink", kText, "a category"}};
 constexpr OtherParameter kOfCameras[] = {
-    {"projection", kText, "perspective or orthographic",
-     R"({"type": "string", "enum": ["perspective", "orthographic"], "default": "perspective", "unit": "none", "description": "Kind of projection."})"},
+    {"projection",
+     kText,
+     nullptr,
+     "Kind of projection.",
+     "perspective",
+     0,
+     "none",
+     -kUnbounded,
+     {"perspective", "orthographic"}},
     {"clippingRange",
      {ALABASTER_FLOAT2, false},
-     "two floats",
-     R"({"type": "array", "items": {"type": "number", "minimum": 0}, "minItems": 2, "maxItems": 2, "default": [0, 0], "unit": "scene unit", "description": "Near and far distance between which surfaces are visible; 0, 0 is unlimited. Light and shadows are those of the whole scene."})"},
+     nullptr,
+     "Near and far distance between which surfaces are visible; 0, 0 is unlimited. Light and shadows are those of the "
+     "whole scene.",
+     "",
+     0,
+     "scene unit",
+     0},
     {"clipPlanes",
      {ALABASTER_FLOAT4, true},
-     "an array of float4",
-     R"({"type": "array", "items": {"type": "array", "items": {"type": "number"}, "minItems": 4, "maxItems": 4}, "default": [], "unit": "none", "description": "Further planes a, b, c, d that cut what the camera sees: surfaces are invisible where a x + b y + c z + d < 0. Coordinates are the camera's, which looks along -z with y up, in scene units."})"}};
+     nullptr,
+     "Further planes a, b, c, d that cut what the camera sees: surfaces are invisible where a x + b y + c z + d < 0. "
+     "Coordinates are the camera's, which looks along -z with y up, in scene units."}};
 
-std::string range_text(double low, double high) {
-  if (low == -kUnbounded && high == kUnbounded) return "a finite number";
-  if (high == kUnbounded) return "at least " + Value(low).to_string();
-  return Value(low).to_string() + " to " + Value(high).to_string();
-}
-
-/// The values that the row takes, for messages.
 template <class Row>
-std::string must_be(const Row& row, support::ParameterFault fault) {
-  if (fault == support::ParameterFault::range) return range_text(row.minimum, row.maximum);
-  if (row.words[0]) {
-    std::string known;
-    for (const char* word : row.words)
-      if (word) known += (known.empty() ? "" : ", ") + std::string(word);
-    return "one of " + known;
-  }
-  if (row.is_color()) return "a colour: three numbers";
-  const auto is_whole = []<class M, class T>(M T::*) { return std::is_same_v<M, uint32_t>; };
-  return std::visit(is_whole, row.member) ? "a whole number" : "a number";
+bool is_switch(const Row& row) {
+  return std::visit([]<class M, class T>(M T::*) { return std::is_same_v<M, bool>; }, row.member);
 }
 
 /// "": the value fits the row of that name. nullopt: there is none. Parameters of prims may be out of range: curves of
@@ -137,16 +151,22 @@ FieldResult check(const Rows& rows, const std::string& name, const Value& value,
     // A colour of four numbers is refused here. The renderer accepts it from Hydra hosts and drops the alpha.
     std::array<double, 4> unused;
     const bool has_alpha = row.is_color() && value.components(&unused) == 4;
+    const bool is_flag = value.type() == ALABASTER_BOOL && !is_switch(row);
     const support::ParameterFault fault =
-        has_alpha ? support::ParameterFault::type : support::set_parameter(row, value, &scratch);
+        has_alpha || is_flag ? support::ParameterFault::type : support::set_parameter(row, value, &scratch);
     const bool is_left = fault == support::ParameterFault::range && range == Range::left_to_the_renderer;
-    return fault == support::ParameterFault::none || is_left ? "" : fault_text(name, must_be(row, fault), value);
+    if (fault == support::ParameterFault::none || is_left) return "";
+    const FieldRow shown = row_of(row, scratch);
+    return fault_text(name, MustBe(shown), value, shown.words);
   }
   return std::nullopt;
 }
 FieldResult check_other(std::span<const OtherParameter> rows, const std::string& name, const Value& value) {
   for (const OtherParameter& row : rows)
-    if (name == row.name) return value.empty() || fits(row, value) ? "" : fault_text(name, row.must, value);
+    if (name == row.name)
+      return value.empty() || fits(row, value)
+                 ? ""
+                 : fault_text(name, row.must ? row.must : MustBe(row_of(row)), value, row_of(row).words);
   return std::nullopt;
 }
 
@@ -327,6 +347,15 @@ std::string without_inputs_namespace(const std::string& name) {
   return after(name, "inputs:").value_or(name);
 }
 
+FieldResult check_parameter(std::string_view schema, const std::string& name, const Value& value) {
+  FieldResult result;
+  visit_table(schema, [&](const auto& rows, const auto&, auto others) {
+    result = check(rows, name, value, Range::refused);
+    if (!result) result = check_other(others, name, value);
+  });
+  return result;
+}
+
 std::string CheckSetting(const std::string& name, const Value& value) {
   if (const std::string retired = support::RetiredSetting(name, value.text_or("")); !retired.empty()) return retired;
   if (const FieldResult checked = check(setting_parameters(), name, value, Range::refused)) return *checked;
@@ -436,6 +465,7 @@ FieldResult set_open(CameraDescription* camera, const Path&, const std::string& 
 FieldResult set_open(RenderSettingsDescription* settings, const Path&, const std::string& name, const Value& value) {
   if (const auto rest = after(name, "products:")) return set_product_field(settings, *rest, name, value);
   const std::string fault = CheckSetting(name, value);
+  if (fault.starts_with("there is no setting") && !fault.ends_with('?')) return std::nullopt;  // a field may be near
   if (fault.empty()) store(&settings->settings, name, value);
   return fault;
 }

@@ -12,6 +12,7 @@
 #include "core/session/render_settings.h"
 #include "delegate/host/field.h"
 #include "delegate/host/scene_fields.h"
+#include "delegate/support/parameters.h"
 
 namespace alabaster::hd::host {
 
@@ -45,10 +46,39 @@ Path node_path(const Path& material, const std::string& name);
 /// A parameter that is in no table of core: a text, such as the name of a file, or numbers.
 struct OtherParameter {
   const char* name;
-  FieldType type;                // a text may be of any type of texts
-  const char* must;              // what a value must be, for messages
-  const char* schema = nullptr;  // its entry in schemas/*.json; null: it is in none
+  FieldType type;              // a text may be of any type of texts
+  const char* must;            // what a value must be, for messages; null: as its type and range say
+  const char* text = nullptr;  // a sentence or two; null: it is no parameter for people
+  const char* fallback = "";   // of a text
+  uint32_t of = 0;             // as of Parameter
+  const char* unit = "none";
+  double low = -kUnbounded;               // of numbers
+  std::array<const char*, 2> words = {};  // null: it is any text
 };
+FieldRow row_of(const OtherParameter& parameter);
+FieldRow row_of_field(const Field& field);
+/// The row without what only one table's rows have.
+FieldRow plain_row(const char* name, const char* unit, const char* text, double low, double high,
+                   std::span<const char* const> words);
+template <class T, class... Words>
+FieldType type_of(const Parameter<T, Words...>& parameter) {
+  const auto of_member = []<class M>(M T::*) -> FieldType {
+    if (std::is_same_v<M, Rgb>) return {ALABASTER_FLOAT3, false};
+    if (std::is_same_v<M, uint32_t>) return {ALABASTER_UINT, false};
+    return kFieldType<M>;
+  };
+  return std::visit(of_member, parameter.member);
+}
+/// A row of core's tables.
+template <class T, class... Words>
+FieldRow row_of(const Parameter<T, Words...>& parameter, const T& defaults) {
+  FieldRow row =
+      plain_row(parameter.name, parameter.unit, parameter.text, parameter.minimum, parameter.maximum, parameter.words);
+  row.is_color = parameter.is_color();
+  row.type = type_of(parameter);
+  row.fallback = support::get_parameter(parameter, defaults);
+  return row;
+}
 /// The name of a light's parameter without the namespace "inputs:", which it has in UsdLux.
 std::string without_inputs_namespace(const std::string& name);
 extern const std::span<const OtherParameter> kOtherOfTextures, kOtherOfDisplacements, kOtherOfMeshes, kOtherOfLights,
@@ -87,6 +117,8 @@ std::span<const Field> open_rows(const PrimDescription& prim);
 /// A part of the name is in capitals.
 bool is_pattern(std::string_view name);
 
+/// As CheckField, of the parameters of a schema; nullopt if it has none of that name.
+FieldResult check_parameter(std::string_view schema, const std::string& name, const Value& value);
 /// The names of the parameters of a schema, for messages.
 std::vector<std::string> parameter_names(std::string_view schema);
 

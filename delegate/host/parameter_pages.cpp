@@ -8,8 +8,6 @@
 namespace alabaster::hd::host {
 namespace {
 
-using nlohmann::ordered_json;
-
 constexpr const char* kWritten = "written by `alabaster schema --write`, from the tables of fields and parameters";
 
 constexpr std::string_view kMaterial = "material", kRenderSettings = "renderSettings";
@@ -29,26 +27,29 @@ std::string range_text(const std::string& low, const std::string& high) {
   return low.empty() ? "at most " + high : low + " to " + high;
 }
 std::string end_text(double end) {
-  return std::isinf(end) ? "" : Value(end).to_string();
+  return std::isinf(end) ? "" : limit_text(end);
 }
 
-std::string values_of(const Limits& limits) {
+std::string values_of(const FieldRow& field) {
   std::string words;
-  for (const char* word : limits.words)
-    if (word) words = joined(words, ", ", word);
-  return words.empty() ? range_text(end_text(limits.low), end_text(limits.high)) : words;
+  for (const std::string& word : field.words) words = joined(words, ", ", word);
+  if (!words.empty()) return words;
+  if (field.is_above_zero()) return joined("above 0", ", at most ", end_text(field.high));
+  return range_text(end_text(field.low), end_text(field.high));
 }
 
-std::string type_of(const Field& field) {
+std::string type_of(const FieldRow& field) {
   if (field.type.type == ALABASTER_NONE) return "any";
   if (field.type.type == ALABASTER_SAMPLES) return "samples";
-  if (field.limits.words[0]) return "word";
-  return (field.type.is_array ? "array of " : "") + std::string(GetTypeInfo(field.type.type).name);
+  if (!field.words.empty()) return "word";
+  if (field.is_color) return "color";
+  if (field.type.type == ALABASTER_STRING && !field.type.is_array) return "text";
+  const std::string name = field.type.type == ALABASTER_UINT ? "int" : GetTypeInfo(field.type.type).name;
+  return (field.type.is_array ? "array of " : "") + name;
 }
 
-std::string fallback_of(const Field& field) {
-  if (!field.get) return {};
-  const Value value = field.get(field, field.defaults());
+std::string fallback_of(const FieldRow& field) {
+  const Value& value = field.fallback;
   if (value.type() == ALABASTER_MATRIX) return "identity";
   if (const auto* names = value.get<Array<Token>>()) {
     std::string text;
@@ -56,58 +57,24 @@ std::string fallback_of(const Field& field) {
     return text;
   }
   if (value.is_array() || value.type() == ALABASTER_SAMPLES || value.empty()) return {};
-  const bool is_text = GetTypeInfo(value.type()).bytes == 0;
-  return is_text ? value.text_or("") : value.to_string();
+  return GetTypeInfo(value.type()).bytes == 0 ? value.text_or("") : value.to_string();
 }
 
-void add_fields(std::span<const Field> fields, std::vector<Row>* rows) {
-  for (const Field& field : fields)
-    rows->push_back({field.name, type_of(field), values_of(field.limits), fallback_of(field), field.unit, field.text});
-}
-
-// Rows of schemas -----------------------------------------------------------------------------------
-
-std::string type_of(const ordered_json& entry) {
-  const std::string type = entry.at("type");
-  if (type == "array") {
-    const ordered_json& item = entry.at("items");
-    if (item.at("type") == "array") return "array of " + type_of(item);
-    const int count = entry.at("minItems");
-    return count == 3 ? "color" : "float" + std::to_string(count);
-  }
-  if (type == "string") return entry.contains("enum") ? "word" : "text";
-  return type == "boolean" ? "bool" : type == "integer" ? "int" : "float";
-}
-
-std::string values_of(const ordered_json& entry) {
-  if (entry.contains("items")) return values_of(entry["items"]);
-  std::string words;
-  if (entry.contains("enum"))
-    for (const std::string word : entry["enum"]) words = joined(words, ", ", word);
-  if (!words.empty()) return words;
-  const auto end = [&](const char* name) { return entry.contains(name) ? entry[name].dump() : ""; };
-  if (entry.contains("exclusiveMinimum"))
-    return joined("above " + end("exclusiveMinimum"), ", at most ", end("maximum"));
-  return range_text(end("minimum"), end("maximum"));
-}
-
-Row row_of(const std::string& name, const ordered_json& entry) {
-  const bool is_textured = entry.contains("anyOf");
-  const ordered_json& value = is_textured ? entry["anyOf"][0] : entry;
-  Row row{
-      name, type_of(value), values_of(value), entry.at("default").dump(), entry.at("unit"), entry.at("description")};
-  if (is_textured) row.type += " or texture";
-  if (entry["default"].is_string()) row.fallback = entry["default"];
+Row row_of(const std::string& name, const FieldRow& field) {
+  Row row{name, type_of(field), values_of(field), fallback_of(field), field.unit, field.text};
+  if (!field.texture.empty()) row.type += " or texture";
   std::string lights;
-  if (entry.contains("appliesTo"))
-    for (const std::string light : entry["appliesTo"]) lights = joined(lights, ", ", light);
+  for (const std::string& light : field.lights) lights = joined(lights, ", ", light);
   if (!lights.empty()) row.text += " Lights: " + lights + ".";
   return row;
 }
 
+void add_fields(std::span<const Field> fields, std::vector<Row>* rows) {
+  for (const Field& field : fields) rows->push_back(row_of(field.name, row_of_field(field)));
+}
+
 void add_parameters(const std::string& schema, const std::string& prefix, std::vector<Row>* rows) {
-  const ordered_json properties = TableProperties(schema);
-  for (const auto& [name, entry] : properties.items()) rows->push_back(row_of(prefix + name, entry));
+  for (const FieldRow& field : ParameterRows(schema)) rows->push_back(row_of(prefix + field.name, field));
 }
 
 // Pages ---------------------------------------------------------------------------------------------
@@ -169,7 +136,8 @@ std::string stub_class(std::string name, const std::string& base, const std::vec
 
 }  // namespace
 
-void AddParameterPages(std::map<std::string, std::string>* files) {
+std::map<std::string, std::string> ParameterPages() {
+  std::map<std::string, std::string> files;
   const std::string folder = "delegate/manual/parameters/";
   std::string stub = "# This file is " + std::string(kWritten) + ".\n";
   stub += "from typing import Literal, Optional, Sequence, TypedDict\n\nfrom . import _Array\n";
@@ -191,18 +159,19 @@ void AddParameterPages(std::map<std::string, std::string>* files) {
     }
     add_fields(kind.open, &rows);
     rows.insert(rows.end(), parameters.begin(), parameters.end());
-    (*files)[folder + python_name(kind.name) + ".md"] = page_text(kind.name, rows);
+    files[folder + python_name(kind.name) + ".md"] = page_text(kind.name, rows);
   }
   for (const auto& [page, schema] :
        {std::pair{"AlabasterTexture", "texture_node"}, std::pair{"AlabasterDisplacement", "displacement_node"}}) {
     std::vector<Row> rows;
     add_parameters(schema, "NODE.", &rows);
-    (*files)[folder + schema + ".md"] = page_text(page, rows);
+    files[folder + schema + ".md"] = page_text(page, rows);
   }
   std::vector<Row> product;
   add_fields(kProductFields, &product);
-  (*files)[folder + "product.md"] = page_text("products:N", product);
-  (*files)["delegate/python/hdalabaster/_fields.pyi"] = stub;
+  files[folder + "product.md"] = page_text("products:N", product);
+  files["delegate/python/hdalabaster/_fields.pyi"] = stub;
+  return files;
 }
 
 }  // namespace alabaster::hd::host

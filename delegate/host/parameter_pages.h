@@ -1,16 +1,14 @@
-// Pages of the manual and Python's stub of fields. Internal to this room.
+// Files that are written from the tables of parameters and fields: pages of the manual, part of Python's stub.
 #pragma once
 
 #include <map>
-#include <nlohmann/json.hpp>
 #include <string>
+
+#include "delegate/api/export.h"
 
 namespace alabaster::hd::host {
 
-/// The properties of a schema that is made of a table, by name. Empty: there is none.
-nlohmann::ordered_json TableProperties(const std::string& schema);
-
-/// Adds the pages and the stub, by their paths in the sources.
-void AddParameterPages(std::map<std::string, std::string>* files);
+/// The texts of delegate/manual/parameters and delegate/python/hdalabaster/_fields.pyi, by their paths in the sources.
+ALABASTER_API std::map<std::string, std::string> ParameterPages();
 
 }  // namespace alabaster::hd::host

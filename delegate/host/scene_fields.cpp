@@ -369,6 +369,31 @@ std::string NoSuchPrim(const RetainedSceneDelegate& scene, const Path& path) {
   return "there is no prim " + path.str() + support::DidYouMean(path.str(), known);
 }
 
+std::string DisneySurface(const Path& material, const MaterialNetwork& network) {
+  const auto terminal = network.terminals.find("surface");
+  if (terminal == network.terminals.end()) return {};
+  const auto node = network.nodes.find(terminal->second.upstreamNode);
+  const bool is_disney = node != network.nodes.end() && node->second.nodeTypeId == Token("AlabasterDisney");
+  return is_disney ? node_name(material, node->first) : std::string();
+}
+
+std::string CheckField(const std::string& kind, const std::string& name, const Value& value) {
+  if (kind == "product") {
+    RenderProduct scratch;
+    return set_row(kProductFields, &scratch, name, value).value_or("a product has no field '" + name + "'");
+  }
+  for (const Kind& one : kinds()) {
+    if (kind != one.name) continue;
+    PrimDescription scratch = one.defaults;
+    if (FieldResult result =
+            std::visit([&](auto& object) { return set_row(one.fields, &object, name, value); }, scratch))
+      return *result;
+    if (std::string_view(one.parameters) == "render_settings") return CheckSetting(name, value);
+    return check_parameter(one.parameters, name, value).value_or(unknown(name, {}, scratch));
+  }
+  return "there is no kind of prim '" + kind + "'";
+}
+
 std::string ReadCamera(const Fields& fields, CameraDescription* camera) {
   return read_fields(fields, camera);
 }

@@ -73,7 +73,7 @@ json json_of(const Value& value) {
 Value value_of(const json& value) {
   if (value.is_boolean()) return value.get<bool>();
   if (value.is_string()) return value.get<std::string>();
-  if (value.is_number_integer()) {
+  if (value.is_number_integer() && !(value.is_number_unsigned() && value.get<uint64_t>() >> 63)) {
     const auto number = value.get<int64_t>();
     const bool fits = number >= std::numeric_limits<int32_t>::min() && number <= std::numeric_limits<int32_t>::max();
     return fits ? Value(static_cast<int32_t>(number)) : Value(number);
@@ -86,7 +86,17 @@ Value value_of(const json& value) {
   if (!value.is_array() || value.empty()) return {};
   const auto all = [&](const auto& is) { return std::all_of(value.begin(), value.end(), is); };
   if (all([](const json& text) { return text.is_string(); })) return array_of<std::string>(value);
-  if (!all([](const json& number) { return number.is_number(); })) return {};
+  const auto is_number = [](const json& number) { return number.is_number(); };
+  const auto is_row = [&](const json& row) {
+    return row.is_array() && row.size() == 4 && std::all_of(row.begin(), row.end(), is_number);
+  };
+  if (all(is_row)) {
+    std::vector<Vec4f> rows;
+    for (const json& row : value)
+      rows.emplace_back(row[0].get<float>(), row[1].get<float>(), row[2].get<float>(), row[3].get<float>());
+    return rows;
+  }
+  if (!all(is_number)) return {};
   if (value.size() == 2) return Vec2f(value[0].get<float>(), value[1].get<float>());
   if (value.size() == 3) return Vec3f(value[0].get<float>(), value[1].get<float>(), value[2].get<float>());
   const bool whole = all([](const json& number) { return number.is_number_integer(); });

@@ -15,7 +15,8 @@ double shortest_decimal(float value);
 nlohmann::json json_of(const Value& value);
 
 /// The value of a flag, a text, a whole number, another number (a float, or a double that no float's shortest decimal
-/// is), of 2 or 3 numbers (a vector of floats), or of an array of whole numbers, of numbers or of texts. Empty: there
+/// is), of 2 or 3 numbers (a vector of floats), or of an array of whole numbers, of numbers, of lists of 4 numbers
+/// (vectors), or of texts. Empty: there
 /// is none.
 Value value_of(const nlohmann::json& json);
 

@@ -3,17 +3,13 @@
 #include <algorithm>
 #include <cctype>
 #include <cmath>
-#include <limits>
-#include <nlohmann/json.hpp>
+#include <optional>
 
-#include "delegate/description/render_description.h"
+#include "delegate/host/scene_fields.h"
 
 namespace alabaster::view {
 namespace {
 
-using nlohmann::ordered_json;  // rows have the order of the tables
-
-constexpr double kInfinite = std::numeric_limits<double>::infinity();
 constexpr double kMostInteger = (1 << 30) - 1, kMostNumber = 1e37;  // that sliders take
 constexpr double kLeastAbove = 1e-6;                                // above a bound that is excluded
 constexpr double kDecades = 1000;  // beyond this ratio of values a slider is logarithmic
@@ -44,50 +40,33 @@ std::string label_of(const std::string& name) {
   return label;
 }
 
-void read_limits(const ordered_json& schema, ParameterRow* row) {
-  row->minimum = schema.value("minimum", schema.value("exclusiveMinimum", -kInfinite) + kLeastAbove);
-  row->maximum = schema.value("maximum", kInfinite);
-}
-
-// False for what no row can show.
-bool read_type(const ordered_json& schema, const ordered_json& entry, ParameterRow* row) {
-  const std::string type = schema.value("type", "");
-  const ordered_json& value = entry["default"];
-  if (type == "boolean") {
-    row->kind = RowKind::toggle, row->default_value = value.get<bool>();
-  } else if (type == "string") {
-    row->kind = schema.contains("enum") ? RowKind::choice : RowKind::text;
-    row->choices = schema.value("enum", std::vector<std::string>());
-    row->default_value = value.get<std::string>();
-  } else if (type == "array") {
-    if (!value.is_array() || value.size() != 3) return false;
-    row->kind = RowKind::color;
-    row->default_value = hd::Vec3f(value[0].get<float>(), value[1].get<float>(), value[2].get<float>());
-    read_limits(schema["items"], row);
-  } else {
-    row->kind = type == "integer" ? RowKind::integer : RowKind::number;
-    row->default_value = value.get<double>();
-    read_limits(schema, row);
-  }
-  return true;
+// None for what no row can show.
+std::optional<RowKind> kind_of(const hd::host::FieldRow& field) {
+  const hd::TypeInfo& info = hd::GetTypeInfo(field.type.type);
+  if (field.is_color) return RowKind::color;
+  if (field.type.is_array || info.components > 1) return std::nullopt;
+  if (!field.words.empty()) return RowKind::choice;
+  if (field.type.type == ALABASTER_BOOL) return RowKind::toggle;
+  if (info.bytes == 0) return RowKind::text;
+  return info.scalar == hd::Scalar::float32 ? RowKind::number : RowKind::integer;
 }
 
 }  // namespace
 
 std::vector<ParameterRow> parameter_rows(const std::string& schema) {
   std::vector<ParameterRow> rows;
-  const char* const text = hd::description::SchemaText(schema);
-  if (!text) return rows;
-  const ordered_json document = ordered_json::parse(text);
-  for (const auto& [name, entry] : document["properties"].items()) {
+  for (const hd::host::FieldRow& field : hd::host::ParameterRows(schema)) {
+    const std::optional<RowKind> kind = kind_of(field);
+    if (!kind) continue;
     ParameterRow row;
-    row.name = name, row.label = label_of(name);
-    row.unit = entry.value("unit", "none");
-    if (row.unit == "none") row.unit.clear();
-    if (entry.value("unitInDescription", "") == "mm") row.unit = "mm", row.scale = 0.001;
-    row.description = entry.value("description", "");
-    row.applies_to = entry.value("appliesTo", std::vector<std::string>());
-    if (read_type(entry.contains("anyOf") ? entry["anyOf"][0] : entry, entry, &row)) rows.push_back(std::move(row));
+    row.name = field.name, row.label = label_of(field.name), row.kind = *kind;
+    row.unit = field.unit == "none" ? "" : field.unit;
+    if (field.in_millimetres) row.unit = "mm", row.scale = 0.001;
+    row.description = field.text;
+    row.default_value = field.fallback;
+    row.minimum = field.is_above_zero() ? kLeastAbove : field.low, row.maximum = field.high;
+    row.choices = field.words, row.applies_to = field.lights;
+    rows.push_back(std::move(row));
   }
   return rows;
 }

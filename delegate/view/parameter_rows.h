@@ -1,4 +1,4 @@
-// Rows of a panel, one for each parameter of a schema: names, units, ranges and sentences come from the schemas alone.
+// Rows of a panel, one for each parameter of a table: names, units, ranges and sentences come from the tables alone.
 #pragma once
 
 #include <string>
@@ -17,14 +17,14 @@ struct ParameterRow {
   std::string description;  // a sentence or two
   RowKind kind = RowKind::number;
   double scale = 1;                     // of the unit: 0.001 where the renderer has metres and a row millimetres
-  hd::Value default_value;              // double, bool, Vec3f or string
+  hd::Value default_value;              // a number, bool, Vec3f or string
   double minimum = 0, maximum = 0;      // infinite where the schema has no limit
   std::vector<std::string> choices;     // of kind choice
   std::vector<std::string> applies_to;  // types of lights; empty: all
 };
 
-/// The rows of a schema that alabaster::hd::description::SchemaText knows, in its order. Parameters that are lists of
-/// other things than three numbers are left out.
+/// The rows of a schema of tables (host::ParameterRows), in its order. Parameters that are lists of other things than
+/// three numbers are left out.
 std::vector<ParameterRow> parameter_rows(const std::string& schema);
 
 /// The range of a slider: a typed number may go beyond, up to the row's own limits.

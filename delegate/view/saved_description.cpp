@@ -60,18 +60,15 @@ double millimetres(float metres) {
 }
 
 json camera_of(const hd::CameraDescription& camera) {
-  static const json schema = json::parse(hd::description::SchemaText("camera"))["properties"];
   json entry = json::object();
   const hd::TimeSamples<hd::Matrix4d>& motion = camera.transformSamples;
   for (size_t i = 0; i < motion.values.size() && motion.values.size() > 1; ++i)
     entry["motion"].push_back({{"time", motion.times[i]}, {"transform", json_of(motion.values[i])}});
   if (!entry.contains("motion")) entry["transform"] = json_of(camera.transform);
-  for (const auto& [token, value] : camera.parameters) {
-    const std::string& name = token.str();
-    if (!schema.contains(name)) continue;
-    const bool in_millimetres = schema[name].value("unitInDescription", "") == "mm";
-    entry[name] = in_millimetres ? json(millimetres(float(value.number_or(0)))) : json_of(value);
-  }
+  for (const hd::host::FieldRow& row : hd::host::ParameterRows("camera"))
+    if (const auto given = camera.parameters.find(row.name); given != camera.parameters.end())
+      entry[row.name] =
+          row.in_millimetres ? json(millimetres(float(given->second.number_or(0)))) : json_of(given->second);
   return entry;
 }
 

@@ -23,14 +23,6 @@ std::string node_of(const std::string& output) {
   return output.substr(0, output.rfind('.'));
 }
 
-// The name of a material's surface and a dot; empty unless that is a node of ours.
-std::string surface_prefix(const Fields& fields) {
-  const hd::Value* const output = field(fields, "surface");
-  const std::string node = output ? node_of(output->text_or("")) + "." : "";
-  const hd::Value* const type = field(fields, node + "type");
-  return type && type->text_or("") == "AlabasterDisney" ? node : "";
-}
-
 }  // namespace
 
 hd::Value stored_value(const ParameterRow& row, const hd::Value& shown) {
@@ -48,9 +40,8 @@ hd::Value stored_value(const ParameterRow& row, const hd::Value& shown) {
 
 SceneEdits::SceneEdits(hd::host::RetainedSceneDelegate* scene) : scene_(scene) {
   for (const auto& [path, network] : scene->GetMaterials()) {
-    Fields loaded = hd::host::GetFields(path, network);
-    const std::string node = surface_prefix(loaded);
-    if (!node.empty()) materials_.push_back(path), prims_[path] = {"", node, std::move(loaded)};
+    const std::string node = hd::host::DisneySurface(path, network);
+    if (!node.empty()) materials_.push_back(path), prims_[path] = {"", node + ".", hd::host::GetFields(path, network)};
   }
   for (const auto& [path, light] : scene->GetLights())
     lights_.push_back(path), prims_[path] = {light.type.str(), "", hd::host::GetFields(path, light)};

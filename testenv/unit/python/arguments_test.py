@@ -2,6 +2,7 @@
 import array
 import ctypes
 import gc
+import json
 import math
 import pathlib
 import sys
@@ -16,6 +17,7 @@ try:
 except ImportError:
     numpy = None
 
+SOURCES = pathlib.Path(__file__).resolve().parents[3]
 TEXTS = ["123", b"123", bytearray(b"123")]
 
 
@@ -432,6 +434,26 @@ class Arguments(unittest.TestCase):
                 self.assertEqual(wrong.nbytes, 16 * 16 * 16)
                 with self.assertRaisesRegex(ValueError, "type"):  # pixels are no pointers
                     render.read("color", wrong)
+
+
+class Fields(unittest.TestCase):
+    """Each row of the tables: a wrong word and a misspelt name get the sentences of C, C++, descriptions and --set."""
+
+    def test_each_row_says_what_it_takes(self):
+        scene = hdalabaster.Scene()
+        calls = {"disney_material": scene.set_material, "camera": scene.set_camera, "render_settings": scene.set_render_settings,
+                 "lights": lambda path, **given: scene.set_light(path, "rectLight", **given)}
+        for schema, call in calls.items():
+            text = (SOURCES / "schemas" / f"{schema}.json").read_text()
+            for name, row in json.loads(text)["properties"].items():
+                with self.subTest(schema=schema, name=name):
+                    with self.assertRaisesRegex(hdalabaster.ArgumentError, f"did you mean '(surface.)?{name}'"):
+                        call("/it", **{name + "x": 1.0})
+                    words = row.get("enum")
+                    if words:
+                        says = f"'(surface.)?{name}' must be one of {', '.join(words)}, and is {words[-1]}x; did you mean '{words[-1]}'"
+                        with self.assertRaisesRegex(hdalabaster.ArgumentError, says):
+                            call("/it", **{name: words[-1] + "x"})
 
 
 class KeptArrays(unittest.TestCase):

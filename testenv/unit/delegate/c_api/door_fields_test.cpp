@@ -47,16 +47,10 @@ const AlabasterValue kIntArray = array(ALABASTER_INT, kInts, 4), kFloatArray = a
 const AlabasterSample kNumbers[] = {{0, number(kHalf)}, {1, number(kHalf)}};
 
 const Refused kRefusedOfShapes[] = {
-    {"/quad", {"visble", flag(kOff)}, "a mesh has no field 'visble'; did you mean 'visible'?"},
-    {"/quad", {"scheme", word("catmullclark")}, "'scheme' must be one of none, catmullClark, loop, bilinear"},
-    {"/quad", {"scheme", number(kHalf)}, "'scheme' must be one of"},
-    {"/quad", {"refineLevel", number(kNine)}, "'refineLevel' must be a whole number from 0 to 8, and is 9"},
-    {"/quad", {"refineLevel", number(kHalf)}, "'refineLevel' must be a whole number"},
     {"/quad",
      {"faceVertexCounts", kFloatArray},
      "'faceVertexCounts' must be an array of int, and is an array of float"},
     {"/quad", {"creaseWeights", kIntArray}, "'creaseWeights' must be an array of float"},
-    {"/quad", {"visible", word("no")}, "'visible' must be a bool"},
     {"/quad", {"transform", number(kHalf)}, "'transform' must be a matrix"},
     {"/quad", {"transform:samples", samples(kNumbers)}, "'transform:samples' must be samples: matrices at times"},
     {"/quad", {"material", number(kHalf)}, "'material' must be a path"},
@@ -77,20 +71,10 @@ const Refused kRefusedOfShapes[] = {
 };
 const Refused kRefusedOfLooks[] = {
     {"/wax", {"surface.baseColour", scalar(ALABASTER_FLOAT3, kZeros)}, "did you mean 'baseColor'?"},
-    {"/wax", {"surface.roughness", word("high")}, "'surface.roughness' must be a number, and is high"},
-    {"/wax", {"surface.baseColor", word("red")}, "'surface.baseColor' must be a colour: three numbers"},
     {"/wax", {"other.roughness", number(kHalf)}, "node 'other' has no type: set 'other.type'"},
     {"/wax", {"surface", word("other")}, "surface names /wax/other, which is no node of the material"},
     {"/wax", {"roughness", number(kHalf)}, "a material has no field 'roughness'"},
-    {"/dome", {"intensty", number(kHalf)}, "a domeLight has no field 'intensty'; did you mean 'intensity'?"},
-    {"/dome", {"intensity", word("high")}, "'intensity' must be a number"},
-    {"/dome", {"color", word("red")}, "'color' must be a colour: three numbers"},
-    {"/dome", {"texture:file", number(kHalf)}, "'texture:file' must be a file"},
-    {"/camera", {"focalLenght", number(kHalf)}, "did you mean 'focalLength'?"},
     {"/camera", {"clipPlanes", kFloatArray}, "'clipPlanes' must be an array of float4, and is an array of float"},
-    {"/camera", {"clippingRange", number(kHalf)}, "'clippingRange' must be two floats"},
-    {"/settings", {"sampels", whole(kInts[1])}, "did you mean 'samples'?"},
-    {"/settings", {"samples", whole(kMinus)}, "'samples' must be"},
     {"/settings", {"subsurface", word("auto")}, "'auto' of setting 'subsurface' has been removed; use 'walk'"},
     {"/settings",
      {"inversion", word("vanDeHulst")},

@@ -201,7 +201,7 @@ TEST_F(WordsTest, AMisspeltChoiceNamesTheNearest) {
                {{"--spp", "1", "--studio", "onn"}, "on", "--spp 1 --studio on"},
                {{"-o", "a.exr", "--spp", "1", "--aov", "nromal"}, "normal", "-o a.exr --spp 1 --aov normal"}};
   for (const auto& [wrong, choice, right] : cases)
-    expect_proposal(quick({"render"}, wrong), "Did you mean '" + choice + "'?",
+    expect_proposal(quick({"render"}, wrong), "id you mean '" + choice + "'?",
                     "alabaster render " + quick_text_ + " " + right);
   expect_proposal({"farm", "patch.gltf", "-o", "a.exr", "--tasks", "2", "--spp", "4", "--engine", "slrum"},
                   "Did you mean 'slurm'?", "alabaster farm patch.gltf -o a.exr --tasks 2 --spp 4 --engine slurm");

@@ -69,11 +69,12 @@ TEST_F(Layers, ErrorsNameTheOptionOrTheLineThatSetTheValue) {
   expect_error(file, with("camera.shutterOpen=0.9"), LoadCause::input,
                "scene.json:3 /camera/shutterClose: The shutter closes before it opens");
   expect_error(file, with({"--spp 0", "samples", int32_t(0)}), LoadCause::option,
-               "--spp 0: 0 is not valid: expected a whole number from 1");
+               "--spp 0: 'samples' must be a whole number from 1");
   expect_error(file, with({"--crop", "crop", Array<int32_t>{1, 1, 1, 1}}), LoadCause::option,
                "--crop: The crop is empty");
   expect_error(file, with("samplse=3"), LoadCause::option, "samplse=3: Unknown key 'samplse'. Did you mean 'samples'?");
-  expect_error(file, with("resolution=[0, 4]"), LoadCause::option, "resolution=[0, 4]: 0 is not valid");
+  expect_error(file, with("resolution=[0, 4]"), LoadCause::option,
+               "resolution=[0, 4]: An entry of 'resolution' must be a whole number from 1");
   expect_error(file, with("lights/sun.intensity=1"), LoadCause::option,
                "lights/sun.intensity=1: No light matches 'sun'");
 }

@@ -4,15 +4,11 @@
 
 #include <gtest/gtest.h>
 
-#include <fstream>
 #include <functional>
-#include <iterator>
-#include <nlohmann/json.hpp>
-#include <regex>
 #include <set>
 
-#include "testenv/support/build_paths.h"
 #include "testenv/unit/delegate/host/fields_fixture.h"
+#include "testenv/unit/delegate/host/row_values.h"
 
 namespace alabaster::hd::host {
 namespace {
@@ -57,23 +53,10 @@ Names names_of(const std::vector<Row<T>>& rows, const std::string& prefix = "") 
     if (row.name.starts_with(prefix)) names.insert(row.name.substr(prefix.size()));
   return names;
 }
-Names names_of_schema(const std::string& file) {
+Names rows_of_table(const std::string& kind) {
   Names names;
-  for (const auto& [name, rest] :
-       nlohmann::json::parse(alabaster::testing::source_text("schemas/" + file)).at("properties").items())
-    names.insert(name);
-  return names;
-}
-/// The names of a table of scene_fields.cpp, read there, so that a row that is added is missed here.
-Names rows_of_table(const std::string& table) {
-  const std::string text = alabaster::testing::source_text("delegate/host/scene_fields.cpp");
-  const size_t begin = text.find(" " + table + "[] = {");
-  const std::string rows = text.substr(begin, text.find("};", begin) - begin);
-  const std::regex name(">\\(\\s*\"([^\"]+)\", *dirty::");
-  Names names;
-  for (auto at = std::sregex_iterator(rows.begin(), rows.end(), name); at != std::sregex_iterator(); ++at)
-    names.insert((*at)[1]);
-  EXPECT_GT(names.size(), 1u) << table;
+  for (const FieldRow& row : FieldRows(kind)) names.insert(row.name);
+  EXPECT_GT(names.size(), 1u) << kind;
   return names;
 }
 void expect_all(const Names& wanted, const Names& tested) {
@@ -158,7 +141,7 @@ TEST(SceneFields, MeshFieldsArriveInTheScene) {
       row.is_set = [is_set = row.is_set](const Mesh& mesh) { return mesh.primvars.contains("points") && is_set(mesh); };
     rows.push_back(std::move(row));
   }
-  expect_all(rows_of_table("kMesh"), names_of(rows));
+  expect_all(rows_of_table("mesh"), names_of(rows));
   check<Mesh>(Token("mesh"), {{"primvars:st", Array<Vec2f>{Vec2f(0)}}}, rows);
   const Value points = Array<Vec3f>{Vec3f(1)};
   check<Mesh>(Token("mesh"), {{"primvars:points", points}},
@@ -178,7 +161,8 @@ TEST(SceneFields, OptionsOfMeshesAreConstantPrimvars) {
   EXPECT_EQ(primvars().at("subsurfaceSet").value, Value(Token("all")));
   EXPECT_EQ(drawn.edit("/m", {{"holdout", Value()}}), dirty::kPrimvar);
   EXPECT_EQ(primvars().count("holdout"), 0u);
-  EXPECT_EQ(EditPrim(&drawn.scene, "/m", {{"holdout", Token("yes")}}).fault, "'holdout' must be a number, and is yes");
+  EXPECT_EQ(EditPrim(&drawn.scene, "/m", {{"holdout", Token("yes")}}).fault,
+            "'holdout' must be true or false, and is yes");
   EXPECT_EQ(EditPrim(&drawn.scene, "/m", {{"holdot", true}}).fault,
             "a mesh has no field 'holdot'; did you mean 'holdout'?");
 }
@@ -195,7 +179,7 @@ TEST(SceneFields, InstancerFieldsArriveInTheScene) {
       {"prototypes:/quad", kInts, dirty::kClean,  // its prototypes are marked
        [](const T& it) { return it.indices.contains("/quad") && it.indices.at("/quad") == kInts; }},
   };
-  expect_all(rows_of_table("kInstancer"), names_of(rows));
+  expect_all(rows_of_table("instancer"), names_of(rows));
   check(Token("instancer"), {}, rows);
   check(Token("instancer"), {{"primvars:hydra:instanceScales", Array<Vec3f>{Vec3f(1)}}},
         std::vector<Row<T>>{{"primvars:hydra:instanceScales:samples", samples(kFloats, kFloats), dirty::kPrimvar,
@@ -204,7 +188,7 @@ TEST(SceneFields, InstancerFieldsArriveInTheScene) {
 
 /// A parameter of lights or cameras, with a value beside the default.
 template <class T>
-Row<T> parameter(const char* name, const Value& value) {
+Row<T> parameter(const std::string& name, const Value& value) {
   return {name, value, dirty::kParams | dirty::kResource, [name, value](const T& prim) {
             const auto found = prim.parameters.find(name);
             return found != prim.parameters.end() && found->second == value;
@@ -213,36 +197,11 @@ Row<T> parameter(const char* name, const Value& value) {
 
 TEST(SceneFields, LightFieldsArriveInTheScene) {
   using T = LightDescription;
-  const std::vector<std::pair<const char*, Value>> values = {
-      {"intensity", 2.0f},
-      {"exposure", 1.0f},
-      {"color", Vec3f(1, 0.5f, 0)},
-      {"enableColorTemperature", true},
-      {"colorTemperature", 3000},
-      {"normalize", true},
-      {"width", 2.0f},
-      {"height", 2.0f},
-      {"radius", 2.0f},
-      {"length", 2.0f},
-      {"treatAsPoint", true},
-      {"angle", 3.0},
-      {"shaping:cone:angle", 20.0f},
-      {"shaping:cone:softness", 0.5f},
-      {"shaping:focus", 2.0f},
-      {"shaping:focusTint", Vec3f(1, 0, 0)},
-      {"shaping:ies:file", AssetPath{"a.ies", "a.ies", nullptr}},
-      {"shaping:ies:angleScale", 0.5f},
-      {"shaping:ies:normalize", true},
-      {"texture:file", AssetPath{"a.hdr", "a.hdr", nullptr}},
-      {"visibleToCamera", false},
-      {"lightLink", Token("a")},
-      {"shadowLink", Token("a")},
-  };
   std::vector<Row<T>> rows = {{"transform", kMoved, dirty::kTransform, is(&T::transform, kMoved)},
                               {"visible", false, dirty::kVisibility, is(&T::visible, false)}};
-  for (const auto& [name, value] : values) rows.push_back(parameter<T>(name, value));
-  expect_all(rows_of_table("kLight"), names_of(rows));
-  expect_all(names_of_schema("lights.json"), names_of(rows));
+  for (const FieldRow& row : ParameterRows("lights")) rows.push_back(parameter<T>(row.name, good_value(row)));
+  for (const char* name : {"lightLink", "shadowLink"}) rows.push_back(parameter<T>(name, Token("a")));
+  expect_all(rows_of_table("light"), names_of(rows));
   for (const char* kind : {"rectLight", "domeLight"}) check(Token(kind), {}, rows);
   for (const char* kind : kLightTypes) {
     RetainedSceneDelegate scene;
@@ -253,34 +212,17 @@ TEST(SceneFields, LightFieldsArriveInTheScene) {
 
 TEST(SceneFields, CameraFieldsArriveInTheScene) {
   using T = CameraDescription;
-  const std::vector<std::pair<const char*, Value>> values = {
-      {"projection", Token("orthographic")},
-      {"focalLength", 0.1f},
-      {"horizontalAperture", 0.1f},
-      {"verticalAperture", 0.1f},
-      {"horizontalApertureOffset", 0.1f},
-      {"verticalApertureOffset", 0.1f},
-      {"fStop", 2.0f},
-      {"focusDistance", 3.0f},
-      {"apertureBlades", 5},
-      {"apertureRotation", 10.0f},
-      {"exposure", 1.0f},
-      {"shutterOpen", -0.25},
-      {"shutterClose", 0.25},
-      {"clippingRange", Vec2f(1, 10)},
-      {"clipPlanes", Array<Vec4f>{Vec4f(1, 0, 0, 0), Vec4f(0, 1, 0, 0)}},
-  };
   std::vector<Row<T>> rows = {{"transform", kMoved, dirty::kTransform, is(&T::transform, kMoved)},
                               {"transform:samples", samples(kMoved, Matrix4d()), dirty::kTransform,
                                [](const T& it) { return it.transformSamples.times.size() == 2; }}};
-  for (const auto& [name, value] : values) {
-    rows.push_back(parameter<T>(name, value));
+  for (const FieldRow& row : ParameterRows("camera")) {
+    const Value value = good_value(row);
+    rows.push_back(parameter<T>(row.name, value));
     CameraDescription free;
-    EXPECT_EQ(ReadCamera({{name, value}}, &free), "");
-    EXPECT_EQ(free.parameters.at(name), value);
+    EXPECT_EQ(ReadCamera({{row.name, value}}, &free), "");
+    EXPECT_EQ(free.parameters.at(row.name), value);
   }
-  expect_all(rows_of_table("kCamera"), names_of(rows));
-  expect_all(names_of_schema("camera.json"), names_of(rows));
+  expect_all(rows_of_table("camera"), names_of(rows));
   check(Token("camera"), {}, rows);
 }
 
@@ -307,7 +249,7 @@ TEST(SceneFields, RenderSettingsFieldsArriveInTheScene) {
       {"samples", 3, dirty::kParams,
        [](const Settings& it) { return it.settings.contains("samples") && it.settings.at("samples") == Value(3); }},
   };
-  expect_all(rows_of_table("kSettings"), names_of(rows));
+  expect_all(rows_of_table("renderSettings"), names_of(rows));
   check(Token("renderSettings"), {}, rows);
 }
 
@@ -334,7 +276,7 @@ TEST(SceneFields, ProductFieldsArriveInTheScene) {
          return vars.size() == 2 && vars[1] == RenderVar{"a", "normal", "half"};
        }},
   };
-  expect_all(rows_of_table("kProduct"), names_of(rows, "products:0:"));
+  expect_all(rows_of_table("product"), names_of(rows, "products:0:"));
   rows.erase(rows.begin());  // without a file there is no product
   check(Token("renderSettings"), {{"products:0:file", "a.exr"}, {"products:0:vars:b", "depth"}}, rows);
   DrawnScene s;
