@@ -42,20 +42,20 @@ class CoincidentSurfaces final : public HitFilter {
   mutable uint32_t count_ = 0;
 };
 
-// The clear surface of the highest priority. Null: that of `v`, or light walks in one of the bodies: a ray in its
-// medium must meet its own wall.
+// The clear surface of the highest priority. Null: that of `v`, or light walks in one of the bodies with nothing that
+// stands in it: a ray in its medium must meet its own wall.
 const TriangleHit* first_of(const PathContext& context, const Ray& ray, const Vertex& v,
                             const std::vector<TriangleHit>& others) {
   const TriangleHit* first = nullptr;
   const Interior own = interior_of(v);
-  bool scatters = own.scatters;
+  bool scatters = own.scatters && !own.occupied;
   uint64_t priority = own.priority;
   Vertex on_other;
   for (const TriangleHit& other : others) {
     evaluate_surface(context, ray, other, 0, &on_other);
     const Interior its = interior_of(on_other);
     if (its.priority > priority) first = &other, priority = its.priority;
-    scatters = scatters || its.scatters;
+    scatters = scatters || (its.scatters && !its.occupied);
   }
   return scatters ? nullptr : first;
 }

@@ -54,6 +54,7 @@ void sample_lights(const PathContext& context, const VertexBsdf& bsdf, Vertex* v
     if (!(u[3] < from.chance) || (origin == Vertex::kFarSide && !bsdf.scatters_beyond())) continue;
     std::optional<bool> reached;
     const MediumStack& media = origin == Vertex::kFarSide ? bsdf.media_beyond() : path->media;
+    if (is_cloudy(context, media)) continue;
     for (uint32_t k = 0; k < draws; ++k) {
       // Sample a light, and evaluate the BSDF.
       const std::optional<LightSample> light = lights.draw(k, from.p, from.horizon, u, at);

@@ -6,6 +6,7 @@
 #include "core/integrator/coincident_surfaces.h"
 #include "core/integrator/see_through.h"
 #include "core/scene/clear_bodies.h"
+#include "core/subsurface/body.h"
 
 namespace alabaster {
 namespace {
@@ -68,6 +69,10 @@ Interior interior_of(const Vertex& v) {
                     p.ior};
   interior.index_matched = is_index_matched(v);
   interior.scatters = p.scatters() && p.metallic < 1;
+  const SubsurfaceBody* const body = v.instance->body;
+  if (interior.scatters && body && body->occupied) [[unlikely]]
+    interior.occupied = !(body->members[v.instance->member].shells->flags(v.triangle.triangle) &
+                          (MeshShells::kOpen | MeshShells::kInner));
   // KHR_materials_dispersion: blue's index less red's is (ior - 1) dispersion / 20.
   interior.spread = 0.025f * p.dispersion * (p.ior - 1);
   // Where light scatters inside, walks absorb it.

@@ -68,6 +68,7 @@ struct Interior {
   Rgb sigma_a{0.0f};           // absorption per world distance
   bool index_matched = false;  // diffuse light alone passes its surface: it has the index of the medium around it
   bool scatters = false;       // light walks in it
+  bool occupied = false;       // and something stands in it: SubsurfaceBody::occupied
 
   /// Index of refraction for a channel: red light is refracted least.
   float index(int channel) const { return ior + static_cast<float>(channel - 1) * spread; }

@@ -9,6 +9,17 @@
 
 namespace alabaster {
 
+namespace {
+
+// True if the vertex is on what stands in one of the media.
+bool stands_within(const SceneSnapshot& scene, const MediumStack& media, const Vertex& v) {
+  for (uint32_t i = 0; i < media.size(); ++i)
+    if (media[i].occupied && scene.instance(media[i].instance).body != v.instance->body) return true;
+  return false;
+}
+
+}  // namespace
+
 void Path::travel(const PathContext& context, float distance) {
   if (!media.empty()) throughput *= media.transmittance(distance);
   if (keeps_footprints(context)) footprint.travel(distance);
@@ -40,8 +51,23 @@ bool Path::may_pass_sheet(const Vertex& v) const {
   return depth > 0 && constants.thin && constants.spec_trans > 0;
 }
 
+void Path::meet_within(const Vec3f& direction, float distance) {
+  ray.dir = direction;
+  ray.tmax = distance;
+  pdf = 0;  // no light is sampled in there
+  straight = 0;
+  from_vertex = false;
+  ++depth;  // for numbers of its own
+  ++uncounted;
+}
+
 void Path::leave(const PathContext& context, const Vertex& v, const VertexBsdf& bsdf, const ScatterSample& sample) {
-  if (seeks_layer()) layer = {Layer::Kind::local, sample.specular};
+  const bool was_within = !media.empty() && stands_within(context.scene, media, v);
+  if (layers) {
+    const bool through_clear = walk_decides_layer() && v.kind == Vertex::Kind::interface && sample.side == Side::far;
+    if (seeks_layer()) layer = {Layer::Kind::local, sample.specular};
+    layer.through_clear = through_clear;
+  }
   if (features && !is_mirror(v, sample.lobe)) features = nullptr;
   Vec3f origin;
   if (sample.side == Side::far) {
@@ -53,22 +79,24 @@ void Path::leave(const PathContext& context, const Vertex& v, const VertexBsdf& 
     const bool is_smooth = v.leaves_from_smooth(sample.wi) && reaches_smooth_surface(context, v);
     origin = v.origins[is_smooth ? Vertex::kSmooth : Vertex::kFacet].p;
   }
-  const bool passes_sheet = sample.lobe == Lobe::straight && may_pass_sheet(v);
+  const bool goes_cloudy = is_cloudy(context, media);
+  const bool passes_sheet = sample.lobe == Lobe::straight && may_pass_sheet(v) && !goes_cloudy;
   if (passes_sheet) {
     if (straight == 0) light_origin = ray.org;
     straight += ray.tmax;
-    ++sheets;
   } else {
     straight = 0;
     lights = &context.scene.lights_of(*v.instance);
     light_context = bsdf.light_context();
     if (keeps_footprints(context)) footprint.scatter(sample.pdf);
     pdf = sample.pdf * static_cast<float>(branches);  // the directions of all branches compete with each sampled light
+    if (goes_cloudy) pdf = 0;
   }
-  from_vertex = !passes_sheet;
+  from_vertex = !passes_sheet && !goes_cloudy;
   ray = {origin, sample.wi, std::numeric_limits<float>::infinity(), ray.time};
   branches = 1;
   ++depth;
+  if (passes_sheet || was_within) ++uncounted;
 }
 
 void Path::pass(const Vec3f& origin, const Vec3f& direction) {

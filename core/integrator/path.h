@@ -2,9 +2,11 @@
 #pragma once
 
 #include <limits>
+#include <vector>
 
 #include "core/integrator/media.h"
 #include "core/integrator/path_integrator.h"
+#include "core/material/disney_layers.h"
 #include "core/subsurface/entry_exit.h"
 
 namespace alabaster {
@@ -35,8 +37,9 @@ struct Footprint {
 struct Layer {
   enum class Kind { seen, local, below };
   Kind kind = Kind::seen;
-  Rgb specular{0.0f};   // local: the share of f
-  uint32_t events = 0;  // below: of scattering in the walk
+  Rgb specular{0.0f};          // local: the share of f
+  uint32_t events = 0;         // below: of scattering in the walk
+  bool through_clear = false;  // local: the path has passed clear walls alone, and its first walk decides again
 
   void add(const Rgb& light, LightLayers* layers) const {
     switch (kind) {
@@ -59,6 +62,16 @@ struct Walk {
   float roulette = 0;       // the branch's number at the entry
 };
 
+/// What a path's stay in a body that something stands in keeps of its entry by a lobe, until it leaves by the body's
+/// wall.
+struct LobeEntry {
+  const SubsurfaceBody* body;
+  TriangleHit place;
+  Vec3f normal;  // to the side that the path came from
+  Rgb indices;   // of the media there
+  DisneyLayers::Entered layers;
+};
+
 struct Path {
   Ray ray;  // the next segment, unless that is a walk; all of a path's have one time
   Walk walk;
@@ -76,10 +89,11 @@ struct Path {
   float straight = 0;        // distance from there to the ray's origin; 0: it is the ray's origin
   bool from_vertex = false;  // lights were sampled at the ray's origin: those with a shadow link count
   uint32_t depth = 0;        // vertices before the present one; a walk has one
-  uint32_t sheets = 0;       // of those, sheets that it went straight through: no bounces
+  uint32_t uncounted = 0;    // of those, no bounces: sheets that it went straight through, and what stands in media
   uint32_t branches = 1;     // that leave the present vertex
   MediumStack media;         // that the ray is in
   AirPockets air;            // bodies that the ray is in, in air
+  std::vector<LobeEntry> lobe_entries;  // of the media that it is in, in order
   Footprint footprint;
   Layer layer;
   LightLayers* layers = nullptr;   // take the light by layer; null: not asked for
@@ -93,13 +107,15 @@ struct Path {
   /// Light that walks of all numbers of scattering events bring: it counts as many.
   void add_of_walks(const Rgb& light) {
     radiance += light;
-    if (layers) (seeks_layer() ? Layer{Layer::Kind::below, Rgb(0.0f), kManyEvents} : layer).add(light, layers);
+    if (layers) (walk_decides_layer() ? Layer{Layer::Kind::below, Rgb(0.0f), kManyEvents} : layer).add(light, layers);
   }
-  bool may_bounce(const PathContext& context) const { return depth - sheets < context.settings.max_depth; }
+  bool may_bounce(const PathContext& context) const { return depth - uncounted < context.settings.max_depth; }
   /// True if the path may go straight on through the vertex as shadow rays do.
   bool may_pass_sheet(const Vertex& v) const;
   /// True where the next vertex that scatters decides the layer.
   bool seeks_layer() const { return layers && layer.kind == Layer::Kind::seen; }
+  /// True where the next walk that scatters does.
+  bool walk_decides_layer() const { return seeks_layer() || (layers && layer.through_clear); }
 
   Rgb through_media(const Rgb& light, float distance) const {
     return media.empty() ? light : light * media.transmittance(distance);
@@ -112,6 +128,8 @@ struct Path {
   /// Adds what a branch brought.
   void join(const Path& branch, uint32_t count);
 
+  /// The walk in whose medium the path is has met a wall within, along the direction.
+  void meet_within(const Vec3f& direction, float distance);
   /// Bounces off the vertex, or through it, by the sampled lobe.
   void leave(const PathContext& context, const Vertex& v, const VertexBsdf& bsdf, const ScatterSample& sample);
   /// Goes straight on from `origin`, where no vertex counts.
@@ -119,6 +137,14 @@ struct Path {
   /// Goes below the surface. The vertex at the walk's exit is the next one.
   void enter(const PathContext& context, Vertex* v, float roulette);
 };
+
+/// True in a medium that light walks in and something stands in: no ray goes straight there, and no light is sampled
+/// into it or through it.
+inline bool is_cloudy(const PathContext& context, const MediumStack& media) {
+  if (media.empty()) [[likely]]
+    return false;
+  return media.current()->occupied && context.mode() == SubsurfaceMode::walk;
+}
 
 inline bool keeps_footprints(const PathContext& context) {
   return context.settings.texture_filter > 0 || context.settings.glossy_filter > 0;

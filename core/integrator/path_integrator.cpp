@@ -51,33 +51,50 @@ bool find_next_vertex(const PathContext& context, const PixelSampler& sampler, P
                       Vertex* v) {
   PathRecord* const record = context.record;
 
-  // Follow a walk to its exit. The ray from an exit that is not there counts as a bounce.
+  // Follow a walk to its exit, or to what stands in the body. The ray from an exit that is not there counts as a
+  // bounce.
+  bool met_within = false;
   if (path->walk.entry) {
     const Exit exit = find_exit(context, sampler, path, v);
-    if (exit != Exit::passes) return exit == Exit::vertex;
-    ++path->depth;
-    path->from_vertex = true;
-    if (!survives_roulette(context, path->walk.roulette, path)) return false;
+    if (exit == Exit::vertex || exit == Exit::none) return exit == Exit::vertex;
+    met_within = exit == Exit::within;
+    if (exit == Exit::passes) {
+      ++path->depth;
+      path->from_vertex = true;
+      if (!survives_roulette(context, path->walk.roulette, path)) return false;
+    }
   }
 
   float passed = 0;  // length of the segments up to hidden interfaces
   while (true) {
-    // Intersect the scene. Lights without geometry emit along the ray.
-    if (record) record->follow(path->ray, path->throughput, path->pdf);
-    ++(path->depth == 0 ? context.counters.camera_rays : context.counters.bounce_rays);
     TriangleHit& hit = v->triangle;
     const float reach = path->ray.tmax;  // of a camera's ray, its far plane
-    const bool found = intersect(context, sampler, path, &hit);
-    const Mesh* const mesh = found ? &context.scene.instance(hit.instance).prototype->mesh : nullptr;
-    if (found) path->ray.tmax = hit.t, prefetch_triangle(*mesh, hit.triangle);
-    const Rgb met = emission_along(context, *path, !found);
-    path->add(met);
-    if (record) record->meet_light(met);
-    if (!found) return end(context, "the ray meets no surface");
-    path->travel(context, hit.t);
+    if (!met_within && is_cloudy(context, path->media)) [[unlikely]] {
+      // The segment is a walk. The wall straight ahead says which medium it goes through.
+      if (!find_wall_ahead(context, *path, &hit)) return end(context, "the medium has no wall ahead");
+      draw_numbers(sampler, path->depth, context.scene.instance(hit.instance).prototype->mesh, hit.triangle, &v->u);
+      make_vertex_within(context, *path, v);
+      passed += hit.t;
+      break;
+    }
+    if (!met_within) {
+      // Intersect the scene. Lights without geometry emit along the ray.
+      if (record) record->follow(path->ray, path->throughput, path->pdf);
+      ++(path->depth == 0 ? context.counters.camera_rays : context.counters.bounce_rays);
+      const bool found = intersect(context, sampler, path, &hit);
+      if (found) {
+        path->ray.tmax = hit.t;
+        prefetch_triangle(context.scene.instance(hit.instance).prototype->mesh, hit.triangle);
+      }
+      const Rgb met = emission_along(context, *path, !found);
+      path->add(met);
+      if (record) record->meet_light(met);
+      if (!found) return end(context, "the ray meets no surface");
+      path->travel(context, hit.t);
+    }
 
     // Find the surface and its material. Pass a dielectric interface that a medium of higher priority hides.
-    draw_numbers(sampler, path->depth, *mesh, hit.triangle, &v->u);
+    draw_numbers(sampler, path->depth, context.scene.instance(hit.instance).prototype->mesh, hit.triangle, &v->u);
     Meeting meeting = Meeting::replaced;
     while (meeting == Meeting::replaced) {
       make_vertex(context, hit, *path, v);
@@ -91,9 +108,11 @@ bool find_next_vertex(const PathContext& context, const PixelSampler& sampler, P
     if (record) record->sample_lobe(lobe_name(Lobe::straight), Rgb(1.0f), 1);
     path->ray.tmax = reach - hit.t;
     passed += hit.t;
+    met_within = false;
   }
   // A diffusion profile has no way through the medium, only ways into it.
-  if (context.mode() == SubsurfaceMode::walk && is_within_medium(context, *v, *path)) v->kind = Vertex::Kind::within;
+  if (!met_within && context.mode() == SubsurfaceMode::walk && is_within_medium(context, *v, *path))
+    v->kind = Vertex::Kind::within;
 
   // Record the first hit and the denoiser's features; end at a hold-out.
   if (path->depth == 0) record_first_hit(context, *v, passed, first_hit);

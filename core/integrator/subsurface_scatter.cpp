@@ -75,18 +75,30 @@ float value_at(const PathContext& context, const SubsurfaceExit& exit, float Dis
   return material.evaluate({instance.prototype->mesh, exit.hit, hit.uv}).*parameter;
 }
 
+/// True where light walks below no part of the surface.
+bool is_opaque_at(const PathContext& context, const SubsurfaceExit& exit) {
+  const DisneyMaterial& material = context.scene.instance(exit.hit.instance).material(exit.hit.triangle);
+  return !material.constants.scatters() ||
+         (material.constants.metallic > 0 && !(value_at(context, exit, &DisneyParameters::metallic) < 1));
+}
+
 /// Sets path->media to those beyond *exit. Where the index falls from the entry to the exit, the share (low / high)^2
 /// of the walks passes, and the others come out at the entry: *exit becomes it (random_walk.md, "Clear bodies that
-/// touch"). For lobes at both ends. True: it has become the entry.
-bool cross_to_media(const PathContext& context, const PixelSampler& sampler, const Vertex& entry, Path* path,
-                    SubsurfaceExit* exit) {
-  const MediumStack beyond = media_beyond(context, *exit, *entry.instance->body, *path);
-  const float share = sqr(beyond.index() / path->media.index());
+/// touch"). For lobes at both ends; `entered`: of a path that met something within. True: it has become the entry.
+bool cross_to_media(const PathContext& context, const PixelSampler& sampler, const Vertex& entry,
+                    const LobeEntry* entered, Path* path, SubsurfaceExit* exit) {
+  const SubsurfaceBody& body = *entry.instance->body;
   const auto u = sampler.draw(Dimension::exit_bsdf, path->depth);  // the last one chooses a clear exit
-  if (share < 1 && entry.kind != Vertex::Kind::within && u[2] >= share &&
+  // A walk in an occupied body knows what it has crossed, up to the wall that it leaves by.
+  if (body.occupied && u[3] < value_at(context, *exit, &DisneyParameters::spec_trans)) return false;
+  const MediumStack beyond = media_beyond(context, *exit, body, *path);
+  const float share = sqr(beyond.index() / (entered ? entered->indices.g : path->media.index()));
+  if (share < 1 && (entered || entry.kind != Vertex::Kind::within) && u[2] >= share &&
       u[3] >= value_at(context, *exit, &DisneyParameters::spec_trans)) {
-    exit->hit = entry.triangle;
-    exit->direction = entry.hit.ng;
+    exit->hit = entered ? entered->place : entry.triangle;
+    exit->direction = entered ? entered->normal : entry.hit.ng;
+    if (entered)
+      for (const auto& member : body.members) path->media.leave(member.instance_of(exit->hit));
     return true;
   }
   path->media = beyond;
@@ -100,10 +112,10 @@ DisneyLayers::Entered layers_entered(const Vertex& entry, const Vec3f& dir) {
   return passed ? passed->entered(entry.frame.to_local(-dir)) : DisneyLayers::Entered();
 }
 
-/// The layers over the exit, of a material that has some. `at`: the vertex there. `entered`: those at the entry. A path
+/// The layers over the exit, of a material that has some. `at`: the vertex there. `passed`: those at the entry. A path
 /// that began within passed none: those of the exit are as if its light came from everywhere.
-std::optional<ExitLayers> layers_at(const Vertex& at, const SubsurfaceExit& exit, bool is_within,
-                                    const DisneyLayers::Entered& entered) {
+std::optional<ExitLayers> layers_at(const Vertex& at, const SubsurfaceExit& exit,
+                                    const std::optional<DisneyLayers::Entered>& passed) {
   const DisneyMaterial& material = at.instance->material(exit.hit.triangle);
   const SurfaceHit hit = surface_on_side(*at.instance, at.placement(), exit.hit, exit.direction);
   DisneyParameters p = material.evaluate({at.instance->prototype->mesh, exit.hit, hit.uv});
@@ -112,7 +124,110 @@ std::optional<ExitLayers> layers_at(const Vertex& at, const SubsurfaceExit& exit
     p.coat_normal = at.frame.to_local(map ? mapped_normal(*at.instance, at.placement(), exit.hit, hit, *map) : hit.ns);
   const auto layers = DisneyLayers::of(p);
   if (!layers) return std::nullopt;
-  return ExitLayers{*layers, is_within ? layers->from_within() : entered};
+  return ExitLayers{*layers, passed ? *passed : layers->from_within()};
+}
+
+/// What stands in the body that a walk goes through.
+class ContentsOfScene final : public WalkContents {
+ public:
+  ContentsOfScene(const PathContext& context, const PixelSampler& sampler, const Rgb& scale, Path* path)
+      : context_(context),
+        scale_(max_component(scale)),
+        path_(*path),
+        rng_(sampler.stream(Dimension::opacity, path->depth)) {}
+
+  bool is_opaque(const TriangleHit& hit) const override {
+    return !context_.scene.instance(hit.instance).material(hit.triangle).scatters();
+  }
+  std::optional<Vec3f> beyond(const TriangleHit& hit, const Vec3f& direction) override {
+    const float coverage = coverage_at(context_.scene, direction, hit, &path_.media);
+    if (coverage >= 1 || rng_.uniform() < coverage) return std::nullopt;
+    const Instance& instance = context_.scene.instance(hit.instance);
+    std::optional<Placement> moved;
+    const Placement& at = instance.at(hit, &moved);
+    const SurfacePoint s =
+        on_side(surface_point(instance.prototype->mesh, hit, at.object_to_world, at.world_to_object), -direction);
+    return far_side_of(s);
+  }
+
+  void meet_lights(const Ray& segment, uint32_t events, const std::function<ChannelValues(double)>& passing) override {
+    const auto passed = [&](float distance) {
+      const ChannelValues t = passing(distance);
+      return Rgb(float(t[0]), float(t[1]), float(t[2])) * scale_;
+    };
+    const LightSet& lights = *path_.lights;
+    Rgb met = lights.emitted(segment, false, false, {}, [&](float, float distance) { return passed(distance); });
+    if (lights.has_shadow_links())
+      met += lights.emitted_with_links(
+          segment, {}, [](float) { return 1.0f; },
+          [&](uint32_t, float distance) { return distance <= segment.tmax ? passed(distance) : Rgb(0.0f); });
+    if (is_black(met)) return;
+    const Layer before = path_.layer;
+    if (path_.seeks_layer() || (path_.walk_decides_layer() && events > 0))
+      path_.layer = {Layer::Kind::below, Rgb(0.0f), events};
+    path_.add(met);
+    path_.layer = before;
+    if (context_.record) context_.record->meet_light(met);
+  }
+
+ private:
+  const PathContext& context_;
+  const float scale_;
+  Path& path_;
+  Rng rng_;
+};
+
+/// The entry by a lobe of the path's stay in the body, which ends. Empty: it came in through a clear wall, began there,
+/// or has met nothing within.
+std::optional<LobeEntry> take_lobe_entry(const SubsurfaceBody& body, Path* path) {
+  auto& all = path->lobe_entries;
+  const auto found = std::find_if(all.rbegin(), all.rend(), [&](const LobeEntry& e) { return e.body == &body; });
+  if (found == all.rend()) return std::nullopt;
+  const LobeEntry entered = *found;
+  all.erase(std::next(found).base());
+  return entered;
+}
+
+/// The path has entered by a lobe, and is in the medium now.
+void enter_interior(const Vertex& entry, const SubsurfaceBody& body, Path* path) {
+  const Rgb indices = path->media.indices();
+  path->lobe_entries.push_back({&body, entry.triangle, entry.hit.ng, indices, layers_entered(entry, path->ray.dir)});
+  Interior interior = interior_of(entry);
+  if (!entry.material.transmits()) interior.priority = ~uint64_t(0);  // it is behind an opaque wall
+  path->media.enter(interior);
+  path->throughput *= index_factor(indices, path->media.indices());
+}
+
+/// The walls of a body.
+class WallsOf final : public HitFilter {
+ public:
+  WallsOf(const SceneSnapshot& scene, const SubsurfaceBody& body) : scene_(scene), body_(body) {}
+  bool stops(const TriangleHit& hit) const noexcept override { return scene_.instance(hit.instance).body == &body_; }
+
+ private:
+  const SceneSnapshot& scene_;
+  const SubsurfaceBody& body_;
+};
+
+/// Where the walk met a clear wall that lies on one of its own body, it leaves by that: *exit becomes it.
+void prefer_own_wall(const PathContext& context, const SubsurfaceBody& body, SubsurfaceExit* exit) {
+  const Instance& instance = context.scene.instance(exit->hit.instance);
+  const DisneyMaterial& material = instance.material(exit->hit.triangle);
+  if (!material.transmits() || material.constants.thin) return;
+  std::optional<Placement> moved;
+  const Placement& at = instance.at(exit->hit, &moved);
+  const SurfacePoint s = on_side(
+      surface_point(instance.prototype->mesh, exit->hit, at.object_to_world, at.world_to_object), -exit->direction);
+  if (!context.scene.clear_meetings.contains(s.p)) return;
+  const Vec3f near = offset_point(s.p, s.ng, s.offset), far = far_side_of(s);
+  const Ray across{near, -s.ng, length(far - near), exit->hit.time};
+  ++context.counters.bounce_rays;
+  TriangleHit own;
+  const WallsOf walls(context.scene, body);
+  if (!context.scene.top->intersect(across, &own, &walls)) return;
+  if (!body.leaves(context.scene.instance(own.instance).member, own, exit->direction)) return;
+  exit->hit = own;
+  exit->is_content = false;
 }
 
 }  // namespace
@@ -133,7 +248,11 @@ Exit find_exit(const PathContext& context, const PixelSampler& sampler, Path* pa
   if (has_twin) DCHECK(entry.medium->medium.albedo == entry.material.base_color);
   Rgb twin = has_twin ? path->throughput * control->albedo : Rgb(0.0f);
   SubsurfaceNumbers numbers(sampler, Dimension::subsurface, path->depth);
-  const RandomWalk walk{context.settings.walk, record ? record->walk() : nullptr, has_twin ? &twin : nullptr};
+  std::optional<ContentsOfScene> contents;
+  if (body.occupied) [[unlikely]]
+    contents.emplace(context, sampler, path->throughput, path);
+  const RandomWalk walk{context.settings.walk, record ? record->walk() : nullptr, has_twin ? &twin : nullptr,
+                        contents ? &*contents : nullptr};
   auto exit = context.mode() == SubsurfaceMode::diffusion
                   ? NormalizedDiffusion{}.carry(body, start, numbers, context.counters)
                   : walk.carry(body, start, numbers, context.counters);
@@ -146,13 +265,32 @@ Exit find_exit(const PathContext& context, const PixelSampler& sampler, Path* pa
     if (record) record->end("the light did not leave the body");
     return Exit::none;
   }
-  if (path->seeks_layer()) path->layer = {Layer::Kind::below, Rgb(0.0f), exit->events};
+  if (path->seeks_layer() || (path->walk_decides_layer() && exit->events > 0))
+    path->layer = {Layer::Kind::below, Rgb(0.0f), exit->events};
   path->throughput = exit->throughput;
 
+  // Meet what stands in the body, in its medium.
+  if (exit->is_content) prefer_own_wall(context, body, &*exit);
+  if (exit->is_content || (body.occupied && is_opaque_at(context, *exit))) [[unlikely]] {
+    constexpr uint32_t kMostMet = 1u << 16;
+    if (path->uncounted >= kMostMet) {
+      ++context.counters.walk_safety_cap;
+      if (record) record->end("the light met too many surfaces within bodies");
+      return Exit::none;
+    }
+    if (!is_within) enter_interior(entry, body, path);
+    path->meet_within(exit->direction, exit->hit.t);
+    v->triangle = exit->hit;
+    return Exit::within;
+  }
+
   // Find the media beyond the exit.
+  const std::optional<LobeEntry> entered = take_lobe_entry(body, path);
+  const bool by_lobe = !is_within || entered;
   const Rgb index = path->media.indices();
   const bool may_cross = !path->media.empty() || !body.touched.empty();
-  const bool is_back = may_cross && cross_to_media(context, sampler, entry, path, &*exit);
+  const bool is_back =
+      may_cross && cross_to_media(context, sampler, entry, entered ? &*entered : nullptr, path, &*exit);
   if (body.is_union() && !path->air.empty()) [[unlikely]]  // the walk left the union's medium
     path->air.leave(body.members.front().instance);
   const Instance& instance = context.scene.instance(exit->hit.instance);
@@ -173,11 +311,14 @@ Exit find_exit(const PathContext& context, const PixelSampler& sampler, Path* pa
       clear.material.metallic = clear.material.diff_trans = 0;
       clear.material.spec_trans = 1;
       path->ray = arriving;
-      if (!is_within) path->throughput *= kMeanDiffuseTransmittance;
+      if (by_lobe) path->throughput *= kMeanDiffuseTransmittance;
       if (record) record->leave_body(*clear.instance, exit->hit, clear.hit, path->throughput);
-      const Meeting met = resolve_interface(context, sampler, &clear, path);
+      Meeting met = resolve_interface(context, sampler, &clear, path);
       path->throughput *= index_factor(index, path->media.indices());
-      if (met == Meeting::replaced) path->pass(clear.origins[Vertex::kFacet].p, exit->direction);  // a ray meets it
+      while (met == Meeting::replaced) {
+        make_vertex(context, TriangleHit(clear.triangle), *path, &clear);
+        met = clear.material.transmits() ? resolve_interface(context, sampler, &clear, path) : Meeting::visible;
+      }
       *v = clear;
       return met == Meeting::visible ? Exit::vertex : Exit::passes;
     }
@@ -185,19 +326,18 @@ Exit find_exit(const PathContext& context, const PixelSampler& sampler, Path* pa
   if (may_cross) path->throughput *= index_factor(index, path->media.indices());
 
   // A surface below which light does not walk is opaque from below, too.
-  if (!material.constants.scatters() ||
-      (material.constants.metallic > 0 && !(value_at(context, *exit, &DisneyParameters::metallic) < 1))) {
+  if (is_opaque_at(context, *exit)) {
     if (record) record->end("the light met an opaque surface from below");
     return Exit::none;
   }
 
   // Leave by the exit lobe: the lobes at the entry compensate for its albedo. Without an entry it is normalised
   // instead.
-  if (is_within) path->throughput *= 1 / kMeanDiffuseTransmittance;
+  if (!by_lobe) path->throughput *= 1 / kMeanDiffuseTransmittance;
   const bool has_layers = material.constants.has_dimming_layers();
-  DisneyLayers::Entered entered;
-  if (has_layers) [[unlikely]]
-    entered = layers_entered(entry, path->ray.dir);
+  std::optional<DisneyLayers::Entered> passed;
+  if (has_layers && by_lobe) [[unlikely]]
+    passed = entered ? entered->layers : layers_entered(entry, path->ray.dir);
   v->kind = Vertex::Kind::exit;
   v->instance = &instance;
   v->triangle = exit->hit;
@@ -222,9 +362,28 @@ Exit find_exit(const PathContext& context, const PixelSampler& sampler, Path* pa
       v->is_mapped ? mapped_normal(instance, placement, exit->hit, full_hit(), *material.normal_map) : v->hit.ns);
   v->exit_layers.reset();
   if (has_layers) [[unlikely]]
-    v->exit_layers = layers_at(*v, *exit, is_within, entered);
+    v->exit_layers = layers_at(*v, *exit, passed);
   if (record) record->leave_body(instance, exit->hit, full_hit(), path->throughput);
   return Exit::vertex;
+}
+
+bool find_wall_ahead(const PathContext& context, const Path& path, TriangleHit* hit) {
+  const OwnWalls walls(context.scene, *path.media.current());
+  ++context.counters.bounce_rays;
+  return context.scene.top->intersect(path.ray, hit, &walls);
+}
+
+void make_vertex_within(const PathContext& context, const Path& path, Vertex* v) {
+  make_vertex(context, v->triangle, path, v);
+  v->kind = Vertex::Kind::within;
+  v->material.emission = Rgb(0.0f);  // it is not seen straight
+  if (v->material.scatters()) return;
+  for (const DisneyMaterial* material : v->instance->materials)
+    if (material->scatters()) {
+      material->evaluate({v->instance->prototype->mesh, v->triangle, v->hit.uv}, &v->material);
+      drop_unresolved_distances(v);
+      return;
+    }
 }
 
 void find_own_wall(const PathContext& context, const Path& path, TriangleHit* hit) {

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "core/scene/clear_bodies.h"
+#include "core/scene/contents.h"
 #include "core/scene/world_placement.h"
 #include "core/subsurface/body.h"
 
@@ -40,7 +41,7 @@ class KnownUnions {
   explicit KnownUnions(const SceneSnapshot* snapshot) {
     if (!snapshot) return;
     for (const auto& body : snapshot->bodies)
-      if (body->is_union()) unions_.emplace(key(*body), body.get());
+      if (body->is_union() && body->contents.empty()) unions_.emplace(key(*body), body.get());
   }
   const SubsurfaceBody* find(const SubsurfaceBody& body) const {
     const auto same = [](const Member& a, const Member& b) {
@@ -72,6 +73,7 @@ class BodyPlanner {
         known_(sources.last),
         snapshot_(*snapshot),
         clear_(*snapshot),
+        finder_(*snapshot, sources.cancel),
         cancel_(sources.cancel) {}
 
   bool plan() {
@@ -79,9 +81,12 @@ class BodyPlanner {
     rank_clear_bodies(&snapshot_);
     std::map<std::string, std::vector<uint32_t>> sets;
     for (uint32_t i = 0; i < drawn_.size(); ++i) {
-      if (scattering_slots(*drawn_[i]).empty()) continue;
-      snapshot_.features.subsurface = true;
       const std::string& set = drawn_[i]->subsurface_set;
+      if (scattering_slots(*drawn_[i]).empty()) {
+        if (!set.empty() && is_opaque_everywhere(*drawn_[i])) opaque_of_sets_[set].push_back(i);
+        continue;
+      }
+      snapshot_.features.subsurface = true;
       if (!set.empty())
         sets[set].push_back(i);
       else if (!try_body({i}))
@@ -104,19 +109,52 @@ class BodyPlanner {
     cancel_.check();
     auto body = std::make_shared<SubsurfaceBody>();
     const MeshShells& first = drawn_[indices.front()]->prototype->shells(cancel_);
-    if (indices.size() == 1 && is_simple(first))
+    const ContentFinder::Contents contents = find_contents(indices, body.get());
+    if (indices.size() == 1 && is_simple(first) && !body->occupied)
       add_alone(indices.front(), body.get());
-    else if (!unite(indices, body.get()))
+    else if (!unite(indices, contents, body.get()))
       return false;
     std::vector<const InstanceDescription*> members;
     members.reserve(indices.size());
     for (const uint32_t i : indices) members.push_back(drawn_[i]);
     plan_walks(members, body.get());
+    if (body->occupied && body->bounds_distances()) {
+      if (!bound_contents(contents, snapshot_, cancel_, body.get()))
+        for (Member& member : body->members) member.distances = nullptr;
+      if (body->to_contents) snapshot_.memory_bytes += body->to_contents->memory_bytes();
+    }
     Bounds box;
     for (const uint32_t i : indices) box.extend(bounds_in_render_space(snapshot_.instances[i]));
     body->touched = clear_.that_meet(box, indices);
     snapshot_.bodies.push_back(std::move(body));
     return true;
+  }
+
+  // What stands in the body, behind its clear walls. Behind diffuse ones, as artists expect of other renderers, walks
+  // know the body alone, but for opaque members of its set.
+  ContentFinder::Contents find_contents(const std::vector<uint32_t>& indices, SubsurfaceBody* body) {
+    ContentFinder::Contents contents;
+    const auto any = [&](const auto& is_such) {
+      return std::any_of(indices.begin(), indices.end(), [&](uint32_t i) { return is_such(*drawn_[i]); });
+    };
+    const auto is_closed_and_cloudy = [&](const InstanceDescription& d) {
+      return is_cloudy(d) && d.prototype->shells(cancel_).any_closed;
+    };
+    if (any(is_closed_and_cloudy)) {
+      contents = finder_.find(indices);
+      body->opaque_faces = any([](const InstanceDescription& d) {
+        return !used_slots(d, [](const DisneyMaterial& m) { return !m.scatters(); }).empty();
+      });
+    } else if (const auto opaque = opaque_of_sets_.find(drawn_[indices.front()]->subsurface_set);
+               opaque != opaque_of_sets_.end()) {
+      contents.alone = opaque->second;
+    }
+    body->contents = contents.alone;
+    for (const InstanceArray* array : contents.arrays)
+      for (uint32_t i = 0; i < array->placed->size(); ++i) body->contents.push_back(array->first + i);
+    body->lights_within = !contents.lights.empty();
+    body->occupied = body->opaque_faces || body->lights_within || !body->contents.empty();
+    return contents;
   }
 
   void add_alone(uint32_t index, SubsurfaceBody* body) {
@@ -145,8 +183,9 @@ class BodyPlanner {
     snapshot_.bodies.push_back(std::move(body));
   }
 
-  bool unite(const std::vector<uint32_t>& indices, SubsurfaceBody* body) {
-    const Vec3d origin = world_centre(indices);
+  bool unite(const std::vector<uint32_t>& indices, const ContentFinder::Contents& contents, SubsurfaceBody* body) {
+    // The cells of arrays are traced in render space.
+    const Vec3d origin = contents.arrays.empty() ? world_centre(indices) : snapshot_.origin;
     body->origin = Vec3f(origin - snapshot_.origin);
     std::vector<InstancePlacement> placements;
     bool open = false;
@@ -160,19 +199,28 @@ class BodyPlanner {
       open |= member.shells->any_open;
     }
     if (open) body->bounds = widened(body->bounds);
-    if (const SubsurfaceBody* const known = known_.find(*body))
+    for (const uint32_t i : contents.alone) {
+      placements.push_back({drawn_[i]->prototype->object, to_affine(moved_to(drawn_[i]->object_to_world, origin)), {}});
+      for (const Matrix4d& pose : drawn_[i]->poses)
+        placements.back().poses.push_back(to_affine(moved_to(pose, origin)));
+    }
+    std::vector<InstanceCells> arrays;
+    for (const InstanceArray* array : contents.arrays) arrays.push_back(array->placed->traced);
+    const SubsurfaceBody* const known = body->contents.empty() ? known_.find(*body) : nullptr;
+    if (known)
       body->scene = known->scene, body->places = known->places;
-    else if (!build_trees(placements, body))
+    else if (!build_trees(placements, arrays, body))
       return false;
     snapshot_.memory_bytes += body->scene->memory_bytes();
     return true;
   }
 
-  bool build_trees(const std::vector<InstancePlacement>& placements, SubsurfaceBody* body) const {
+  bool build_trees(const std::vector<InstancePlacement>& placements, const std::vector<InstanceCells>& arrays,
+                   SubsurfaceBody* body) const {
     // Fewer boxes are compared with a point as fast one by one.
     constexpr size_t kFew = 32;
     const auto cancelled = [this] { return cancel_.is_cancelled(); };
-    body->scene = build_instanced_scene(device_, placements, cancelled);
+    body->scene = build_instanced_scene(device_, placements, cancelled, arrays);
     std::vector<Bounds> boxes;
     for (const Member& member : body->members) boxes.push_back(member.bounds);
     if (body->scene && boxes.size() > kFew) body->places = build_bounds_tree(device_, std::move(boxes), cancelled);
@@ -243,6 +291,8 @@ class BodyPlanner {
   const KnownUnions known_;
   SceneSnapshot& snapshot_;
   const ClearBoxes clear_;
+  ContentFinder finder_;
+  std::map<std::string, std::vector<uint32_t>> opaque_of_sets_;
   const CancelToken cancel_;
   std::map<const DisneyMaterial*, std::shared_ptr<const MaterialMedia>> media_;
 };

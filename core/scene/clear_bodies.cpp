@@ -105,20 +105,14 @@ Bounds common(const Bounds& a, const Bounds& b) {
   return both;
 }
 
-// Faces that coincide but for rounding count as touching.
-Bounds wider(const Bounds& box) {
-  const Vec3f by(0x1p-16f * std::max(max_abs_component(box.lower), max_abs_component(box.upper)));
-  return {box.lower - by, box.upper + by};
-}
-
 }  // namespace
 
 void rank_clear_bodies(SceneSnapshot* snapshot) {
   constexpr size_t kPoints = 32;
   const WalkedIn walked_in(*snapshot);
-  // Bit 31, below it the eight of the priority, then bit 22.
+  // Below the eight bits of the priority.
   const auto rank = [](bool scatters, bool within_one) {
-    return uint32_t(scatters || within_one) << 31 | uint32_t(within_one) << 22;
+    return uint32_t(scatters || within_one) << 23 | uint32_t(within_one) << 22;
   };
   for (Instance& instance : snapshot->instances) {
     if (!has_clear_interior(instance)) continue;
@@ -148,7 +142,7 @@ uint64_t interior_priority(const Instance& instance, const Placement& placement,
   const Vec3f e = instance.prototype->mesh.bounds.extent();
   const float volume = e.x * e.y * e.z * std::abs(dot(m.x, cross(m.y, m.z)));
   const uint32_t smallness = 0x3fff - (std::bit_cast<uint32_t>(volume) >> 17);  // 14 bits
-  return uint64_t(instance.clear_rank | priority << 23 | smallness << 8) << 32 | index;
+  return uint64_t(instance.clear_rank | priority << 24 | smallness << 8) << 32 | index;
 }
 
 Bounds bounds_in_render_space(const Instance& instance) {
@@ -158,6 +152,11 @@ Bounds bounds_in_render_space(const Instance& instance) {
     for (const Affine& pose : instance.poses) bounds.extend(pose.point(corner));
   }
   return bounds;
+}
+
+Bounds wider(const Bounds& box) {
+  const Vec3f by(0x1p-16f * std::max(max_abs_component(box.lower), max_abs_component(box.upper)));
+  return {box.lower - by, box.upper + by};
 }
 
 bool overlap(const Bounds& a, const Bounds& b) {

@@ -23,6 +23,8 @@ uint64_t interior_priority(const Instance& instance, const Placement& placement,
 /// Bounds of an instance that stands alone, over the whole shutter.
 Bounds bounds_in_render_space(const Instance& instance);
 
+/// Faces that coincide but for rounding count as touching.
+Bounds wider(const Bounds& box);
 /// True if the boxes share a point; their sides count.
 bool overlap(const Bounds& a, const Bounds& b);
 

@@ -43,9 +43,16 @@ void report_open_bodies(const ReportedScene& scene) {
     const OpenMembers open = open_members(scene, *body);
     if (!open.first || !reported.insert(*open.names.begin()).second) continue;
     const MeshPrototype& prototype = *open.first->prototype;
+    const auto& materials = open.first->materials;
+    const bool is_clear = std::any_of(materials.begin(), materials.end(), [](const DisneyMaterial* m) {
+      return m->scatters() && m->constants.spec_trans > 0;
+    });
     std::string text =
-        "subsurface scattering in a mesh that is not closed: the medium goes on behind it without end, and light that "
-        "does not come back is lost (stats: walk.lostEnergy)" +
+        (is_clear
+             ? "specTrans with scatterDistance in a mesh that is not closed: it has no inside, so it is clear, and "
+               "light does not scatter behind it"
+             : "subsurface scattering in a mesh that is not closed: the medium goes on behind it without end, and "
+               "light that does not come back is lost (stats: walk.lostEnergy)") +
         describe_open_edges(prototype.interior.open_edges(prototype.mesh)) +
         "; or bind a material without scatterDistance";
     text += describe_open_fellows(open.names.size() - 1);
@@ -151,7 +158,18 @@ class Surrounding {
   const ReportedScene& scene_;
 };
 
-// One report for each body: the first light in it, and how many there are.
+// What becomes of light within a body: behind diffuse walls nothing, behind clear ones walks meet what has a size.
+enum class Within { dark, sizeless, noisy };
+const char* remedy_for(Within within) {
+  if (within == Within::noisy)
+    return ": walks meet it by chance, so its light is noisy; make it larger, or render more samples";
+  if (within == Within::sizeless)
+    return ": walks meet no light without size, so nothing of it leaves the body; give it a size, or move it outside";
+  return ": walks below a surface meet no light, so nothing of it leaves the body; move it outside, or give the body a "
+         "cavity around it";
+}
+
+// One report for each body and kind: the first light in it, and how many there are.
 struct LightsWithin {
   std::string first;
   size_t count = 0;
@@ -159,24 +177,30 @@ struct LightsWithin {
     if (count++ == 0) first = light;
   }
 };
-void report_within(const ReportedScene& scene, uint32_t body, const LightsWithin& lights) {
+void report_within(const ReportedScene& scene, uint32_t body, Within within, const LightsWithin& lights) {
   const std::string others = lights.count > 1 ? ", as " + std::to_string(lights.count - 1) + " others do" : "";
   report(scene.sink, Severity::warning, "light.within", lights.first,
-         "it stands within the body of " + name_of(scene, body) + others +
-             ": walks below a surface meet no light, so nothing of it leaves the body; move it outside, or give the "
-             "body a cavity around it");
+         "it stands within the body of " + name_of(scene, body) + others + remedy_for(within));
 }
 
 void report_lights_within(const ReportedScene& scene) {
   constexpr uint32_t kNoInstance = ~0u;
   const Surrounding surrounding(scene);
-  std::map<uint32_t, LightsWithin> found;  // by instance
+  std::map<std::pair<uint32_t, Within>, LightsWithin> found;  // by instance
+  const auto kind = [&](uint32_t body, bool has_size) {
+    const Instance& instance = scene.snapshot.instance(body);
+    const bool is_clear = std::any_of(instance.materials.begin(), instance.materials.end(),
+                                      [](const auto* m) { return m->scatters() && m->constants.spec_trans > 0; });
+    if (!is_clear || !instance.body->occupied) return Within::dark;
+    return has_size ? Within::noisy : Within::sizeless;
+  };
   for (const LightParameters& light : scene.description.lights) {
     scene.cancel.check();
     if (light.type == LightType::distant || light.type == LightType::dome || light.intensity == 0) continue;
     if (!is_valid_affine(light.light_to_world) || !is_within_reach(light.light_to_world)) continue;
     const Vec3f p = to_affine(moved_to(light.light_to_world, scene.snapshot.origin)).t;
-    if (const auto body = surrounding.find(p, kNoInstance)) found[*body].add(light.name);
+    const bool has_size = light.type != LightType::sphere || light.radius > 0;
+    if (const auto body = surrounding.find(p, kNoInstance)) found[{*body, kind(*body, has_size)}].add(light.name);
   }
   for (uint32_t i = 0; i < scene.snapshot.instances.size(); ++i) {
     const Instance& instance = scene.snapshot.instances[i];
@@ -190,9 +214,9 @@ void report_lights_within(const ReportedScene& scene) {
       body = surrounding.find(instance.object_to_world.point((corners[0] + corners[1] + corners[2]) * (1.0f / 3)), i);
       if (!body) break;
     }
-    if (body) found[*body].add(scene.drawn.alone[i]->name);
+    if (body) found[{*body, kind(*body, true)}].add(scene.drawn.alone[i]->name);
   }
-  for (const auto& [body, lights] : found) report_within(scene, body, lights);
+  for (const auto& [where, lights] : found) report_within(scene, where.first, where.second, lights);
 }
 
 }  // namespace

@@ -11,6 +11,7 @@
 #include "core/diagnostics/plain_format.h"
 #include "core/scene/bodies.h"
 #include "core/scene/clear_bodies.h"
+#include "core/scene/contents.h"
 #include "core/scene/lit_surfaces.h"
 #include "core/scene/missing_tiles.h"
 #include "core/scene/scene_origin.h"
@@ -206,6 +207,7 @@ struct SnapshotCompiler::Compilation {
   std::vector<ArrayPlan> plans = {};                   // of the arrays
   std::vector<const InstanceDescription*> looks = {};  // theirs
   std::vector<Diagnostic> faults = {};                 // of bodies
+  ArrayNeighbours neighbours{description};
 
   // In world space, then beside the scene's size.
   void choose_drawn() {
@@ -217,7 +219,7 @@ struct SnapshotCompiler::Compilation {
       }
     for (const InstanceArrayDescription& array : description.arrays) {
       if (!has_shape(array.look)) continue;
-      in_name_of(array.look.name, [&] { stays_array(array.look) ? plan(array, &bounds) : take_apart(array, &bounds); });
+      in_name_of(array.look.name, [&] { stays_array(array) ? plan(array, &bounds) : take_apart(array, &bounds); });
     }
     choose_space(bounds);
     std::erase_if(drawn, [&](const InstanceDescription* d) {
@@ -228,11 +230,13 @@ struct SnapshotCompiler::Compilation {
     });
   }
 
-  // False for emissive meshes and members of unions: lights and bodies refer to single instances.
-  bool stays_array(const InstanceDescription& look) const {
+  // False for emissive meshes, members of unions, and bodies that something stands in: lights and bodies refer to
+  // single instances.
+  bool stays_array(const InstanceArrayDescription& array) {
+    const InstanceDescription& look = array.look;
     const auto emits = [](const auto& material) { return material->emits(); };
     return !look.prototype->mesh.deforms() && std::none_of(look.materials.begin(), look.materials.end(), emits) &&
-           scatter_separately(look, cancel);
+           scatter_separately(look, cancel) && !(is_cloudy(look) && neighbours.any_in(array, cancel));
   }
 
   void take_apart(const InstanceArrayDescription& array, BoundsDouble* bounds) {
@@ -446,12 +450,12 @@ struct SnapshotCompiler::Compilation {
     cancel.check();
     if (!place_all()) return false;
     cancel.check();
+    const bool same_lights = light();
     if (!plan_bodies({{drawn, looks}, compiler.device_, last, cancel}, snapshot.get())) return false;
     cancel.check();
     if (!build_top()) return false;
     cancel.check();
     keep_alive({drawn, looks}, snapshot.get());
-    const bool same_lights = light();
     const DiagnosticSink keep = [&](const Diagnostic& d) { faults.push_back(d); };
     const ReportedScene reported{description, {drawn, looks}, *snapshot, keep, cancel};
     if (snapshot->features.subsurface) report_bodies(reported);

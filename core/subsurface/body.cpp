@@ -45,6 +45,14 @@ bool SubsurfaceBody::bounds_distances() const {
   return members.front().distances != nullptr;
 }
 
+double SubsurfaceBody::distance_to_contents(const Vec3f& p) const {
+  double nearest = std::numeric_limits<double>::infinity();
+  if (to_contents)
+    nearest = grid_bounds.contains(p) ? static_cast<double>(to_contents->bound(p)) : distance_to_bounds(grid_bounds, p);
+  for (const Bounds& box : boxes_within) nearest = std::min(nearest, distance_to_bounds(box, p));
+  return nearest;
+}
+
 Vec3f SubsurfaceBody::below(const SubsurfaceEntry& entry) const {
   const SurfaceHit& outer = entry.hit;
   if (!is_union()) return offset_point(outer.p_object, -outer.ng_object, outer.offset_object);

@@ -56,9 +56,19 @@ struct SubsurfaceBody {
   };
 
   std::vector<Member> members;
-  /// Traces the members of a union, in their order. Null: a lone object, closed and without overlaps, whose surface is
-  /// always the end of the medium.
+  /// Traces the members of a union, in their order, and then the contents. Null: a lone object, closed and without
+  /// overlaps, that nothing stands in: its surface is always the end of the medium.
   std::shared_ptr<const InstancedScene> scene;
+  /// What stands in the body, by the scene's indices: walks end at its walls.
+  std::vector<uint32_t> contents;
+  /// Some walls end walks without letting them out, or walks meet lights: contents, lights within, and opaque faces of
+  /// a member. Such a body has a `scene`.
+  bool occupied = false;
+  bool lights_within = false, opaque_faces = false;
+  /// Nothing within is nearer than the grid and the boxes say, in the body's space: for sphere steps.
+  std::shared_ptr<const DistanceGrid> to_contents;
+  Bounds grid_bounds;
+  std::vector<Bounds> boxes_within;
   /// A tree of the bounds of its members; null: they are few.
   std::shared_ptr<const BoundsTree> places;
   Vec3f origin{0, 0, 0};  // in render space
@@ -75,6 +85,8 @@ struct SubsurfaceBody {
 
   bool is_union() const { return scene != nullptr; }
   bool bounds_distances() const;
+  /// A lower bound of the distance from a point of the body's space to what stands in it.
+  double distance_to_contents(const Vec3f& p) const;
 
   /// A point just below the surface at an entry, where walks begin: in the mesh's space for a lone object, in the
   /// body's for a union.

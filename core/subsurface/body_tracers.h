@@ -8,6 +8,7 @@
 
 #include "core/subsurface/body.h"
 #include "core/subsurface/shells.h"
+#include "core/subsurface/walk_contents.h"
 
 namespace alabaster {
 
@@ -75,7 +76,7 @@ class MeshTracer {
 
 /// Traces a walk's segments in the union of the closed shells of a body's members. The tracer keeps no depth that could
 /// go wrong: it passes what it enters, and what it leaves is the end of the medium unless a shell contains the far
-/// side.
+/// side. So are the walls of what stands in the body.
 ///
 /// An open shell has the medium on one side, unbounded: a walk that entered it from behind leaves it to there, and
 /// passes it the other way.
@@ -84,15 +85,17 @@ class UnionTracer {
   using Hit = TriangleHit;
 
   struct Start {
-    uint32_t member;       // whose surface the walk entered through
-    Vec3f p;               // body space
-    float entry_distance;  // as for MeshTracer
-    bool from_behind;      // through the inner side of an open shell: the medium is on its outer side
-    float time;            // of the shutter
+    uint32_t member;         // whose surface the walk entered through
+    Vec3f p;                 // body space
+    float entry_distance;    // as for MeshTracer
+    bool from_behind;        // through the inner side of an open shell: the medium is on its outer side
+    float time;              // of the shutter
+    WalkContents* contents;  // of a body that has some
   };
 
   UnionTracer(const SubsurfaceBody& body, const Start& start)
       : body_(body),
+        contents_(start.contents),
         room_for_spheres_(body.members[start.member].room_for_spheres),
         from_behind_(start.from_behind),
         p_(start.p),
@@ -109,17 +112,25 @@ class UnionTracer {
     for (int i = 0; i < kMaxCrossings; ++i) {
       if (!body_.scene->intersect({from, direction, tmax - passed + rounding, time_}, hit)) return false;
       passed += hit->t;
-      const Crossed crossed = body_.cross(*hit, direction);
-      if (ends_medium(crossed, direction, body_.members[hit->instance])) {
+      const std::optional<Vec3f> beyond = pass(*hit, direction);
+      if (!beyond) {
         hit->t = passed;
         if (passed <= tmax) return true;
         step_back_ = rounding;
         return false;
       }
       if (!(passed <= tmax)) return false;
-      from = crossed.beyond;
+      from = *beyond;
     }
     return false;
+  }
+  /// The lights on a segment that was traced to `tmax`, or to the hit. Before the tracer advances.
+  template <class Passing>
+  void meet_lights(const Vec3f& direction, float tmax, const Hit* hit, uint32_t events, const Passing& passing) const {
+    if (!body_.lights_within) return;
+    const float reach = hit ? hit->t : std::max(0.0f, tmax - untraced_);
+    contents_->meet_lights({p_ + body_.origin, direction, reach, time_}, events,
+                           [&](double t) { return passing(t + static_cast<double>(untraced_)); });
   }
   double exit_distance(const Hit& hit) const { return hit.t + untraced_; }
   bool bounds_distance() const { return room_for_spheres_ && body_.bounds_distances(); }
@@ -132,6 +143,7 @@ class UnionTracer {
       nearest = std::min(nearest, distance_to(m) - static_cast<double>(rounding_at(p_)));
       if (!(nearest >= worthwhile)) return 0;
     }
+    if (body_.occupied) nearest = std::min(nearest, body_.distance_to_contents(p_) - double(rounding_at(p_)));
     return nearest;
   }
   bool advance(const Vec3f& direction, float t) {
@@ -145,6 +157,22 @@ class UnionTracer {
   static constexpr float kRounding = 32 * 0x1p-23f;
   static float rounding_at(const Vec3f& p) { return kRounding * max_abs_component(p); }
 
+  // A point beyond the surface that was met. Empty: the medium ends there, or another body's wall stands in it.
+  std::optional<Vec3f> pass(const Hit& hit, const Vec3f& direction) const {
+    const bool is_content = hit.instance >= body_.members.size();
+    if (is_content || body_.opaque_faces) [[unlikely]] {
+      TriangleHit of_scene = hit;
+      of_scene.instance =
+          is_content ? body_.contents[hit.instance - body_.members.size()] : body_.members[hit.instance].instance;
+      if (is_content || contents_->is_opaque(of_scene)) {
+        const auto beyond = contents_->beyond(of_scene, direction);
+        return beyond ? std::optional(*beyond - body_.origin) : std::nullopt;
+      }
+    }
+    const Crossed crossed = body_.cross(hit, direction);
+    if (ends_medium(crossed, direction, body_.members[hit.instance])) return std::nullopt;
+    return crossed.beyond;
+  }
   bool ends_medium(const Crossed& crossed, const Vec3f& direction, const SubsurfaceBody::Member& member) const {
     if (crossed.flags & MeshShells::kInner) return false;
     const bool behind = crossed.flags & MeshShells::kOpen && from_behind_;
@@ -159,6 +187,7 @@ class UnionTracer {
   }
 
   const SubsurfaceBody& body_;
+  WalkContents* contents_;
   bool room_for_spheres_, from_behind_;
   Vec3f p_, entry_;
   float step_back_ = 0;

@@ -36,6 +36,7 @@ struct SubsurfaceExit {
   /// Scattering events: 0 crossed without scattering, 1, or at least 2 for all that is more. Sorts light into the
   /// layers subsurfaceUnscattered, subsurfaceSingle and subsurfaceMultiple.
   uint32_t events = 0;
+  bool is_content = false;  // the walk met what stands in the body, and is still in its medium
 };
 
 /// The answer of a carrier that does not count events: a profile stands for all of them at once.

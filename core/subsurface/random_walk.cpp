@@ -78,6 +78,7 @@ Vec3f sample_entry_direction(const Vec3f& ns_inward, const Vec3f& ng_inward, con
 std::optional<SubsurfaceExit> RandomWalk::carry(const SubsurfaceBody& body, const SubsurfaceEntry& entry,
                                                 SubsurfaceNumbers& numbers, RenderCounters& counters) const {
   CHECK(entry.medium);
+  CHECK(contents || !body.occupied);
   const float scale = max_component(entry.throughput);
   if (!(scale > 0)) return std::nullopt;
   const float time = entry.triangle.time;
@@ -108,15 +109,18 @@ std::optional<SubsurfaceExit> RandomWalk::carry(const SubsurfaceBody& body, cons
     return end;
   };
   const float distance = entry_distance(beginning);
-  const auto end =
-      body.is_union()
-          ? walk(UnionTracer(body, {entry.member, beginning.p, distance, enters_from_behind(body, entry), time}))
-          : walk(MeshTracer(body, {beginning.p, distance, maps.to_object, time}));
+  const auto end = body.is_union() ? walk(UnionTracer(body, {entry.member, beginning.p, distance,
+                                                             enters_from_behind(body, entry), time, contents}))
+                                   : walk(MeshTracer(body, {beginning.p, distance, maps.to_object, time}));
   if (follower)
     for (int c = 0; c < 3; ++c) (*twin)[c] = static_cast<float>(follower->throughput()[static_cast<size_t>(c)]) * scale;
   if (!end) return std::nullopt;
   SubsurfaceExit exit{end->hit, end->direction, {}, end->events};
-  exit.hit.instance = body.members[body.is_union() ? end->hit.instance : 0].instance_of(entry.triangle);
+  const uint32_t local = body.is_union() ? end->hit.instance : 0;
+  const auto members = static_cast<uint32_t>(body.members.size());
+  exit.is_content = local >= members;
+  exit.hit.instance =
+      exit.is_content ? body.contents[local - members] : body.members[local].instance_of(entry.triangle);
   for (int c = 0; c < 3; ++c) exit.throughput[c] = static_cast<float>(end->throughput[static_cast<size_t>(c)]) * scale;
   return exit;
 }

@@ -11,6 +11,7 @@
 #include "core/diagnostics/counters.h"
 #include "core/subsurface/body.h"
 #include "core/subsurface/entry_exit.h"
+#include "core/subsurface/walk_contents.h"
 #include "core/subsurface/walk_record.h"
 
 namespace alabaster {
@@ -36,6 +37,7 @@ struct RandomWalk {
   /// Takes what the walk's twin in a half-space brings out, like SubsurfaceExit::throughput; its expectation is the
   /// albedo times the throughput of the entry. Null: no twin. For isotropic scattering, and entries from outside.
   Rgb* twin = nullptr;
+  WalkContents* contents = nullptr;  // not null where the body is occupied
 
   std::optional<SubsurfaceExit> carry(const SubsurfaceBody& body, const SubsurfaceEntry& entry,
                                       SubsurfaceNumbers& numbers, RenderCounters& counters) const;

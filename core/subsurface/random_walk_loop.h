@@ -129,6 +129,9 @@ class WalkLoop {
     typename Tracer::Hit hit{};
     const bool meets_surface = tracer_.intersect(direction_, t, &hit);
     if (twin_) twin_->follow(segment, direction_, t, meets_surface);
+    if constexpr (MeetsLights<Tracer>)
+      tracer_.meet_lights(direction_, t, meets_surface ? &hit : nullptr, events_,
+                          [&](double passed) { return segment.exit_throughput(passed); });
     if (meets_surface) {
       throughput_ = segment.exit_throughput(tracer_.exit_distance(hit));
       note_weight();

@@ -117,6 +117,11 @@ def touching(draft):
     draft.bodies.append(Body("glass", moved(0.25, 0.55, 0.8, 0.4), "/drop", ior=1.33))
 
 
+def ball_within(draft):
+    """An opaque ball wholly in the main body: white in white scenes, else black."""
+    draft.bodies.append(Body("matt", moved(0.2, 0.1, 0.15, 0.4), "/within"))
+
+
 def face_to_face(draft):
     """A box, and its like on the other side of one of its faces."""
     draft.main.shape = "box"
@@ -188,6 +193,7 @@ FEATURES = {  # in the order of the issue
     "pyramid": pyramid,
     "label": main_has("labelled"),  # some of the faces have a material of their own, which is opaque
     "pane": pane,
+    "ball within": ball_within,
 }
 LAYERS = ("coat", "fibre sheen", "clearcoat", "rough specular")
 
@@ -282,7 +288,9 @@ def material_of(body, look):
     color = (1.0,) * 3 if look.white else (0.9, 0.6, 0.3)
     spread = (1.0,) * 3 if look.white else (1.0, 0.6, 0.4)
     distance = tuple(look.distance * s for s in spread)
-    if body.kind == "opaque body":
+    if body.kind == "matt":
+        values = {"baseColor": color if look.white else (0.0,) * 3, "specular": 0.0, "roughness": 0.5}
+    elif body.kind == "opaque body":
         values = {"baseColor": color, "specular": 0.0, "roughness": 0.5, "scatterDistance": distance}
     else:
         values = {"baseColor": (1.0,) * 3, "specTrans": 1.0, "ior": body.ior, "roughness": look.clear_roughness}

@@ -66,6 +66,7 @@ QUICK = {
     "glass + face to face": ("furnace, viewer",),
     "opaque body + union": ("furnace, viewer", "crops and threads", "limit of small distances"),
     "cloudy body + camera inside": ("furnace, viewer",),
+    "cloudy body + ball within": ("furnace, viewer", "reciprocity", "AOVs add up", "crops and threads"),
     "sheet + thin + diffTrans + coat": ("reciprocity", "furnace, viewer, bounded"),
     "sheet + thin + diffTrans + sheen": ("reciprocity", "furnace, light"),
     "sheet + diffTrans + coat": ("a feature that vanishes", "reciprocity"),

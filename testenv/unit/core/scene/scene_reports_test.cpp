@@ -65,6 +65,31 @@ TEST(SceneReports, AnEmissiveMeshWithinABodyIsNamedToo) {
   EXPECT_TRUE(warnings(b, "light.within").empty());
 }
 
+TEST(SceneReports, ALightBehindAClearWallIsNoisyAndOneWithoutSizeGivesNone) {
+  DisneyParameters milk = wax();
+  milk.spec_trans = 1;
+  for (const auto& [radius, told] : {std::pair(0.05f, "noisy"), std::pair(0.0f, "without size")}) {
+    SceneBuilder b;
+    b.add(b.prototype(testing::sphere_mesh(1, 16, true)), b.material(milk));
+    LightParameters light = lamp(0.5, "/inside");
+    light.radius = radius;
+    b.add(light);
+    const auto found = warnings(b, "light.within");
+    ASSERT_EQ(found.size(), 1u);
+    EXPECT_NE(found[0].text.find(told), std::string::npos) << found[0].text;
+  }
+}
+
+TEST(SceneReports, AnOpenClearMeshIsToldToStayClear) {
+  DisneyParameters milk = wax();
+  milk.spec_trans = 1;
+  SceneBuilder b;
+  b.add(b.prototype(testing::plane_mesh(2)), b.material(milk));
+  const auto found = warnings(b, "mesh.open");
+  ASSERT_EQ(found.size(), 1u);
+  EXPECT_NE(found[0].text.find("it is clear"), std::string::npos) << found[0].text;
+}
+
 TEST(SceneReports, ALightInACavityOrAClearBodyOrAnUnscatteringOneIsNotReported) {
   SceneBuilder b;
   Mesh shell = testing::sphere_mesh(1, 16, true);
