@@ -70,6 +70,7 @@ struct SceneFacts : SceneInfo {
   std::vector<SceneAnimation> animations = {};
   bool is_complete = false;              // it is drawn as it is: no light is added to it
   bool varies = false;                   // poses at other times differ
+  std::vector<std::string> unread = {};  // kinds of what it has and the reader leaves out, as warned of
   std::vector<std::string> faults = {};  // what it lacks, by SourceOptions::keep_going
   size_t memory_bytes = 0;               // of what was read for the first pose, as long as its prims are held
 };

@@ -54,9 +54,11 @@ fs::path own_folder() {
 
 /// The reader's own files, which lie beside the library in the build and in an installation.
 std::string reader_script() {
-  const fs::path script = own_folder() / "alabaster/alabaster_usd/child.py";
-  if (is_file(script)) return script.string();
-  throw Fault("The reader of stages is not installed: there is no " + script.string() + ". Install Alabaster again.");
+  const fs::path own = own_folder();
+  // In a wheel the library lies in the package's folder of libraries.
+  for (const fs::path& folder : {own / "alabaster", own, own.parent_path() / "hdalabaster"})
+    if (const fs::path script = folder / "alabaster_usd/child.py"; is_file(script)) return script.string();
+  throw Fault("The reader of stages is not installed beside " + own.string() + ". Install Alabaster again.");
 }
 
 std::string ending(int status, double seconds) {

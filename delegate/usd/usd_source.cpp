@@ -196,9 +196,9 @@ class StageSource : public host::SceneSource {
   void warn(const json& warning, const DiagnosticSink& sink) {
     const size_t count = warning[1].get<size_t>();
     const auto text = warning[0].get<std::string>();
-    if (sink)
-      sink({Severity::warning, "usd.unread", file_ + ": " + warning[2].get<std::string>(),
-            text + (count > 1 ? " (" + std::to_string(count) + " times; this is the first)" : "")});
+    const std::string said = text + (count > 1 ? " (" + std::to_string(count) + " times; this is the first)" : "");
+    facts_.unread.push_back(warning[2].get<std::string>() + ": " + said);
+    if (sink) sink({Severity::warning, "usd.unread", file_ + ": " + warning[2].get<std::string>(), said});
   }
 
   std::string file_;

@@ -166,16 +166,28 @@ def implicit_fields(prim, time, cache):
                    "Capsule_1": ("radiusBottom", "radiusTop", "height", "axis"), "Plane": ("width", "length", "axis")}[kind])
     key = (kind, sizes)
     if key not in cache:
-        cache[key] = _shape(kind, *sizes)
+        cache[key] = _scaled(cache, kind, *sizes) if kind in ("Sphere", "Cylinder") else _shape(kind, *sizes)
     fields = dict(cache[key])
     add_sides(UsdGeom.Gprim(prim), fields, time)
     return fields
 
 
+def _scaled(cache, kind, radius, height=1.0, axis="Z"):
+    """The shape of radius and height 1, about its axis and along it."""
+    key = (kind, axis)
+    if key not in cache:
+        unit = _shape(*((kind, 1.0) if kind == "Sphere" else (kind, 1.0, 1.0, axis)))
+        points, along = unit["primvars:points"].data, Gf.Vec3f(*_axis(axis)((0, 0, 1)))
+        axial = Vt.Vec3fArray([along * Gf.Dot(p, along) for p in points]) if kind == "Cylinder" else points * 0.0
+        cache[key] = unit, points - axial, axial
+    unit, radial, axial = cache[key]
+    return {**unit, "primvars:points": V("float3[]", radial * radius + axial * height)}
+
+
 def _fields(points, faces, normals=None, rate="vertex"):
     fields = {"scheme": token("none"), "faceVertexCounts": array("int", [len(f) for f in faces]),
               "faceVertexIndices": array("int", [i for f in faces for i in f]),
-              "primvars:points": array("float3", [c for p in points for c in p])}
+              "primvars:points": V("float3[]", Vt.Vec3fArray([Gf.Vec3f(*p) for p in points]))}
     if normals:
         fields["primvars:normals"] = array("float3", [c for n in normals for c in n])
         fields["primvars:normals:interpolation"] = token(rate)

@@ -62,7 +62,6 @@ class Reader:
         self.cameras, self.lit, self.light_prims = {}, {}, []
         self.skeletons = geometry.Skeletons(self.time)
         self.world = UsdGeom.XformCache(self.time)
-        self.outside = set()  # prototypes of PointInstancers
 
     # In order of time ---------------------------------------------------------------------------------
     def run(self):
@@ -78,11 +77,15 @@ class Reader:
 
     def _find_cameras_and_lights(self):
         """Also those in instances, of which each is one of its own."""
-        for prim in Usd.PrimRange(self.stage.GetPseudoRoot(), Usd.TraverseInstanceProxies() if self._in_prototypes() else Usd.PrimDefaultPredicate):
+        everything = iter(Usd.PrimRange(self.stage.GetPseudoRoot(),
+                                        Usd.TraverseInstanceProxies() if self._in_prototypes() else Usd.PrimDefaultPredicate))
+        for prim in everything:
             if prim.IsA(UsdGeom.Camera):
                 self.cameras[str(prim.GetPath())] = prim
             elif prim.IsA(UsdGeom.PointInstancer):
-                self.outside.update(UsdGeom.PointInstancer(prim).GetPrototypesRel().GetForwardedTargets())
+                if any(lights.is_light(p) for p in Usd.PrimRange(prim)):
+                    self.notes.tell("lights of PointInstancers are not read", prim.GetPath())
+                everything.PruneChildren()
             elif lights.is_light(prim):
                 self.links.add(prim, self.notes)
                 visible = UsdGeom.Imageable(prim).ComputeVisibility(self.time) != "invisible"
@@ -94,7 +97,7 @@ class Reader:
                 lights.tell_unread(prim, self.notes)
 
     def _in_prototypes(self):
-        return any(p.IsA(UsdGeom.Camera) or lights.is_light(p) or p.IsA(UsdGeom.PointInstancer)
+        return any(p.IsA(UsdGeom.Camera) or lights.is_light(p)
                    for prototype in self.stage.GetPrototypes() for p in Usd.PrimRange(prototype))
 
     def _choose_shutter(self, camera):
@@ -188,7 +191,7 @@ class Reader:
                     locals = [_local(xformable, t) for t in self.shutter_times]
                     moves = [a * b for a, b in zip(locals, moves or [Gf.Matrix4d(1) if resets else place.xform] * len(locals))]
                 place = place.below(xform=local * (Gf.Matrix4d(1) if resets else place.xform), moves=moves)
-        if prim.IsInstance():
+        if prim.IsInstance() and not prim.IsA(UsdGeom.Gprim):
             binding = UsdShade.MaterialBindingAPI(prim).ComputeBoundMaterial()[0]
             key = (str(prim.GetPrototype().GetPath()), str(binding.GetPath()) if binding else "", place.purpose,
                    tuple(str(p.GetAttr().GetPath()) for p in UsdGeom.PrimvarsAPI(prim).FindInheritablePrimvars()))
@@ -275,8 +278,7 @@ class Reader:
         return bool(self.links.of)
 
     def _finish(self, instancer):
-        self.sink.set(instancer.name + "/__instances" if any(m[0] == instancer.name for m in self.meshes) else instancer.name,
-                      "instancer", instancer.fields)
+        self.sink.set(instancer.name, "instancer", instancer.fields)
 
     def _points(self, prim, place):
         points = UsdGeom.PointInstancer(prim)

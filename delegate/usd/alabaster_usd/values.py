@@ -141,26 +141,6 @@ class Archive:
                     rest = rest[os.write(fd, rest):]
 
 
-class SceneSink:
-    """The same edits into a hdalabaster.Scene."""
-
-    def __init__(self, scene):
-        self.scene = scene
-
-    def set(self, path, kind, fields):
-        self.scene.set(path, kind, {name: self._python(v) for name, v in fields.items() if v is not None})
-
-    def _python(self, value):
-        kind, data = value
-        if kind == "asset":
-            return data.file or data.authored
-        if kind == "samples":
-            return [(t, self._python(v)) for t, v in zip(data.times, data.values)]
-        if kind == "matrix":
-            return [data[i:i + 4] for i in (0, 4, 8, 12)]
-        return memoryview(data) if kind.endswith("[]") and kind[:-2] in KINDS else data
-
-
 def is_path_in_package(text):
     return "[" in text and text.endswith("]")
 
