@@ -151,7 +151,8 @@ void add_inputs(CLI::App* c, std::string* file) {
 }
 
 CLI::App* add_render(CLI::App& app, RenderArguments* a) {
-  CLI::App* c = app.add_subcommand("render", "Renders a scene (glTF, a stage of OpenUSD or a render description .json) to files.");
+  CLI::App* c = app.add_subcommand(
+      "render", "Renders a scene (glTF, a stage of OpenUSD or a render description .json) to files.");
   add_render_options(c, a);
   add_checkpoint(c, a);
   add_inputs(c, &a->inputs);

@@ -135,6 +135,7 @@ class StageSource : public host::SceneSource {
     facts_.up = Token(about["up"].get<std::string>());
     facts_.metersPerUnit = about["metersPerUnit"].get<double>();
     facts_.timeCodesPerSecond = about["timeCodesPerSecond"].get<double>();
+    facts_.varies = about["varies"].get<bool>();
     if (!about["range"].is_null()) facts_.range = {about["range"][0].get<double>(), about["range"][1].get<double>()};
     take_faults(about["faults"], sink);
   }
@@ -151,6 +152,7 @@ class StageSource : public host::SceneSource {
   }
 
   void pose(std::optional<double> time, const DiagnosticSink& sink, host::SceneEdits* edits) {
+    if (is_posed_ && !facts_.varies) return;
     const host::StageOptions& stage = options_.stage;
     json request = {{"do", "scene"}, {"time", nullptr}, {"refine", options_.refine_level}};
     if (time) request["time"] = *time;

@@ -120,6 +120,7 @@ def facts_of(stage):
     has_range = stage.HasAuthoredTimeCodeRange()
     return {"range": [stage.GetStartTimeCode(), stage.GetEndTimeCode()] if has_range else None,
             "timeCodesPerSecond": stage.GetTimeCodesPerSecond(), "framesPerSecond": stage.GetFramesPerSecond(),
+            "varies": any(layer.ListAllTimeSamples() for layer in stage.GetUsedLayers()),
             "up": str(UsdGeom.GetStageUpAxis(stage)), "metersPerUnit": UsdGeom.GetStageMetersPerUnit(stage),
             "variants": {str(p.GetPath()): {n: [p.GetVariantSets().GetVariantSelection(n)] + list(p.GetVariantSets().GetVariantSet(n).GetVariantNames())
                                             for n in p.GetVariantSets().GetNames()} for p in stage.Traverse() if p.HasVariantSets()}}
