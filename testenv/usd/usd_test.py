@@ -266,6 +266,29 @@ def test_z_points_up_in_pictures_without_a_camera():
         assert tall[5] > wide[5] * 1.5 if len(tall) > 5 else True, (up, tall, wide)
 
 
+def test_times_are_time_codes():
+    moving = cube("c", 0).replace("double3 xformOp:translate = (0, 0, 0)", "double3 xformOp:translate.timeSamples = {\n 10: (-1, 0, 0),\n 30: (1, 0, 0),\n}")
+    text = open(stage("moving.usda", moving)).read()
+    file = write("moving.usda", text.replace("metersPerUnit = 1", "metersPerUnit = 1\n    startTimeCode = 10\n    endTimeCode = 30"))
+    at = {x: picture(stage("still_%g.usda" % x, cube("c", x)))[0] for x in (-1, 0, 1)}
+    assert apart(picture(file)[0], at[-1]) < 1e-4
+    assert apart(picture(file, "--time", "20")[0], at[0]) < 1e-4
+    code, said = run("render", file, "-o", os.path.join(FOLDER, "f.###.exr"), "--frames", "10:30:10", "--size", "48x48", "--spp", "16", "--quiet")
+    assert code == 0, said
+    for frame, x in ((10, -1), (20, 0), (30, 1)):
+        m, wanted = mean(os.path.join(FOLDER, "f.%03d.exr" % frame), "8x8+%d+20" % (20 + 12 * x)), mean(at[x], "8x8+%d+20" % (20 + 12 * x))
+        assert abs(m[0] - wanted[0]) < 0.02 and abs(m[2] - wanted[2]) < 0.02, (frame, m, wanted)
+
+
+def test_a_shutter_blurs_what_moves():
+    moving = cube("c", 0).replace("double3 xformOp:translate = (0, 0, 0)", "double3 xformOp:translate.timeSamples = {\n 0: (-1, 0, 0),\n 2: (1, 0, 0),\n}")
+    camera = CAMERA.replace("float focalLength", "double shutter:open = -1\n        double shutter:close = 1\n        float focalLength")
+    text = open(stage("blurred.usda", moving, camera=camera)).read()
+    file = write("blurred.usda", text.replace("metersPerUnit = 1", "metersPerUnit = 1\n    startTimeCode = 1\n    endTimeCode = 1"))
+    blurred, still = mean(picture(file)[0], "4x4+34+22"), mean(picture(stage("at_0.usda", cube("c", 0)))[0], "4x4+34+22")
+    assert still[2] > 0.95 > blurred[2] > 0.2, (still, blurred)
+
+
 # Looks and lights -----------------------------------------------------------------------------------
 
 PREVIEW = """    def Material "m"

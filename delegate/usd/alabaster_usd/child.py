@@ -52,6 +52,8 @@ class Child:
                 made = {"fault": {"text": "its prims lie in each other too deeply, or without end"}}, None
             except MemoryError:
                 made = {"fault": {"text": "there is not enough memory to read it", "memory": True}}, None
+            except UnicodeDecodeError:
+                made = {"fault": {"text": "a text in it is not UTF-8: it is damaged"}}, None
             except Exception as e:
                 said = getattr(e, "said", None)
                 if not said:
