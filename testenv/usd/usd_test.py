@@ -322,8 +322,8 @@ def test_a_preview_surface_has_its_colour():
 
 def test_a_missing_image_is_its_fallback_or_a_fault():
     connected = "color3f inputs:diffuseColor.connect = </World/m/t.outputs:rgb>"
-    out, said = picture(stage("fallback.usda", PREVIEW % (connected, "gone.png")))
-    assert mean(out, MIDDLE)[2] > 2 * mean(out, MIDDLE)[0] > 0 and said.count("fallback") == 1, said
+    out, said = picture(stage("with_other_colour.usda", PREVIEW % (connected, "gone.png")))
+    assert mean(out, MIDDLE)[2] > 2 * mean(out, MIDDLE)[0] > 0 and said.count("fallback is used") == 1, said
     bare = stage("no_fallback.usda", (PREVIEW % (connected, "gone.png")).replace("float4 inputs:fallback = (0.1, 0.1, 0.8, 1)", ""))
     code, said = run("render", bare, "-o", os.path.join(FOLDER, "x.exr"), "--size", "16x16", "--spp", "1")
     assert code == 3 and "gone.png" in said, (code, said)
@@ -417,9 +417,9 @@ def test_a_missing_reference_is_left_out_on_request():
 def test_files_outside_are_not_read():
     outside = write("outside/secret.usda", '#usda 1.0\n(\n defaultPrim = "S"\n)\ndef Xform "S"\n{\n' + cube("c", 0) + "}\n")
     ways = {"dots": "references = @../outside/secret.usda@", "absolute": "references = @%s@" % outside,
-            "payload": "payload = @../outside/secret.usda@", "link": "references = @link.usda@"}
+            "payload": "payload = @../outside/secret.usda@", "link": "references = @elsewhere.usda@"}
     os.makedirs(os.path.join(FOLDER, "inside"), exist_ok=True)
-    os.symlink(outside, os.path.join(FOLDER, "inside/link.usda"))
+    os.symlink(outside, os.path.join(FOLDER, "inside/elsewhere.usda"))
     for way, arc in ways.items():
         file = write("inside/%s.usda" % way, '#usda 1.0\ndef Xform "w" (%s)\n{\n}\n' % arc)
         code, said = run("check", file)
@@ -439,7 +439,7 @@ def test_files_outside_are_not_read():
 
 
 def test_time_is_limited():
-    body = "".join('    def Cone "s%d" { double radius = %g }\n' % (i, 1 + i / 1e4) for i in range(3000))
+    body = "".join('    def Capsule "s%d" { double radius = %g }\n' % (i, 1 + i / 1e4) for i in range(3000))
     code, said = run("check", stage("many.usda", body), "--usd-limit", "0.5", timeout=60)
     assert code == 3 and "--usd-limit" in said, (code, said)
 

@@ -87,8 +87,9 @@ class Child:
         return {"opened": True}, sealed(lambda fd: os.write(fd, text) == len(text) or opening.fail())
 
     def do_scene(self, asked):
-        from alabaster_usd import notes, scene, values
+        from alabaster_usd import notes, opening, scene, values
         told, sink = notes.Notes(), values.Archive()
+        asked["may_write"] = lambda file: self.everywhere or opening.is_within(file, self.folders[:1])
         reader = scene.Reader(self.stage, sink, told, asked.get("time"), asked)
         stands_beside = reader.run()
         answer = {"warnings": told.warnings()[:200], "faults": told.faults[:100]}

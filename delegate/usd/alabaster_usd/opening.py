@@ -97,11 +97,11 @@ def faults_of(stage, folders, everywhere):
         prim = re.search(r"<([^>]+)>", site)
         text, layer, line = plain(error)
         outside = re.search(r"asset @([^@]+)@", text)
-        if outside and not everywhere and not _allowed(outside.group(1), folders):
+        if outside and not everywhere and not is_within(outside.group(1), folders):
             text += " It lies outside the folder of the stage: allow it with --allow FOLDER or --allow-outside."
         faults.append({"text": text, "file": layer or stage.GetRootLayer().realPath, "prim": prim.group(1) if prim else "", "line": line})
     for file in layers_of(stage):
-        if not everywhere and not _allowed(file, folders):
+        if not everywhere and not is_within(file, folders):
             faults.append({"text": "It lies outside the folder of the stage: allow it with --allow FOLDER or --allow-outside.", "file": file, "prim": "", "line": 0})
     unique, seen = [], set()
     for fault in faults:
@@ -111,7 +111,7 @@ def faults_of(stage, folders, everywhere):
     return sorted(unique, key=lambda f: (f["prim"], f["text"]))[:200]
 
 
-def _allowed(file, folders):
+def is_within(file, folders):
     real = os.path.realpath(file.split("[")[0])
     return any(real == f or real.startswith(f.rstrip("/") + "/") for f in folders)
 

@@ -1,5 +1,6 @@
 """Cameras and render settings."""
 import math
+import os
 
 from pxr import Gf, Usd, UsdGeom, UsdRender
 
@@ -71,8 +72,8 @@ def default_settings(camera, camera_prim, time):
     return fields
 
 
-def settings_fields(prim, time, notes, known):
-    """The fields of the settings. `known` are names of cameras of the scene."""
+def settings_fields(prim, time, notes, known, may_write):
+    """The fields of the settings. `known` are names of cameras of the scene; may_write(file) tells of a product's."""
     fields = _base(prim, "", notes, known)
     settings = UsdRender.Settings(prim)
     purposes = settings.GetIncludedPurposesAttr().Get()
@@ -87,10 +88,11 @@ def settings_fields(prim, time, notes, known):
             value = value_of(attribute.Get(time), str(attribute.GetTypeName()))
             if value is not None:
                 fields[name[len("alabaster:"):]] = value
-    for number, target in enumerate(settings.GetProductsRel().GetForwardedTargets()):
+    number = 0
+    for target in settings.GetProductsRel().GetForwardedTargets():
         product = prim.GetStage().GetPrimAtPath(target)
         if product:
-            _add_product(product, "products:%d:" % number, prim, fields, notes, known)
+            number += _add_product(product, "products:%d:" % number, fields, notes, known, may_write)
         else:
             notes.fault("the product %s does not exist" % target, prim=prim.GetPath())
     return fields
@@ -127,13 +129,20 @@ def _base(prim, prefix, notes, known):
     return fields
 
 
-def _add_product(prim, prefix, settings, fields, notes, known):
+def _add_product(prim, prefix, fields, notes, known, may_write):
+    """True if it is written."""
     product = UsdRender.Product(prim)
     kind = product.GetProductTypeAttr().Get()
     if kind and kind != "raster":
-        return notes.tell("products of other types than raster are not written", prim.GetPath())
+        notes.tell("products of other types than raster are not written", prim.GetPath())
+        return False
+    folder = os.path.dirname(prim.GetStage().GetRootLayer().realPath)
+    file = os.path.join(folder, product.GetProductNameAttr().Get() or prim.GetName() + ".exr")
+    if not may_write(file):
+        notes.tell("products outside of the stage's folder are not written: give -o, or --allow-outside", prim.GetPath())
+        return False
     fields.update(_base(prim, prefix, notes, known))
-    fields[prefix + "file"] = V("string", product.GetProductNameAttr().Get() or prim.GetName() + ".exr")
+    fields[prefix + "file"] = V("string", file)
     for target in product.GetOrderedVarsRel().GetForwardedTargets():
         var = UsdRender.Var(prim.GetStage().GetPrimAtPath(target))
         if not var:
@@ -148,3 +157,4 @@ def _add_product(prim, prefix, settings, fields, notes, known):
         fields[prefix + "vars:" + layer] = token(layer)
         given = str(var.GetDataTypeAttr().Get())
         fields[prefix + "vars:" + layer + ":dataType"] = token("int" if given.startswith("int") else "half" if "half" in given or given.endswith("h") else "float")
+    return True
