@@ -13,8 +13,6 @@
 #include "delegate/cli/console.h"
 #include "delegate/cli/exit_codes.h"
 
-extern char** environ;
-
 namespace alabaster::cli {
 namespace {
 

@@ -5,6 +5,7 @@
 
 #include "core/files/real_path.h"
 #include "delegate/archive/archive.h"
+#include "delegate/host/product_writer.h"
 #include "delegate/support/lookup.h"
 #include "delegate/support/process_usage.h"
 #include "delegate/usd/usd_child.h"
@@ -156,6 +157,7 @@ class StageSource : public host::SceneSource {
     const host::StageOptions& stage = options_.stage;
     json request = {{"do", "scene"}, {"time", nullptr}, {"refine", options_.refine_level}};
     if (time) request["time"] = *time;
+    request["aovs"] = host::ProductAovs();
     if (!stage.settings.empty()) request["settings"] = stage.settings;
     if (stage.shutter) request["shutter"] = *stage.shutter;
     if (!stage.purposes.empty()) request["purposes"] = stage.purposes;

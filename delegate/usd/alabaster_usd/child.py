@@ -89,6 +89,7 @@ class Child:
     def do_scene(self, asked):
         from alabaster_usd import notes, opening, scene, values
         told, sink = notes.Notes(), values.Archive()
+        values.may_read = lambda file: self.everywhere or opening.is_within(file, self.folders)
         asked["may_write"] = lambda file: self.everywhere or opening.is_within(file, self.folders[:1])
         reader = scene.Reader(self.stage, sink, told, asked.get("time"), asked)
         stands_beside = reader.run()

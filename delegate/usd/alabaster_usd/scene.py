@@ -148,7 +148,8 @@ class Reader:
         main = next((c for c in self.cameras if c.endswith("/main_cam")), next(iter(self.cameras), None))
         if prim:
             where = str(prim.GetPath())
-            fields = views.settings_fields(prim, self.time, self.notes, self.cameras, self.options.get("may_write", lambda file: True))
+            fields = views.settings_fields(prim, self.time, self.notes, self.cameras, self.options.get("may_write", lambda file: True),
+                                           self.options.get("aovs", ()))
             if "camera" not in fields and main:
                 fields["camera"] = path(main)
             self.binding = prim.GetAttribute("materialBindingPurposes").Get()

@@ -8,7 +8,7 @@ from pxr import Gf, Sdf, Vt
 
 V = namedtuple("V", "type data")  # `type` as in archives; of an array "float3[]", and the data is a buffer
 Samples = namedtuple("Samples", "times values")
-Asset = namedtuple("Asset", "authored file bytes", defaults=(None,))  # file "": none; bytes: of an image in a package
+Asset = namedtuple("Asset", "authored file bytes fault", defaults=(None, ""))  # file "": none; bytes: of an image in a package
 
 KINDS = {"bool": ("BOOL", 1, 1), "int": ("I32", 4, 1), "int64": ("I64", 8, 1), "uint": ("U32", 4, 1), "float": ("F32", 4, 1),
          "double": ("F64", 8, 1), "float2": ("F32", 4, 2), "float3": ("F32", 4, 3), "float4": ("F32", 4, 4), "int2": ("I32", 4, 2),
@@ -102,7 +102,9 @@ class Archive:
         kind, data = value
         if kind == "asset":
             written = {"authored": data.authored}
-            if data.bytes is not None:
+            if data.fault:
+                written["fault"] = data.fault
+            elif data.bytes is not None:
                 written["bytes"] = self._tensor(None, data.bytes)
             elif data.file:
                 written["file"] = data.file
@@ -141,6 +143,11 @@ class Archive:
                     rest = rest[os.write(fd, rest):]
 
 
+def may_read(file):
+    """Whether a file may be read; a program that limits it puts another function here."""
+    return True
+
+
 def is_path_in_package(text):
     return "[" in text and text.endswith("]")
 
@@ -158,8 +165,8 @@ def resolved_asset(asset, attribute, time):
             return str(found), True
     elif asset.resolvedPath:
         return asset.resolvedPath, True
-    anchored = Sdf.ComputeAssetPathRelativeToLayer(layer, text) if layer else text
-    return (anchored if anchored.startswith("/") else os.path.abspath(anchored)), False
+    folder = os.path.dirname(layer.realPath) if layer else ""
+    return os.path.normpath(os.path.join(folder or "/", text)), False
 
 
 def layer_of(attribute, time):
@@ -177,6 +184,9 @@ def asset_value(asset, attribute, time):
     if there and is_path_in_package(file):
         held = _tiles(asset, attribute, time) if "<UDIM>" in file else _bytes(file)
         return V("asset", Asset(asset.path, file, held)), held is not None
+    if file and not may_read(file):
+        outside = file + " lies outside the folder of the stage: allow it with --allow FOLDER or --allow-outside"
+        return V("asset", Asset(asset.path, "", fault=outside)), True
     return V("asset", Asset(asset.path, file)), there
 
 

@@ -72,8 +72,8 @@ def default_settings(camera, camera_prim, time):
     return fields
 
 
-def settings_fields(prim, time, notes, known, may_write):
-    """The fields of the settings. `known` are names of cameras of the scene; may_write(file) tells of a product's."""
+def settings_fields(prim, time, notes, known, may_write, aovs):
+    """The fields of the settings. `known` are names of cameras of the scene; may_write(file) tells of a product's. `aovs`: those that there are; empty: not known."""
     fields = _base(prim, "", notes, known)
     settings = UsdRender.Settings(prim)
     purposes = settings.GetIncludedPurposesAttr().Get()
@@ -92,7 +92,7 @@ def settings_fields(prim, time, notes, known, may_write):
     for target in settings.GetProductsRel().GetForwardedTargets():
         product = prim.GetStage().GetPrimAtPath(target)
         if product:
-            number += _add_product(product, "products:%d:" % number, fields, notes, known, may_write)
+            number += _add_product(product, "products:%d:" % number, fields, notes, known, may_write, aovs)
         else:
             notes.fault("the product %s does not exist" % target, prim=prim.GetPath())
     return fields
@@ -129,7 +129,7 @@ def _base(prim, prefix, notes, known):
     return fields
 
 
-def _add_product(prim, prefix, fields, notes, known, may_write):
+def _add_product(prim, prefix, fields, notes, known, may_write, aovs):
     """True if it is written."""
     product = UsdRender.Product(prim)
     kind = product.GetProductTypeAttr().Get()
@@ -153,7 +153,10 @@ def _add_product(prim, prefix, fields, notes, known, may_write):
         if var.GetSourceTypeAttr().Get() == "lpe":
             notes.tell("light path expressions are not read", var.GetPrim().GetPath())
             continue
-        layer = {"Ci": "color", "color": "color", "a": "alpha"}.get(source, source)
+        layer = {"Ci": "color", "RGBA": "color", "RGB": "color", "beauty": "color", "a": "alpha", "A": "alpha"}.get(source, source)
+        if aovs and layer not in aovs and not layer.startswith("primvars:"):
+            notes.tell("layers that the renderer does not have are not written, such as %s" % source, var.GetPrim().GetPath())
+            continue
         fields[prefix + "vars:" + layer] = token(layer)
         given = str(var.GetDataTypeAttr().Get())
         fields[prefix + "vars:" + layer + ":dataType"] = token("int" if given.startswith("int") else "half" if "half" in given or given.endswith("h") else "float")
