@@ -20,6 +20,9 @@ denoise=""
 
 size=480x320
 [ "${1:-}" != --large ] || { size=960x640; shift; }
+case " $* " in
+  *.usd\ * | *.usda\ * | *.usdc\ * | *.usdz\ *) [ -e "$top/build/usd/pxr" ] || "$build/bin/alabaster" usd install ;;
+esac
 if [ $# -gt 0 ]; then
   exec "$build/bin/alabaster" render "$@"
 fi

@@ -61,6 +61,8 @@ cmake -S "$top" -B "$build" -G Ninja -DCMAKE_BUILD_TYPE=Release -DALABASTER_WERR
 cmake --build "$build" -j "$(nproc)" --target $target
 # The thread sanitizer sees neither the library's locks nor its TBB.
 [ "$sanitize" = "thread" ] || install_denoiser "$build"
+# Never required: tests of stages are skipped without it.
+[ -e "$top/build/usd/pxr" ] || { need_pip; "$build/bin/alabaster" usd install; } || echo "OpenUSD for Python: not installed"
 export LSAN_OPTIONS="suppressions=$top/testenv/sanitizers/leak_suppressions ${LSAN_OPTIONS:-}"
 export TSAN_OPTIONS="suppressions=$top/testenv/sanitizers/thread/suppressions ${TSAN_OPTIONS:-}"
 export UBSAN_OPTIONS="print_stacktrace=1 ${UBSAN_OPTIONS:-}"

@@ -376,14 +376,18 @@ void Texture::add_to(Digest* digest) const {
     for (int x = 0; x < width(); ++x) digest->add(texel(x, y));
 }
 
+static std::vector<UdimTile> tiles_of(const TextureSource& source) {
+  if (!source.may_be_set) return {};
+  return source.bytes ? udim_tiles(source.path, *source.bytes) : udim_tiles(source.path);
+}
+
 bool is_image(const TextureSource& source, const DiagnosticSink& sink) {
-  if (source.may_be_set)
-    if (const auto tiles = udim_tiles(source.path); !tiles.empty())
-      return std::all_of(tiles.begin(), tiles.end(), [&](const UdimTile& tile) {
-        TextureSource one;
-        one.path = tile.path, one.within = source.within, one.layer = source.layer;
-        return is_image(one, sink);
-      });
+  if (const auto tiles = tiles_of(source); !tiles.empty())
+    return std::all_of(tiles.begin(), tiles.end(), [&](const UdimTile& tile) {
+      TextureSource one;
+      one.path = tile.path, one.bytes = tile.bytes, one.within = source.within, one.layer = source.layer;
+      return is_image(one, sink);
+    });
   return ImageReader().open(source, {std::numeric_limits<size_t>::max()}, sink);
 }
 
@@ -394,7 +398,7 @@ static std::shared_ptr<const Texture> load_set(const TextureSource& source, cons
   std::map<std::pair<int, int>, std::shared_ptr<const Texture>> images;
   for (const UdimTile& tile : tiles) {
     TextureSource one = source;
-    one.path = tile.path, one.wrap_s = one.wrap_t = Wrap::clamp, one.may_be_set = false;
+    one.path = tile.path, one.bytes = tile.bytes, one.wrap_s = one.wrap_t = Wrap::clamp, one.may_be_set = false;
     auto image = load(one);
     if (!image) return nullptr;
     images[{tile.place.x, tile.place.y}] = std::move(image);
@@ -406,10 +410,9 @@ std::shared_ptr<const Texture> load_texture(const TextureSource& source, const C
                                             const DiagnosticSink& sink, const TextureLoading& loading) {
   const std::shared_ptr<TexelStore>& store = loading.store;
   try {
-    if (source.may_be_set)
-      if (const std::vector<UdimTile> tiles = udim_tiles(source.path); !tiles.empty())
-        return load_set(source, tiles,
-                        [&](const TextureSource& one) { return load_texture(one, colors, sink, loading); });
+    if (const std::vector<UdimTile> tiles = tiles_of(source); !tiles.empty())
+      return load_set(source, tiles,
+                      [&](const TextureSource& one) { return load_texture(one, colors, sink, loading); });
     std::optional<PackedImage> packed = pack_image(source, colors, sink, loading);
     if (!packed) return nullptr;
     if (auto texture = make_texture(*std::move(packed), source, store)) return texture;

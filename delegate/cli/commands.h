@@ -97,6 +97,11 @@ int run_view(char** arguments);
 /// The file alabaster-view beside this program; empty if there is none.
 std::string view_program();
 
+struct UsdArguments {
+  std::string action, from;  // from: a folder with wheels
+};
+int run_usd(const UsdArguments& arguments);
+
 struct SchemaArguments {
   std::string name, folder;
 };

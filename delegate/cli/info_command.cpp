@@ -122,6 +122,7 @@ Json model_json(const hd::host::SceneFacts& model) {
               {"metersPerUnit", model.metersPerUnit}};
   if (model.timeCodesPerSecond > 0) out["timeCodesPerSecond"] = model.timeCodesPerSecond;
   if (model.range) out["range"] = *model.range;
+  if (!model.unread.empty()) out["unread"] = model.unread;
   return out;
 }
 

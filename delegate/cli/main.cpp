@@ -151,7 +151,8 @@ void add_inputs(CLI::App* c, std::string* file) {
 }
 
 CLI::App* add_render(CLI::App& app, RenderArguments* a) {
-  CLI::App* c = app.add_subcommand("render", "Renders a scene (.gltf, .glb or a render description .json) to files.");
+  CLI::App* c = app.add_subcommand(
+      "render", "Renders a scene (glTF, a stage of OpenUSD or a render description .json) to files.");
   add_render_options(c, a);
   add_checkpoint(c, a);
   add_inputs(c, &a->inputs);
@@ -301,6 +302,15 @@ CLI::App* add_info(CLI::App& app, InfoArguments* a) {
   return c;
 }
 
+CLI::App* add_usd(CLI::App& app, UsdArguments* a) {
+  CLI::App* c =
+      app.add_subcommand("usd", "Installs OpenUSD for Python, with which stages (.usd, .usda, .usdc, .usdz) are read.");
+  c->add_option("action", a->action, "install")->required()->type_name("install");
+  c->add_option("--from", a->from, "Folder with the wheels of usd-core and MaterialX, in the place of PyPI")
+      ->type_name("FOLDER");
+  return c;
+}
+
 CLI::App* add_schema(CLI::App& app, SchemaArguments* a) {
   CLI::App* c = app.add_subcommand("schema", "Prints a JSON schema, which lists every parameter.");
   c->add_option("name", a->name,
@@ -333,6 +343,7 @@ struct Arguments {
   CheckArguments check;
   ConvertArguments convert;
   OcioArguments ocio;
+  UsdArguments usd;
   TradeoffArguments tradeoff;
   MergeArguments merge;
   FarmArguments farm;
@@ -376,6 +387,7 @@ int parse_and_run(int argc, char** argv) {
   add(add_check, &a.check, run_check);
   add(add_convert, &a.convert, run_convert);
   add_view(app);
+  add(add_usd, &a.usd, run_usd);
   add(add_schema, &a.schema, run_schema);
   add(add_ocio, &a.ocio, run_ocio);
   add(add_completion, &a.shell, [&app](const std::string& shell) { return run_completion(app, shell); });

@@ -200,6 +200,7 @@ class RenderCommand {
       hd::host::RecordOptions& options = renders.emplace_back();
       options.colors = session_.colors();
       options.keep_going = a_.keep_going;
+      options.faults = session_.faults();
       options.aovs = part_aovs_;
       options.of_frame = of_frame_;
       set_checkpoint(a_, session_.scene.GetRenderSettings(path), console_, &options);

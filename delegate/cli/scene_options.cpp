@@ -18,7 +18,8 @@ constexpr TextFlag kFlags[] = {
     {"--camera", &SceneArguments::camera, "NAME", "Camera to render from"},
     {"--scene", &SceneArguments::model_scene, "N|NAME", "Scene of the glTF file; default: the file's own choice"},
     {"--animation", &SceneArguments::animation, "N|NAME", "Animation of the glTF file; default: the first"},
-    {"--variant", &SceneArguments::variant, "N|NAME", "Variant of the glTF file's materials"},
+    {"--variant", &SceneArguments::variant, "N|NAME",
+     "Variant of the glTF file's materials; of a stage /PRIM{SET=CHOICE}, several one after the other"},
     {"--dome", &SceneArguments::dome, "FILE|COLOR[,I]",
      "Dome light: an image, or a colour as one or three numbers; optionally an intensity"},
 };
@@ -28,12 +29,53 @@ void add_allow_outside(CLI::App* command, SceneArguments* a) {
                     "Let scene files name files that lie outside their own folders, for reading and for writing");
 }
 
+/// usdrecord's words, and those of its levels.
+std::optional<int> parse_complexity(const std::string& text) {
+  constexpr const char* kWords[] = {"low", "medium", "high", "veryhigh"};
+  for (int level = 0; level < 4; ++level)
+    if (text == kWords[level]) return level;
+  return std::nullopt;
+}
+std::optional<std::vector<std::string>> parse_list(const std::string& text) {
+  std::vector<std::string> words(1);
+  for (const char c : text)
+    if (c == ',')
+      words.emplace_back();
+    else
+      words.back() += c;
+  return words;
+}
+
+// Of stages of OpenUSD.
+void add_stage_options(CLI::App* command, SceneArguments* a) {
+  hd::host::StageOptions* stage = &a->stage;
+  command->add_option("--session-layer", stage->session_layer, "Layer over a stage of OpenUSD")->type_name("FILE");
+  add_repeated(command, "--mask", &stage->mask, "PATH", "Read this prim of a stage and what it needs; may be repeated");
+  add_parsed(command, "--purposes", &stage->purposes, parse_list, "is no list of purposes.", "LIST",
+             "Purposes of a stage that are drawn, such as default,proxy; default: those of its settings, else "
+             "default,render");
+  command
+      ->add_option("--render-settings", stage->settings, "RenderSettings prim of a stage; default: the stage's choice")
+      ->type_name("PATH");
+  add_parsed(command, "--complexity", &a->complexity, parse_complexity, "is not low, medium, high or veryhigh.",
+             "LEVEL",
+             "Refinement of a stage's subdivision surfaces: low (none), medium, high (the default) or veryhigh");
+  add_repeated(command, "--search-path", &stage->search_paths, "FOLDER",
+               "Search path of a stage's assets, which may be read, too; may be repeated");
+  add_repeated(command, "--allow", &stage->allowed_folders, "FOLDER",
+               "Folder besides its own that a stage may read files of; may be repeated");
+  add_parsed(command, "--usd-limit", &stage->seconds, parse_positive, "is not a number of seconds above 0.", "S",
+             "CPU time that opening or reading a stage may take; default: 30");
+}
+
 }  // namespace
 
 void add_scene_file(CLI::App* command, SceneArguments* a) {
   command->add_option("file", a->scene, "Scene file")->required()->type_name("SCENE");
   add_repeated(command, "--set", &a->overrides, "KEY=VALUE", "Override a value, as in render");
+  command->add_option("--variant", a->variant, "Variant of the model, as in render")->type_name("NAME");
   add_allow_outside(command, a);
+  add_stage_options(command, a);
 }
 
 void add_ocio(CLI::App* command, SceneArguments* a) {
@@ -42,17 +84,22 @@ void add_ocio(CLI::App* command, SceneArguments* a) {
 }
 
 void add_scene_options(CLI::App* command, SceneArguments* a) {
-  command->add_option("file", a->scene, "Scene file (.gltf, .glb, .alab or a render description .json)")
+  command
+      ->add_option("file", a->scene,
+                   "Scene file (.gltf, .glb, .usd, .usda, .usdc, .usdz, .alab or a render description .json)")
       ->required()
       ->type_name("SCENE");
   for (const TextFlag& flag : kFlags) command->add_option(flag.flag, a->*flag.value, flag.help)->type_name(flag.type);
   add_ocio(command, a);
-  add_parsed(command, "--time", &a->time, parse_nonnegative, "is not a time: write a number of seconds from 0 up.", "S",
-             "Time in the models' animation in seconds; without it they keep the pose in which they are authored");
+  add_parsed(
+      command, "--time", &a->time, parse_nonnegative, "is not a time: write a number of seconds from 0 up.", "S",
+      "Time in the models' animation in seconds, of a stage its time code; without it they keep the pose in which they "
+      "are authored, a stage its start");
   add_repeated(command, "--set", &a->overrides, "KEY=VALUE",
                "Override a value: samples=16, materials/NAME.roughness=0.3, lights/NAME.intensity=2, "
                "meshes/NAME.refineLevel=3, camera.fStop=2.8; may be repeated");
   add_allow_outside(command, a);
+  add_stage_options(command, a);
 }
 
 hd::description::LoadOptions scene_load_options(const SceneArguments& a, std::vector<hd::description::Override> flags) {
@@ -64,6 +111,7 @@ hd::description::LoadOptions scene_load_options(const SceneArguments& a, std::ve
   options.camera = a.camera;
   options.dome = a.dome;
   options.time = a.time;
+  options.stage = a.stage, options.complexity = a.complexity;
   options.scene = a.model_scene;
   options.animation = a.animation;
   options.variant = a.variant;

@@ -17,16 +17,19 @@ namespace alabaster::cli {
 struct SceneArguments {
   std::string scene;
   std::string camera, dome, ocio;
-  std::optional<double> time;                   // seconds
+  std::optional<double> time;                   // seconds, or the time code of a stage
   std::string model_scene, animation, variant;  // of a glTF model: name or index
   std::vector<std::string> overrides;
   bool allow_outside = false;
+  hd::host::StageOptions stage;
+  std::optional<int> complexity;
 };
 
-/// Adds SCENE, --set and --allow-outside.
+/// Adds SCENE, --set, --allow-outside and the options of stages.
 void add_scene_file(CLI::App* command, SceneArguments* arguments);
 void add_ocio(CLI::App* command, SceneArguments* arguments);
-/// Adds SCENE, --camera, --time, --scene, --animation, --variant, --dome, --ocio, --set and --allow-outside.
+/// Adds SCENE, --camera, --time, --scene, --animation, --variant, --dome, --ocio, --set, --allow-outside and
+/// the options of stages.
 void add_scene_options(CLI::App* command, SceneArguments* arguments);
 
 /// `flags`: those of the command that set a value; --set comes over them.

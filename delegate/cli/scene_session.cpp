@@ -76,6 +76,12 @@ void SceneSession::start(const hd::DiagnosticSink& sink) {
   scene.Populate(index_.get());
 }
 
+std::vector<std::string> SceneSession::faults() const {
+  std::vector<std::string> all;
+  for (const auto& model : file.models) all.insert(all.end(), model.faults.begin(), model.faults.end());
+  return all;
+}
+
 int SceneSession::fault_code() const {
   delegate_->InvokeCommand("waitForScene", {});
   const hd::Dictionary stats = delegate_->GetRenderStats();

@@ -24,6 +24,8 @@ class SceneSession {
   const hd::description::LoadOptions& options() const { return options_; }
   /// Gives the models of the loaded scene the pose of a frame. The default look stays as it was loaded.
   void pose(double frame, const hd::DiagnosticSink& sink);
+  /// What the models lack, by LoadOptions::keep_going.
+  std::vector<std::string> faults() const;
   /// Chooses the colour configuration: `asked`, or the scene's if that is empty. `code`: of one that cannot be used.
   void choose_colors(const std::string& asked, const hd::DiagnosticSink& sink, int code);
   /// The configuration that was chosen.

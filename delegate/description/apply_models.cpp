@@ -6,6 +6,7 @@
 #include "delegate/description/placement.h"
 #include "delegate/support/extension.h"
 #include "delegate/support/lookup.h"
+#include "delegate/usd/usd_source.h"
 
 namespace alabaster::hd::description {
 namespace {
@@ -128,6 +129,14 @@ SourceFault read_model(LoadState& load, const nlohmann::json& entry, const Asset
   options.variant = entry.value("variant", "");
   options.refine_level = entry.value("refineLevel", options.refine_level);
   model->shutter = shutter_of(load);
+  // A stage's reader samples the shutter itself, that of its camera, too.
+  options.stage = load.options.stage;
+  if (usd::is_stage(support::lower_extension(file.resolved))) {
+    if (model->shutter.close > model->shutter.open) options.stage.shutter = {model->shutter.open, model->shutter.close};
+    model->shutter = {};
+  }
+  options.keep_going = load.options.keep_going;
+  if (load.options.complexity) options.refine_level = *load.options.complexity;
   model->frames_per_second = load.options.frames_per_second;
   if (entry.contains("time")) model->own_time = entry["time"].get<double>();
   model->memory = load.memory;

@@ -8,6 +8,7 @@
 #include "delegate/description/load_state.h"
 #include "delegate/support/extension.h"
 #include "delegate/support/process_usage.h"
+#include "delegate/usd/usd_source.h"
 
 namespace alabaster::hd::description {
 namespace {
@@ -74,22 +75,21 @@ class Loader {
   void read_file(const std::string& file) {
     const InputFile input(file);
     if (input.fault() == InputFile::Fault::not_regular)
-      fail("scene.kind", file, "It is not a regular file. A scene is a .gltf, .glb, .json or .alab file.");
+      fail("scene.kind", file,
+           "It is not a regular file. A scene is a .gltf, .glb, .usd, .usda, .usdc, .usdz, .json or .alab file.");
     if (input.fault() == InputFile::Fault::missing)
       fail("scene.missing", file, "There is no such file. Check the name and the working folder.");
     if (input.fault() == InputFile::Fault::foreign) fail("scene.missing", file, input.reason());
     const std::string extension = support::lower_extension(file);
     if (extension == ".json") return read_description(file, input);
-    if (extension == ".gltf" || extension == ".glb" || extension == ".alab") {
+    if (extension == ".gltf" || extension == ".glb" || extension == ".alab" || usd::is_stage(extension)) {
       state_.document.origin = file;
       state_.document.set("/models/0/file", file, file);
       return;
     }
-    const bool is_usd = extension == ".usd" || extension == ".usda" || extension == ".usdc" || extension == ".usdz";
-    fail("scene.kind", file,
-         is_usd ? "Files of OpenUSD are rendered by its own hosts, such as usdrecord, with the Hydra plug-in. "
-                  "Here use .gltf, .glb, .json (a render description) or .alab."
-                : "This is not a scene file: use .gltf, .glb, .json (a render description) or .alab.");
+    fail(
+        "scene.kind", file,
+        "This is not a scene file: use .gltf, .glb, .usd, .usda, .usdc, .usdz, .json (a render description) or .alab.");
   }
 
   // The setting counts before anything is read. A file may only tighten what holds without it.

@@ -10,6 +10,7 @@
 #include "delegate/gltf/gltf_scene.h"
 #include "delegate/support/extension.h"
 #include "delegate/support/lookup.h"
+#include "delegate/usd/usd_source.h"
 
 namespace alabaster::hd::description {
 namespace {
@@ -181,6 +182,7 @@ host::Fields light_changes(const host::LightDescription& before, const host::Lig
 std::unique_ptr<host::SceneSource> source_of(const std::string& file) {
   const std::string extension = support::lower_extension(file);
   if (extension == ".gltf" || extension == ".glb") return gltf::MakeGltfSource();
+  if (usd::is_stage(extension)) return usd::MakeStageSource();
   return extension == ".alab" ? archive::MakeArchiveSource() : nullptr;
 }
 

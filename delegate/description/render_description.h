@@ -1,5 +1,5 @@
 // The render description (.json, schemas/render_description.json), for everything that glTF cannot express, and
-// LoadScene, which loads any scene file: .json, .gltf, .glb and .alab (archive/archive.h).
+// LoadScene, which loads any scene file: .json, .gltf, .glb, .alab (archive/archive.h) and stages of OpenUSD.
 #pragma once
 
 #include "delegate/host/scene_fields.h"
@@ -37,6 +37,10 @@ struct LoadOptions {
   /// A description names files in its own folder or below only, symbolic links followed, for reading and for writing,
   /// and so does a glTF file. True lifts this. Overrides and the dome are the user's own words, and name any file.
   bool allow_outside = false;
+  /// Of stages of OpenUSD alone; the shutter and the camera are those below.
+  host::StageOptions stage;
+  /// Subdivision level of stages.
+  std::optional<int> complexity;
   /// Of the models' animations, added to each description's `time`: seconds, or time codes of a model that has these.
   /// Empty: models without a `time` keep the pose in which they are authored.
   std::optional<double> time;

@@ -284,7 +284,7 @@ class Recording {
   bool scene_is_whole() {
     const Dictionary stats = delegate_->GetRenderStats();
     if (stats.empty()) return refuse(RecordStatus::render_failed, "record.memory", "memory ran out");
-    const auto faults = static_cast<uint64_t>(number_in(stats, "scene.faultCount"));
+    const auto faults = static_cast<uint64_t>(number_in(stats, "scene.faultCount")) + options_.faults.size();
     const bool memory = number_in(stats, "scene.outOfMemory") != 0;
     if (faults == 0 || (options_.keep_going && !memory)) return true;
     return refuse(memory ? RecordStatus::render_failed : RecordStatus::input_failed, "record.scene",
@@ -351,6 +351,15 @@ class Recording {
     rendered_ = true;
   }
 
+  // Faults of the delegate, and those of reading the scene.
+  Dictionary with_faults(Dictionary stats) const {
+    if (options_.faults.empty() || stats.empty()) return stats;
+    std::string all = text_in(stats, "scene.faults");
+    for (const std::string& fault : options_.faults) all += (all.empty() ? "" : "\n") + fault;
+    stats["scene.faults"] = all;
+    return stats;
+  }
+
   // An interrupted render is stopped before its statistics are read, so that they agree with the pixels.
   void finish(std::unique_ptr<RenderPass>& pass) {
     std::shared_ptr<const void> stop;
@@ -359,7 +368,7 @@ class Recording {
       if (const auto denoised = buffers_.find("denoised"); denoised != buffers_.end())
         denoised->second.get()->Resolve();  // denoises the samples so far
     }
-    result_.stats = delegate_->GetRenderStats();
+    result_.stats = with_faults(delegate_->GetRenderStats());
     if (result_.stats.empty()) refuse(RecordStatus::render_failed, "record.memory", "memory ran out");
     if (pass->GetState() == PassState::failed) {
       const bool refused = number_in(result_.stats, "refused") != 0;
@@ -415,7 +424,7 @@ class Recording {
   }
 
   void collect_stats() {
-    if (result_.stats.empty()) result_.stats = delegate_->GetRenderStats();
+    if (result_.stats.empty()) result_.stats = with_faults(delegate_->GetRenderStats());
     for (const auto& [key, value] : phases_) result_.stats[key] = value;
     checkpoints_.add_to(&result_.stats);
   }

@@ -25,14 +25,25 @@ struct SceneEdits {
 /// Returns the fault of a change, or "". A change of a prim that is not there is none.
 ALABASTER_API std::string ApplyEdits(SceneEdits edits, RetainedSceneDelegate* scene);
 
+/// Of stages of OpenUSD alone.
+struct StageOptions {
+  std::string session_layer, settings;      // a file; the path of a RenderSettings prim. Empty: none, the stage's
+  std::vector<std::string> mask, purposes;  // paths of prims to read; empty: all, and default and render
+  std::vector<std::string> search_paths, allowed_folders;  // of the default resolver; that may be read, too
+  std::optional<std::array<double, 2>> shutter = {};  // in time codes relative to the pose, in place of the camera's
+  double seconds = 30;                                // CPU time of a request to the reader
+};
+
 struct SourceOptions {
   bool allow_outside = false;  // files that it names may lie outside of its folder, links followed
   std::string within = {};     // as of an AssetPath: where the file and its folder must lie
   size_t memory_limit = 0;     // bytes that reading may take; 0: three quarters of what the process may use
   // Each of these is a name, or an index as a whole number; empty: the file's own choice.
   std::string scene = {}, animation = {}, variant = {};
-  bool is_timed = false;  // poses have a time: without it an animation is used only if it is named
-  int refine_level = 2;   // of control meshes in glTF (FB_ngon_encoding)
+  bool is_timed = false;    // poses have a time: without it an animation is used only if it is named
+  int refine_level = 2;     // of control meshes in glTF (FB_ngon_encoding), and of a stage's subdivision surfaces
+  bool keep_going = false;  // what the file names and lacks is told in SceneFacts::faults, and is no fault of Open
+  StageOptions stage = {};
 };
 
 struct SceneAnimation {
@@ -57,9 +68,11 @@ struct SceneFacts : SceneInfo {
   Path root = {};                                       // below which all its prims lie; empty: anywhere
   std::vector<std::string> scenes = {}, variants = {};  // names, empty where the file gives none
   std::vector<SceneAnimation> animations = {};
-  bool is_complete = false;  // it is drawn as it is: no light is added to it
-  bool varies = false;       // poses at other times differ
-  size_t memory_bytes = 0;   // of what was read for the first pose, as long as its prims are held
+  bool is_complete = false;              // it is drawn as it is: no light is added to it
+  bool varies = false;                   // poses at other times differ
+  std::vector<std::string> unread = {};  // kinds of what it has and the reader leaves out, as warned of
+  std::vector<std::string> faults = {};  // what it lacks, by SourceOptions::keep_going
+  size_t memory_bytes = 0;               // of what was read for the first pose, as long as its prims are held
 };
 
 /// `choice`: the file lacks the scene, animation or variant that the options name.

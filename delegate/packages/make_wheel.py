@@ -153,8 +153,8 @@ def stage(tools, version, tag):
     (info / "WHEEL").write_text(f"Wheel-Version: 1.0\nGenerator: make_wheel\nRoot-Is-Purelib: false\nTag: {tag}\n")
     (info / "METADATA").write_text(
         f"Metadata-Version: 2.4\nName: hdalabaster\nVersion: {version}\nSummary: Path tracer for translucent materials\n"
-        f"Requires-Python: =={python[2]}.{python[3:]}.*\nLicense-File: alabaster.txt\nProvides-Extra: denoise\n"
-        f"Requires-Dist: pyoidn=={OIDN}; extra == 'denoise'\nDescription-Content-Type: text/markdown\n\n"
+        f"Requires-Python: =={python[2]}.{python[3:]}.*\nLicense-File: alabaster.txt\nProvides-Extra: denoise\nProvides-Extra: usd\n"
+        f"Requires-Dist: pyoidn=={OIDN}; extra == 'denoise'\nRequires-Dist: usd-core==26.8; extra == 'usd'\nRequires-Dist: MaterialX==1.39.5; extra == 'usd'\nDescription-Content-Type: text/markdown\n\n"
         "Path-traced subsurface scattering: the module `hdalabaster` and the program `alabaster`.\n")
     return root
 

@@ -21,7 +21,8 @@ DELEGATE_ROOMS = {  # room -> the rooms of delegate that it may include besides 
     "rendering": ["api", "support", "prims"],
     "host": ["api", "support"],
     "gltf": ["api", "support", "looks", "host"],
-    "description": ["api", "support", "looks", "host", "gltf", "archive"],
+    "description": ["api", "support", "looks", "host", "gltf", "archive", "usd"],
+    "usd": ["api", "support", "host", "archive"],
     "archive": ["api", "support", "host"],
     "c_api": CONTRACT + ["support"],
     "python": ["c_api"],
@@ -41,6 +42,7 @@ CORE_SEEN_BY = {  # room of delegate -> the rooms of core that it may include
     "c_api": ["math"],
     "gltf": ["files", "images", "material", "math", "memory", "subsurface", "texture"],
     "description": ["files", "math", "memory", "texture"],
+    "usd": ["files"],
     "tradeoff": ["files"],
     "cli": ["files"],
     "view": ["files"],
@@ -54,7 +56,7 @@ OWNERS = {  # pattern of an include -> files that may have it
     r"CLI/": ["delegate/cli/", "delegate/view/program"],
     r"imgui|GLFW/": ["delegate/view/"],
     r"xxhash": ["core/digest/"],
-    r"dlfcn\.h": ["core/denoise/", "core/images/", "delegate/rendering/factory", "delegate/hydra/plugin/renderer_plugin"],
+    r"dlfcn\.h": ["core/denoise/", "core/images/", "delegate/rendering/factory", "delegate/usd/", "delegate/hydra/plugin/renderer_plugin"],
     r"pxr/": ["delegate/hydra/plugin/"],
 }
 INCLUDE = re.compile(r'^\s*#\s*include\s*[<"]([^>"]+)[>"]')

@@ -88,6 +88,9 @@ class Scene(SceneMethods):
     def set_instance_values(self, path: str, first: int, *, transforms: _Array = ..., translations: _Array = ...,
                             rotations: _Array = ..., scales: _Array = ...) -> None: ...
 
+def load_stage(stage: Any, scene: Optional[Scene] = None, *, time: Optional[float] = None, settings: str = "",
+               purposes: Sequence[str] = (), refine_level: int = 2) -> Scene: ...
+
 @final
 class Pixels:
     @property

@@ -1,0 +1,119 @@
+"""Materials: networks as they were authored, as edits. What they mean is decided behind the contract."""
+from pxr import Sdf, Usd, UsdShade
+
+from .values import V, asset_value, path, token, value_of
+
+# The contexts of a surface, those that are read best first.
+CONTEXTS = ["alabaster", "mtlx", ""]
+# Those that delegate/looks reads, and ours.
+READ = ("AlabasterDisney", "UsdPreviewSurface", "ND_UsdPreviewSurface_surfaceshader", "ND_standard_surface_surfaceshader",
+        "ND_standard_surface_surfaceshader_100", "ND_open_pbr_surface_surfaceshader", "ND_gltf_pbr_surfaceshader",
+        "ND_disney_principled", "arnold:standard_surface", "arnold:openpbr_surface")
+# MaterialX's nodes of the preview surface are those of USD under other names.
+NATIVE = {"ND_UsdPreviewSurface_surfaceshader": "UsdPreviewSurface", "ND_UsdUVTexture": "UsdUVTexture",
+          "ND_UsdTransform2d": "UsdTransform2d", "ND_UsdPrimvarReader_vector2": "UsdPrimvarReader_float2"}
+
+
+class Looks:
+    def __init__(self, stage, sink, notes, time):
+        self.stage, self.sink, self.notes, self.time, self.done = stage, sink, notes, time, {}
+        self.fallbacks = {}  # names of nodes whose image is missing -> what their file gives in its place
+
+    def bind(self, material):
+        """The path of a bound material as a value, after its network has been written; None without one."""
+        if not material:
+            return None
+        prim = material.GetPrim()
+        where = str(prim.GetPath())
+        if where not in self.done:
+            self.done[where] = self._write(material, where)
+        return path(where) if self.done[where] else None
+
+    def _surface(self, material):
+        """(shader, id) of the surface that is read best."""
+        sources = []
+        for context in CONTEXTS + sorted({n.split(":")[1] for n in material.GetPrim().GetPropertyNames()
+                                          if n.startswith("outputs:") and n.endswith(":surface") and n.count(":") == 2}):
+            shader, _, _ = material.ComputeSurfaceSource(context)
+            if shader:
+                sources.append((shader, self._id(shader)))
+        return next((s for s in sources if s[1] in READ), sources[0] if sources else (None, ""))
+
+    @staticmethod
+    def _id(shader):
+        name = shader.GetShaderId() or shader.GetPrim().GetAttribute("info:id").Get()
+        return str(name) if name else shader.GetPrim().GetTypeName() or "no id"
+
+    def _write(self, material, where):
+        shader, kind = self._surface(material)
+        if not shader:
+            if material.GetVolumeOutput().HasConnectedSource():
+                self.notes.tell("materials of volumes are not read: their objects are left out or have the default material", where)
+            elif material.GetPrim().GetChildren():
+                self.notes.tell("materials without a surface have the default material", where)
+            return False
+        fields, self.fallbacks = {}, {}
+        self._node(where, shader, fields, set())
+        fields["surface"] = path(self._name(where, shader.GetPrim()) + ".out")
+        shape, _, _ = material.ComputeDisplacementSource("alabaster")
+        if shape and self._id(shape) == "AlabasterDisplacement":
+            self._node(where, shape, fields, set())
+            fields["displacement"] = path(self._name(where, shape.GetPrim()) + ".out")
+        self.sink.set(where, "material", fields)
+        return True
+
+    @staticmethod
+    def _name(where, prim):
+        name = str(prim.GetPath())
+        return name[len(where) + 1:] if name.startswith(where + "/") else name
+
+    def _node(self, where, shader, fields, visiting):
+        prim = shader.GetPrim()
+        name = self._name(where, prim)
+        if name + ".type" in fields or len(visiting) > 200:
+            return
+        kind = self._id(shader)
+        fields[name + ".type"] = token(NATIVE.get(kind, kind))
+        is_ours = kind.startswith("Alabaster")
+        for given in shader.GetInputs():
+            if given.GetBaseName() in ("texcoord", "st") and kind == "ND_UsdPrimvarReader_vector2":
+                continue
+            self._input(where, name, given, fields, visiting | {name}, is_ours, kind)
+
+    def _input(self, where, name, given, fields, visiting, is_ours, kind):
+        base = given.GetBaseName()
+        key = name + "." + base
+        produced = UsdShade.Utils.GetValueProducingAttributes(given)
+        upstream = []
+        for attribute in produced:
+            if UsdShade.Utils.GetType(attribute.GetName()) == UsdShade.AttributeType.Output:
+                source = UsdShade.Shader(attribute.GetPrim())
+                self._node(where, source, fields, visiting)
+                upstream.append(self._name(where, attribute.GetPrim()) + "." + attribute.GetName()[len("outputs:"):])
+        if upstream and upstream[0].rsplit(".", 1)[0] in self.fallbacks:
+            color, output = self.fallbacks[upstream[0].rsplit(".", 1)[0]], upstream[0].rsplit(".", 1)[1]
+            fields[key] = V("float3", color[:3]) if output == "rgb" else V("float", color["rgba".find(output)])
+            return
+        if upstream:
+            fields[key] = V("path[]", upstream)
+            return
+        attribute = produced[0] if produced else None
+        value = attribute.Get(self.time) if attribute else None
+        if value is None:
+            return
+        space = attribute.GetColorSpace() if attribute.HasColorSpace() else ""
+        if space and not is_ours:
+            fields[name + ".colorSpace:" + base] = token(space)
+        if not isinstance(value, Sdf.AssetPath):
+            made = value_of(value, str(attribute.GetTypeName()))
+            if made is not None:
+                fields[key] = made
+            return
+        if not value.path:
+            return
+        fields[key], there = asset_value(value, attribute, self.time)
+        fallback = given.GetPrim().GetAttribute("inputs:fallback").Get(self.time) if not there and NATIVE.get(kind, kind) == "UsdUVTexture" else None
+        if fallback is not None and base == "file":
+            self.notes.tell("images are missing, and their nodes' fallback is used", "%s of %s" % (fields.pop(key).data.file, where))
+            self.fallbacks[name] = [float(c) for c in fallback]
+            return

@@ -1,0 +1,130 @@
+"""Opens a stage: layers, composition errors, variants, and what a program lists of it."""
+import os
+import re
+
+from pxr import Ar, Pcp, Sdf, Tf, Usd, UsdGeom, UsdRender
+
+from .notes import Fault
+
+VARIANT = re.compile(r"(/[^{}]*)\{([^{}=]+)=([^{}=]*)\}")
+
+
+def open_stage(asked, folders, everywhere):
+    """(stage, what is told of it)."""
+    file = asked["file"]
+    if asked.get("search"):
+        Ar.DefaultResolver.SetDefaultSearchPath(asked["search"])
+    root = _layer(file)
+    session = Sdf.Layer.CreateAnonymous("session.usda")
+    if asked.get("session"):
+        _layer(asked["session"])
+        session.subLayerPaths.append(asked["session"])
+    masks = asked.get("mask")
+    try:
+        if masks:
+            stage = Usd.Stage.OpenMasked(root, session, Usd.StagePopulationMask([Sdf.Path(m) for m in masks]))
+            stage.ExpandPopulationMask()
+        else:
+            stage = Usd.Stage.Open(root, session)
+    except Tf.ErrorException as e:
+        text, layer, line = plain(e)
+        raise Fault("it cannot be read: " + text, layer or file, line=line) from None
+    stage.SetEditTarget(stage.GetSessionLayer())
+    for prim, name, choice in _variants(asked.get("variants", "")):
+        _select(stage, prim, name, choice)
+    from . import mtlx
+    more, files, held = mtlx.place_layers(stage)
+    stage.held_layers = held  # as long as the stage
+    faults = more + faults_of(stage, folders, everywhere)
+    return stage, {"layers": sorted(set(layers_of(stage) + files)), "faults": faults, **facts_of(stage)}
+
+
+def plain(text):
+    """(what OpenUSD says without the places in its own code, the layer, the line)."""
+    quoted = re.findall(r"at line \d+ in file \S+ : '(.*?)'\s*(?=\n|$)", str(text), re.S)
+    text = re.sub(r"pxrInternal\w*?__(pxrReserved__(::)?)?_?", "", " ".join(" ".join(quoted or [str(text)]).split()))
+    place = re.search(r"(/[^\s@<>']+?):(\d+):\d+: ", text)
+    return text[:600], place.group(1) if place else "", int(place.group(2)) if place else 0
+
+
+def _layer(file):
+    if not os.path.isfile(file):
+        raise Fault("there is no such file, or it may not be read", file)
+    try:
+        layer = Sdf.Layer.FindOrOpen(file)
+    except Tf.ErrorException as e:
+        text, place, line = plain(e)
+        raise Fault("it cannot be read: " + text, place or file, line=line) from None
+    if not layer:
+        raise Fault("it cannot be read: it is no stage of OpenUSD, or is damaged", file)
+    return layer
+
+
+def _variants(text):
+    found = VARIANT.findall(text)
+    if text and "".join("%s{%s=%s}" % f for f in found) != text.replace(" ", ""):
+        raise Fault("'%s' is no choice of variants: write /prim{set=choice}" % text)
+    return found
+
+
+def _select(stage, prim, name, choice):
+    at = stage.GetPrimAtPath(prim) if Sdf.Path.IsValidPathString(prim) else None
+    if not at:
+        raise Fault("there is no prim of that path to choose a variant of", prim=prim)
+    sets = at.GetVariantSets()
+    if name not in sets.GetNames():
+        raise Fault("it has no variant set '%s'; it has %s" % (name, ", ".join(sets.GetNames()) or "none"), prim=prim)
+    if choice not in sets.GetVariantSet(name).GetVariantNames():
+        raise Fault("its variant set '%s' has no '%s'; it has %s" % (name, choice, ", ".join(sets.GetVariantSet(name).GetVariantNames())), prim=prim)
+    sets.SetSelection(name, choice)
+
+
+def layers_of(stage):
+    """The files that composition used, the stage's own first."""
+    files = []
+    for layer in stage.GetUsedLayers():
+        file = layer.realPath or layer.identifier
+        file = file.split("[")[0]
+        if not layer.anonymous and os.path.isabs(file) and file not in files:
+            files.append(file)
+    return sorted(files)
+
+
+def faults_of(stage, folders, everywhere):
+    faults = []
+    for error in stage.GetCompositionErrors():
+        site = str(getattr(error, "rootSite", ""))
+        prim = re.search(r"<([^>]+)>", site)
+        text, layer, line = plain(error)
+        outside = re.search(r"asset @([^@]+)@", text)
+        if outside and not everywhere and not is_within(outside.group(1), folders):
+            text += " It lies outside the folder of the stage: allow it with --allow FOLDER or --allow-outside."
+        faults.append({"text": text, "file": layer or stage.GetRootLayer().realPath, "prim": prim.group(1) if prim else "", "line": line})
+    for file in layers_of(stage):
+        if not everywhere and not is_within(file, folders):
+            faults.append({"text": "It lies outside the folder of the stage: allow it with --allow FOLDER or --allow-outside.", "file": file, "prim": "", "line": 0})
+    unique, seen = [], set()
+    for fault in faults:
+        key = (fault["file"], fault["text"])
+        if key not in seen:
+            seen.add(key), unique.append(fault)
+    return sorted(unique, key=lambda f: (f["prim"], f["text"]))[:200]
+
+
+def is_within(file, folders):
+    real = os.path.realpath(file.split("[")[0])
+    return any(real == f or real.startswith(f.rstrip("/") + "/") for f in folders)
+
+
+def facts_of(stage):
+    has_range = stage.HasAuthoredTimeCodeRange()
+    return {"range": [stage.GetStartTimeCode(), stage.GetEndTimeCode()] if has_range else None,
+            "timeCodesPerSecond": stage.GetTimeCodesPerSecond(), "framesPerSecond": stage.GetFramesPerSecond(),
+            "varies": any(layer.ListAllTimeSamples() for layer in stage.GetUsedLayers()),
+            "up": str(UsdGeom.GetStageUpAxis(stage)), "metersPerUnit": UsdGeom.GetStageMetersPerUnit(stage),
+            "variants": {str(p.GetPath()): {n: [p.GetVariantSets().GetVariantSelection(n)] + list(p.GetVariantSets().GetVariantSet(n).GetVariantNames())
+                                            for n in p.GetVariantSets().GetNames()} for p in stage.Traverse() if p.HasVariantSets()}}
+
+
+def fail():
+    raise Fault("memory ran out")

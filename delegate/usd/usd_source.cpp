@@ -1,0 +1,229 @@
+#include "delegate/usd/usd_source.h"
+
+#include <filesystem>
+#include <set>
+
+#include "core/files/real_path.h"
+#include "delegate/archive/archive.h"
+#include "delegate/host/product_writer.h"
+#include "delegate/support/lookup.h"
+#include "delegate/support/process_usage.h"
+#include "delegate/usd/usd_child.h"
+
+namespace alabaster::hd::usd {
+namespace {
+
+using nlohmann::json;
+
+/// The address space of a process that holds OpenUSD and nothing of a stage.
+constexpr size_t kOpenUsdBytes = size_t(4) << 30;
+
+// A look that the renderer does not read yet is drawn by its base colour: a constant, or an image that it leads to.
+const MaterialNode* image_behind(const MaterialNetwork& network, const MaterialNode& surface, const char* input,
+                                 Path* path) {
+  const auto* at = support::first_in(surface.inputConnections, input);
+  for (int steps = 0; at && steps < 8; ++steps) {
+    const MaterialNode* const node = support::find_in(network.nodes, at->upstreamNode);
+    if (!node) return nullptr;
+    *path = at->upstreamNode;
+    if (!support::value_in(node->parameters, "file").empty()) return node;
+    at = nullptr;
+    for (const auto& [name, connections] : node->inputConnections)
+      if (!connections.empty() && !at) at = &connections.front();
+  }
+  return nullptr;
+}
+bool is_read(const Token& type) {
+  return type == Token("UsdPreviewSurface") || type.str().starts_with("Alabaster");
+}
+/// The type of a look that is not read; empty: it is.
+std::string draw_plainly(MaterialNetwork* network) {
+  const auto terminal = network->terminals.find("surface");
+  if (terminal == network->terminals.end()) return {};
+  const Path id = terminal->second.upstreamNode;
+  const MaterialNode* const surface = support::find_in(network->nodes, id);
+  if (!surface || is_read(surface->nodeTypeId)) return {};
+  const std::string type = surface->nodeTypeId.str();
+  MaterialNetwork plain;
+  MaterialNode disney{"AlabasterDisney", {}, {}};
+  for (const auto& [names, target] : {std::pair<std::vector<const char*>, const char*>{
+                                          {"base_color", "baseColor", "diffuseColor", "color"}, "baseColor"},
+                                      {{"specular_roughness", "roughness"}, "roughness"},
+                                      {{"metalness", "base_metalness", "metallic"}, "metallic"}})
+    for (const char* name : names) {
+      const Value value = support::value_in(surface->parameters, name);
+      Path path;
+      const MaterialNode* const image = image_behind(*network, *surface, name, &path);
+      const bool is_color = target == std::string("baseColor");
+      if (image) {
+        plain.nodes[path] = {"AlabasterTexture", {{"file", support::value_in(image->parameters, "file")}}, {}};
+        disney.inputConnections[target] = {{path, is_color ? "rgb" : "r"}};
+      } else if (is_color ? value.get<Vec3f>() != nullptr : value.get<float>() != nullptr) {
+        disney.parameters[target] = value;
+      } else {
+        continue;
+      }
+      break;
+    }
+  plain.nodes[id] = std::move(disney);
+  plain.terminals["surface"] = {id, "out"};
+  *network = std::move(plain);
+  return type;
+}
+
+class StageSource : public host::SceneSource {
+ public:
+  host::SourceFault Open(const std::string& file, const host::SourceOptions& options,
+                         const DiagnosticSink& sink) override {
+    return guarded(sink, [&] { open(file, options, sink); });
+  }
+  const host::SceneFacts& Facts() const override { return facts_; }
+  host::SourceFault Pose(std::optional<double> time, const DiagnosticSink& sink, host::SceneEdits* edits) override {
+    return guarded(sink, [&] { pose(time, sink, edits); });
+  }
+
+ private:
+  template <class Work>
+  host::SourceFault guarded(const DiagnosticSink& sink, const Work& work) {
+    const auto fail = [&](const std::string& where, const std::string& text) {
+      if (sink) sink({Severity::error, "usd", where.empty() ? file_ : where, text});
+      return host::SourceFault::input;
+    };
+    try {
+      work();
+      return fault_;
+    } catch (const Fault& fault) {
+      fail(fault.where, fault.what());
+      return fault.out_of_memory ? host::SourceFault::out_of_memory : host::SourceFault::input;
+    } catch (const std::bad_alloc&) {
+      fail({}, "Not enough memory to read the stage.");
+      return host::SourceFault::out_of_memory;
+    } catch (const std::exception& e) {
+      return fail({}, std::string("It could not be read: ") + e.what());
+    }
+  }
+
+  void open(const std::string& file, const host::SourceOptions& options, const DiagnosticSink& sink) {
+    file_ = file, options_ = options;
+    const host::StageOptions& stage = options.stage;
+    const std::string real = real_path(file);
+    if (!options.within.empty() && !is_within(real, options.within)) throw Fault(outside_text(real));
+    const std::string folder = std::filesystem::path(real).parent_path().string();
+    memory_ = options.memory_limit ? options.memory_limit : support::default_memory_limit();
+    ChildOptions child;
+    child.folders = {allowed_folder(folder)};
+    for (const auto* more : {&stage.search_paths, &stage.allowed_folders})
+      for (const std::string& one : *more) child.folders.push_back(allowed_folder(one));
+    child.everywhere = options.allow_outside;
+    child.memory = memory_ + kOpenUsdBytes;
+    if (stage.seconds > 0) child.seconds = stage.seconds;
+    std::vector<std::string> search;
+    for (const std::string& one : stage.search_paths) search.push_back(real_path(one));
+    folders_ = child.folders;
+    child_ = std::make_unique<Child>(child);
+    if (child_->about().value("landlock", json()).is_null() && sink)
+      sink({Severity::info, "usd.landlock", file_,
+            "This kernel has no Landlock: files outside of the stage's folder are refused after they were opened."});
+    const Child::Answer opened =
+        child_->ask({{"do", "open"},
+                     {"file", real},
+                     {"session", stage.session_layer.empty() ? "" : real_path(stage.session_layer)},
+                     {"mask", stage.mask},
+                     {"variants", options.variant},
+                     {"search", search}});
+    const json about = json::parse(contents(opened.file));
+    facts_.files = about["layers"].get<std::vector<std::string>>();
+    facts_.up = Token(about["up"].get<std::string>());
+    facts_.metersPerUnit = about["metersPerUnit"].get<double>();
+    facts_.timeCodesPerSecond = about["timeCodesPerSecond"].get<double>();
+    facts_.varies = about["varies"].get<bool>();
+    if (!about["range"].is_null()) facts_.range = {about["range"][0].get<double>(), about["range"][1].get<double>()};
+    take_faults(about["faults"], sink);
+  }
+
+  // Faults of composition are those of missing images: the picture would lack something that the stage names.
+  void take_faults(const json& faults, const DiagnosticSink& sink) {
+    constexpr size_t kMost = 50;
+    for (size_t i = 0; i < faults.size(); ++i) {
+      const Fault fault = fault_of(faults[i]);
+      if (i < kMost && sink) sink({Severity::error, "usd.composition", fault.where, fault.what()});
+      facts_.faults.push_back(fault.where + ": " + fault.what());
+    }
+    if (!facts_.faults.empty() && !options_.keep_going) fault_ = host::SourceFault::input;
+  }
+
+  void pose(std::optional<double> time, const DiagnosticSink& sink, host::SceneEdits* edits) {
+    if (is_posed_ && !facts_.varies) return;
+    const host::StageOptions& stage = options_.stage;
+    json request = {{"do", "scene"}, {"time", nullptr}, {"refine", options_.refine_level}};
+    if (time) request["time"] = *time;
+    request["aovs"] = host::ProductAovs();
+    if (!stage.settings.empty()) request["settings"] = stage.settings;
+    if (stage.shutter) request["shutter"] = *stage.shutter;
+    if (!stage.purposes.empty()) request["purposes"] = stage.purposes;
+    const Child::Answer answer = child_->ask(request);
+    if (!is_posed_) {
+      take_faults(answer.text["faults"], sink);
+      for (const json& warning : answer.text["warnings"]) warn(warning, sink);
+    }
+    archive::ReadOptions read;
+    read.allow_outside = options_.allow_outside;
+    read.folders = options_.allow_outside ? std::vector<std::string>() : folders_;
+    read.memory_limit = memory_;
+    const archive::ReadResult result = archive::ReadSealedArchive(answer.file.get(), file_, edits, sink, read);
+    if (!result.ok) {
+      fault_ = result.out_of_memory ? host::SourceFault::out_of_memory : host::SourceFault::input;
+      return;
+    }
+    std::map<std::string, std::pair<size_t, std::string>> plain;  // type -> how many, the first
+    for (auto& [path, prim] : edits->prims)
+      if (auto* network = std::get_if<MaterialNetwork>(&prim))
+        if (const std::string type = draw_plainly(network); !type.empty()) {
+          auto& [count, first] = plain.emplace(type, std::pair(size_t(0), path.str())).first->second;
+          ++count;
+        }
+    if (!is_posed_)
+      for (const auto& [type, told] : plain)
+        warn({"looks of type " + type + " are not read yet: they are drawn by their base colour", told.first,
+              told.second},
+             sink);
+    facts_.settings = result.info.settings;
+    facts_.memory_bytes = result.memory_bytes;
+    std::set<Path> paths;
+    for (const auto& [path, prim] : edits->prims) paths.insert(path);
+    for (const Path& path : paths_)
+      if (!paths.contains(path)) edits->removed.push_back(path);
+    paths_ = std::move(paths);
+    is_posed_ = true;
+  }
+
+  void warn(const json& warning, const DiagnosticSink& sink) {
+    const size_t count = warning[1].get<size_t>();
+    const auto text = warning[0].get<std::string>();
+    const std::string said = text + (count > 1 ? " (" + std::to_string(count) + " times; this is the first)" : "");
+    facts_.unread.push_back(warning[2].get<std::string>() + ": " + said);
+    if (sink) sink({Severity::warning, "usd.unread", file_ + ": " + warning[2].get<std::string>(), said});
+  }
+
+  std::string file_;
+  host::SourceOptions options_;
+  host::SceneFacts facts_;
+  host::SourceFault fault_ = host::SourceFault::none;
+  std::vector<std::string> folders_;
+  size_t memory_ = 0;
+  std::unique_ptr<Child> child_;
+  std::set<Path> paths_;  // of the last pose
+  bool is_posed_ = false;
+};
+
+}  // namespace
+
+std::unique_ptr<host::SceneSource> MakeStageSource() {
+  return std::make_unique<StageSource>();
+}
+
+bool is_stage(const std::string& extension) {
+  return extension == ".usd" || extension == ".usda" || extension == ".usdc" || extension == ".usdz";
+}
+
+}  // namespace alabaster::hd::usd
