@@ -151,6 +151,10 @@ bool add_model(LoadState& load, const std::string& pointer, const nlohmann::json
   const AssetPath file = load.asset(pointer + "/file", entry["file"]);
   auto model = std::make_unique<OpenModel>();
   model->source = source_of(file.resolved);
+  if (!model->source)
+    load.fail(pointer + "/file", "'" + file.resolved +
+                                     "' is not a model: name a file that ends in .gltf, .glb, .usd, .usda, .usdc, "
+                                     ".usdz or .alab.");
   model->placement = placement_of(load, pointer, entry);
   if (support::lower_extension(file.resolved) == ".alab")
     for (const char* key : {"scene", "animation", "variant", "time", "refineLevel"})

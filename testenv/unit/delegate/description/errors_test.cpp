@@ -42,6 +42,13 @@ TEST_F(DescriptionErrors, AKeyOfAnotherPartNamesThePart) {
   }
 }
 
+TEST_F(DescriptionErrors, AFileOfAnotherKindIsNoModel) {
+  write("model.obj", "v 0 0 0");
+  EXPECT_FALSE(describe(R"({"models": [{"file": "model.obj"}]})").ok);
+  EXPECT_SAYS("/models/0/file: '" + (folder_ / "model.obj").string() +
+              "' is not a model: name a file that ends in .gl");
+}
+
 // Several prims may have one name, and a path selects one.
 TEST_F(DescriptionErrors, ANearNameOfSeveralPrimsComesWithTheirPaths) {
   EXPECT_FALSE(describe(R"({"gltf": [{"file": "patch.gltf"}, {"file": "patch.gltf"}],
