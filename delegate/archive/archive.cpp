@@ -209,7 +209,7 @@ class Reader {
         held_(memory_, MemoryUse::scene) {}
   void read(host::SceneEdits* edits, ReadResult* result) {
     if (folder_.empty()) folder_ = ".";
-    if (!options_.allow_outside) folders_ = {allowed_folder(folder_)};
+    folders_ = {allowed_folder(folder_)};
     const InputFile input(file_, options_.within);
     if (!input) throw Fault(input.reason());
     held_.resize(input.size(), file_);
@@ -329,11 +329,11 @@ class Reader {
   // The file that is meant, and the folder that it must lie in.
   std::pair<std::string, std::string> resolved(const std::string& name) const {
     const std::string file = (std::filesystem::path(folder_) / name).lexically_normal();
-    std::string fault;
+    if (options_.allow_outside) return {file, std::string()};
+    std::string fault = outside_text(file);
     for (const std::string& folder : folders_)
       if (fault = outside_fault(folder, file); fault.empty()) return {file, folder};
-    if (!fault.empty()) throw Fault(fault);
-    return {file, std::string()};
+    throw Fault(fault);
   }
   void place_products(RenderSettingsDescription* settings) const {
     for (RenderProduct& product : settings->products) std::tie(product.file, product.within) = resolved(product.file);
@@ -389,7 +389,7 @@ class Reader {
   const DiagnosticSink& sink_;
   const ReadOptions& options_;
   std::string folder_;
-  std::vector<std::string> folders_;  // that its files lie in or below; empty: anywhere
+  std::vector<std::string> folders_;  // that its files lie in or below, unless outside is allowed
   int version_ = 0;
   host::RetainedSceneDelegate made_;
   std::shared_ptr<MemoryBudget> memory_;

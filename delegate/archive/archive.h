@@ -37,7 +37,8 @@ struct ReadOptions {
   bool allow_outside = false;
   std::string within = {};           // for the archive itself, as of an AssetPath
   size_t memory_limit = ~size_t(0);  // bytes that reading may hold at a time
-  /// Of an archive in memory, in the place of its own folder: real paths of the folders that its files lie in or below.
+  /// Of an archive in memory, in the place of its own folder: real paths of the folders that its files lie in or below,
+  /// unless outside is allowed. Empty: it names no file.
   std::vector<std::string> folders = {};
   /// The answer of a reader that follows time. It may have prims that are gone ("removed"), and changes: prims without
   /// a kind. Other archives are refused for these.

@@ -168,7 +168,7 @@ class StageSource : public host::SceneSource {
     }
     archive::ReadOptions read;
     read.allow_outside = options_.allow_outside;
-    read.folders = options_.allow_outside ? std::vector<std::string>() : folders_;
+    read.folders = folders_;
     read.memory_limit = memory_;
     const archive::ReadResult result = archive::ReadSealedArchive(answer.file.get(), file_, edits, sink, read);
     if (!result.ok) {

@@ -529,9 +529,25 @@ TEST(Archive, MemoryIsReadIfItIsSealed) {
   // The arrays lie in the mapped memory, which stays when the descriptor is closed.
   EXPECT_EQ(edits.prims.size(), scene.GetPrims().size());
   RetainedSceneDelegate again;
-  host::ApplyEdits(std::move(edits), &again);
+  EXPECT_EQ(host::ApplyEdits(std::move(edits), &again), "");
   EXPECT_EQ(again.GetInstancers(), scene.GetInstancers());
   EXPECT_EQ(again.GetMeshes().at("/mesh").topology, scene.GetMeshes().at("/mesh").topology);
+}
+
+// promise: pipeline.archive.sealed
+TEST(Archive, MemoryNamesNoFilesUnlessTheyAreAllowed) {
+  const TemporaryFolder folder;
+  RetainedSceneDelegate scene;
+  fill(&scene);  // with a product, "a.exr"
+  const Memory memory(bytes_of(write(folder, scene)), kAllSeals);
+  host::SceneEdits none, edits;
+  std::string said;
+  const DiagnosticSink sink = [&](const Diagnostic& d) { said = d.text; };
+  EXPECT_FALSE(ReadSealedArchive(memory.descriptor(), "answer", &none, sink).ok);
+  EXPECT_NE(said.find("outside the folder"), std::string::npos) << said;
+  const ReadOptions anywhere{.allow_outside = true, .folders = {"/nowhere"}};
+  ASSERT_TRUE(ReadSealedArchive(memory.descriptor(), "answer", &edits, sink, anywhere).ok) << said;
+  EXPECT_EQ(std::get<RenderSettingsDescription>(edits.prims.at("/render")).products.at(0).file, "/a.exr");
 }
 
 }  // namespace
