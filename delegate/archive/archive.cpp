@@ -314,6 +314,9 @@ class Reader {
     }
     const Path id(path);
     if (options_.is_answer && !prim.contains("kind")) {
+      for (const auto& [name, value] : fields)
+        if (name.starts_with("products"))
+          throw Fault(path + ": '" + name + "': products are not changed alone; set the prim whole, with its kind");
       edits->changes[id] = std::move(fields);
       return;
     }
@@ -403,6 +406,7 @@ ReadResult read_guarded(const std::string& file, const DiagnosticSink& sink,
                         const std::function<void(ReadResult*)>& read) {
   ReadResult result;
   const auto fail = [&](const char* code, const char* text) {
+    result.ok = false;
     if (sink) sink({Severity::error, code, file, text});
   };
   try {
@@ -483,10 +487,11 @@ ReadResult ReadSealedArchive(int descriptor, const std::string& name, host::Scen
 
 ReadResult ReadArchive(const std::string& file, host::RetainedSceneDelegate* scene, const DiagnosticSink& sink,
                        const ReadOptions& options) {
-  host::SceneEdits edits;
-  ReadResult result = ReadArchive(file, &edits, sink, options);
-  if (result.ok) host::ApplyEdits(std::move(edits), scene);
-  return result;
+  return read_guarded(file, sink, [&](ReadResult* result) {
+    host::SceneEdits edits;
+    Reader(file, std::filesystem::path(file).parent_path().string(), sink, options).read(&edits, result);
+    if (const std::string fault = host::ApplyEdits(std::move(edits), scene); !fault.empty()) throw Fault(fault);
+  });
 }
 
 std::unique_ptr<host::SceneSource> MakeArchiveSource() {

@@ -55,7 +55,7 @@ struct ReadResult {
 /// memory that is mapped to a file which another process has truncated ends the program.
 ALABASTER_API ReadResult ReadArchive(const std::string& file, host::SceneEdits* edits, const DiagnosticSink& sink,
                                      const ReadOptions& options = {});
-/// The same, with the prims in a scene; after an error, none.
+/// The same, with the prims in a scene; after an error, none, unless memory ran out while they were set.
 ALABASTER_API ReadResult ReadArchive(const std::string& file, host::RetainedSceneDelegate* scene,
                                      const DiagnosticSink& sink, const ReadOptions& options = {});
 /// The same of an archive in memory (memfd_create), which messages call `name`. It is mapped, and refused unless it is

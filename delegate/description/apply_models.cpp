@@ -189,7 +189,7 @@ bool add_model(LoadState& load, const std::string& pointer, const nlohmann::json
   }
   std::erase_if(edits.prims,
                 [](const auto& prim) { return std::holds_alternative<RenderSettingsDescription>(prim.second); });
-  host::ApplyEdits(std::move(edits), load.scene);
+  if (model->apply(std::move(edits), *load.sink, load.scene) != SourceFault::none) throw LoadFailed();
   load.models.push_back(std::move(model));
   return true;
 }

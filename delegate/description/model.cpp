@@ -122,6 +122,15 @@ class Rerooted {
   void apply(PrimDescription* prim) const {
     std::visit([this](auto& one) { apply_to(one); }, *prim);
   }
+  /// Parameters of a prim, or fields of a change.
+  template <class Named>
+  void change(Named* values) const {
+    for (auto& [name, value] : *values) {
+      if (const auto* named = value.template get<Path>()) value = path(*named);
+      if (const Token key(name); key == Token("lightLink") || key == Token("shadowLink"))
+        value = Token(root_ + " " + value.text_or(""));
+    }
+  }
 
  private:
   template <class T>
@@ -158,12 +167,6 @@ class Rerooted {
   template <class T>
   void put_before(std::vector<T>* all) const {
     for (T& one : *all) put_before(&one);
-  }
-  void change(std::map<Token, Value>* parameters) const {
-    for (auto& [name, value] : *parameters) {
-      if (const auto* named = value.get<Path>()) value = path(*named);
-      if (name == Token("lightLink") || name == Token("shadowLink")) value = Token(root_ + " " + value.text_or(""));
-    }
   }
 
   const std::string root_;
@@ -327,18 +330,15 @@ SourceFault OpenModel::ask(std::optional<double> at, const DiagnosticSink& sink,
   for (const auto& [path, prim] : edits.prims) note(path);
   for (const auto& [path, fields] : edits.changes) note(path);
   for (const Path& path : edits.removed) note(path);
-  const std::string fault = host::ApplyEdits(std::move(edits), &now_);
-  if (fault.empty()) return SourceFault::none;
-  if (sink) sink({Severity::error, "model.change", source->Facts().files.front(), fault + "."});
-  return SourceFault::input;
+  return apply(std::move(edits), sink, &now_);
 }
 
 SourceFault OpenModel::pose(std::optional<double> at, const DiagnosticSink& sink, host::SceneEdits* edits) {
   if (!source->Facts().varies) return source->Pose(at, sink, edits);
   drawn_.clear();
-  std::set<Path> touched = std::exchange(stirred_, {});
-  if (const SourceFault fault = ask(at, sink, &touched); fault != SourceFault::none) return fault;
-  for (const Path& path : touched) {
+  due_.merge(std::exchange(stirred_, {}));
+  if (const SourceFault fault = ask(at, sink, &due_); fault != SourceFault::none) return fault;
+  for (const Path& path : due_) {
     const PrimDescription* now = support::find_in(now_.GetPrims(), path);
     drawn_[path] = now ? std::optional(*now) : std::nullopt;
   }
@@ -365,6 +365,7 @@ SourceFault OpenModel::pose(std::optional<double> at, const DiagnosticSink& sink
       edits->set(path, std::move(*drawn), support::value_in(now_.GetNames(), path));
     }
   }
+  due_.clear();
   return SourceFault::none;
 }
 
@@ -373,7 +374,7 @@ void OpenModel::place(host::SceneEdits* edits) const {
     if (placement.transform) place_prim(*placement.transform, &prim);
     if (!placement.motion.values.empty()) move_prim(placement.motion, &prim);
   }
-  for (auto& [path, fields] : edits->changes)
+  for (auto& [path, fields] : edits->changes)  // of lights, which no instancer places
     for (auto& [name, value] : fields)
       if (const auto* own = value.get<Matrix4d>(); own && placement.transform) value = *own * *placement.transform;
   if (root.empty()) return;
@@ -383,10 +384,24 @@ void OpenModel::place(host::SceneEdits* edits) const {
     rerooted.apply(&prim);
     all.prims.emplace(rerooted.path(path), std::move(prim));
   }
-  for (auto& [path, fields] : edits->changes) all.changes.emplace(rerooted.path(path), std::move(fields));
+  for (auto& [path, fields] : edits->changes) {
+    rerooted.change(&fields);
+    all.changes.emplace(rerooted.path(path), std::move(fields));
+  }
   for (const Path& path : edits->removed) all.removed.push_back(rerooted.path(path));
   for (auto& [path, name] : edits->names) all.names.emplace(rerooted.path(path), std::move(name));
   *edits = std::move(all);
+}
+
+SourceFault OpenModel::apply(host::SceneEdits edits, const DiagnosticSink& sink,
+                             host::RetainedSceneDelegate* scene) const {
+  const std::string fault = host::ApplyEdits(std::move(edits), scene);
+  if (fault.empty()) return SourceFault::none;
+  if (sink)
+    sink({Severity::error, "model.change", source->Facts().files.front(),
+          "A change from one pose to the next is refused: " + fault +
+              ". Load the scene again; if that does not help, leave the prim's animation out of the file."});
+  return SourceFault::input;
 }
 
 }  // namespace alabaster::hd::description

@@ -42,6 +42,8 @@ class ALABASTER_API OpenModel {
   host::SourceFault pose(std::optional<double> at, const DiagnosticSink& sink, host::SceneEdits* edits);
   /// Gives edits the model's root and place.
   void place(host::SceneEdits* edits) const;
+  /// Makes the edits. A change that is refused is reported, and none is made.
+  host::SourceFault apply(host::SceneEdits edits, const DiagnosticSink& sink, host::RetainedSceneDelegate* scene) const;
 
  private:
   struct Sampler;
@@ -52,6 +54,7 @@ class ALABASTER_API OpenModel {
   host::RetainedSceneDelegate now_ = {};                             // as the file says it, in the last pose
   std::map<Path, std::optional<host::PrimDescription>> drawn_ = {};  // what is set or removed, as it is drawn
   std::set<Path> stirred_ = {};                                      // by the last shutter, so that they may differ
+  std::set<Path> due_ = {};                                          // posed, and not said yet: a pose may fail
   std::map<Path, host::LightDescription> lights_ = {};               // that were drawn
   MemoryReservation held_ = {};                                      // of samples
 };

@@ -45,15 +45,19 @@ struct OpenScene::State {
       if (fault == host::SourceFault::out_of_memory) state.note_cause(LoadCause::out_of_memory);
       if (fault != host::SourceFault::none) throw LoadFailed();
       model->place(&edits);
+      // Render settings are planned when a scene is loaded, and stay.
+      std::erase_if(edits.prims,
+                    [](const auto& prim) { return std::holds_alternative<RenderSettingsDescription>(prim.second); });
       removed.insert(removed.end(), edits.removed.begin(), edits.removed.end());
       edits.removed.clear();
       // Changes are of prims as the description has changed them; one that it removed is not there.
       for (const auto& [path, fields] : edits.changes)
-        if (const auto* shown = support::find_in(scene->GetPrims(), path)) {
+        if (const auto* shown = support::find_in(scene->GetPrims(), path);
+            shown && !std::holds_alternative<RenderSettingsDescription>(*shown)) {
           posed.Set(path, *shown);
           posed.SetName(path, support::value_in(scene->GetNames(), path));
         }
-      host::ApplyEdits(std::move(edits), &posed);
+      if (model->apply(std::move(edits), *state.sink, &posed) != host::SourceFault::none) throw LoadFailed();
     }
     change(&posed);
     show(posed, removed);

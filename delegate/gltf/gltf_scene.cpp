@@ -120,8 +120,10 @@ GltfSummary LoadGltf(const std::string& file, const GltfOptions& options, host::
   summary.fault = source.Open(file, asked, sink);
   if (summary.fault == SourceFault::none) summary.fault = source.Pose(options.time, sink, &edits);
   static_cast<host::SceneFacts&>(summary) = source.Facts();
+  Report report(file, sink);
+  if (summary.fault == SourceFault::none)  // nothing is changed, which alone may be refused
+    summary.fault = run_guarded(report, [&] { return host::ApplyEdits(std::move(edits), scene).empty(); });
   summary.ok = summary.fault == SourceFault::none;
-  if (summary.ok) host::ApplyEdits(std::move(edits), scene);
   return summary;
 }
 

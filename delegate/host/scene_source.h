@@ -22,8 +22,9 @@ struct SceneEdits {
   }
 };
 
-/// Returns the fault of a change, or "". A change of a prim that is not there is none.
-ALABASTER_API std::string ApplyEdits(SceneEdits edits, RetainedSceneDelegate* scene);
+/// Returns the fault of a change, or "": after one the scene is as it was. A change of a prim that is not there is
+/// none.
+[[nodiscard]] ALABASTER_API std::string ApplyEdits(SceneEdits edits, RetainedSceneDelegate* scene);
 
 /// Of stages of OpenUSD alone.
 struct StageOptions {

@@ -476,6 +476,21 @@ TEST(Archive, AnAnswerChangesAndRemovesPrims) {
   EXPECT_EQ(all.at("/b").parameters.at("fStop").number_or(0), 8) << "it is changed";
 }
 
+TEST(Archive, AnAnswerWithARefusedChangeDoesNothing) {
+  const TemporaryFolder folder;
+  for (const char* change : {R"(["transform",{"token":"long"}])", R"(["products:0:file",{"string":"/etc/a.exr"}])"}) {
+    RetainedSceneDelegate scene;
+    scene.SetCamera("/b", {});
+    const std::string answer =
+        std::string(R"({"prims":[{"path":"/a","kind":"camera","fields":[]},{"path":"/b","fields":[)") + change + "]}]}";
+    std::string said;
+    const DiagnosticSink sink = [&](const Diagnostic& d) { said = d.text; };
+    EXPECT_FALSE(ReadArchive(made_archive(folder, answer), &scene, sink, {.is_answer = true}).ok) << change;
+    EXPECT_TRUE(said.starts_with("/b: ")) << said;
+    EXPECT_EQ(support::keys_of(scene.GetCameras()), std::vector<Path>{"/b"}) << change;
+  }
+}
+
 /// A descriptor of memory that holds the bytes, with these seals.
 class Memory {
  public:

@@ -3,11 +3,13 @@
 
 #include <gtest/gtest.h>
 
+#include <limits>
+
 namespace alabaster::hd::description {
 namespace {
 
 /// A camera moves along x by a unit in a time code from code 3 on, and zooms; a light goes out; a mesh is there up to
-/// code 5. A source of everything says all of that at all times.
+/// code 5, and the light's link changes as it goes out. A source of everything says all of that at all times.
 class Sliding : public host::SceneSource {
  public:
   explicit Sliding(bool says_all) : says_all_(says_all) {
@@ -21,6 +23,7 @@ class Sliding : public host::SceneSource {
   const host::SceneFacts& Facts() const override { return facts_; }
   host::SourceFault Pose(std::optional<double> time, const DiagnosticSink&, host::SceneEdits* edits) override {
     const double now = time.value_or(0), before = last_.value_or(now);
+    if (now > fails_after) return host::SourceFault::input;
     const bool is_first = !last_;
     last_ = now;
     const auto x = [](double t) { return std::max(t - 3, 0.0); };
@@ -29,16 +32,19 @@ class Sliding : public host::SceneSource {
     camera.parameters = {{"focalLength", float(1 + x(now))}, {"fStop", 8.0f}};
     host::LightDescription light{.type = "sphereLight", .transform = {}, .parameters = {{"radius", 2.0f}}};
     light.parameters["intensity"] = now > 4 ? 0.0f : 1.0f;
+    light.parameters["lightLink"] = Token(now > 4 ? "late" : "early");
     if (says_all_ || is_first) edits->set("/eye", camera, "Eye"), edits->set("/lamp", light);
     if (!says_all_ && x(now) != x(before))
       edits->changes["/eye"] = {{"transform", camera.transform}, {"focalLength", camera.parameters.at("focalLength")}};
     if (!says_all_ && (now > 4) != (before > 4))
-      edits->changes["/lamp"] = {{"intensity", light.parameters.at("intensity")}};
+      edits->changes["/lamp"] = {{"intensity", light.parameters.at("intensity")},
+                                 {"lightLink", light.parameters.at("lightLink")}};
     const bool was_there = !is_first && before <= 5, is_there = now <= 5;
     if (is_there && (says_all_ || !was_there)) edits->set("/mesh", host::MeshDescription());
     if (was_there && !is_there) edits->removed.emplace_back("/mesh");
     return host::SourceFault::none;
   }
+  double fails_after = std::numeric_limits<double>::infinity();
 
  private:
   const bool says_all_;
@@ -56,10 +62,17 @@ LoadOptions at_frame(double frame) {
 class Posed {
  public:
   explicit Posed(bool says_all, FrameShutter shutter = {}, std::optional<double> fps = {}) {
-    model_.source = std::make_unique<Sliding>(says_all);
+    auto sliding = std::make_unique<Sliding>(says_all);
+    source = sliding.get();
+    model_.source = std::move(sliding);
     model_.shutter = shutter;
     model_.frames_per_second = fps;
     model_.placement.transform = Matrix4d().setTranslation(Vec3d(0, 10, 0));
+  }
+  void set_root(const std::string& root) { model_.root = root; }
+  void fail(double frame) {
+    host::SceneEdits edits;
+    EXPECT_EQ(model_.pose(model_.time_of(at_frame(frame)), {}, &edits), host::SourceFault::input);
   }
   /// Returns what was said.
   host::SceneEdits pose(double frame) {
@@ -70,6 +83,7 @@ class Posed {
     return edits;
   }
   host::RetainedSceneDelegate scene;
+  Sliding* source = nullptr;
 
  private:
   OpenModel model_;
@@ -118,6 +132,27 @@ TEST(OpenModel, ALightKeepsWhatItWasGiven) {
   some.pose(5);
   EXPECT_EQ(some.scene.GetLights().at("/lamp").parameters.at("radius").number_or(0), 7);
   EXPECT_EQ(some.scene.GetLights().at("/lamp").parameters.at("intensity").number_or(-1), 0);
+}
+
+// Categories are of the copy of the model that names them.
+TEST(OpenModel, AChangedLinkIsThatOfItsCopy) {
+  Posed some(false);
+  some.set_root("/copy");
+  const auto link = [&] { return some.scene.GetLights().at("/copy/lamp").parameters.at("lightLink").text_or(""); };
+  some.pose(1);
+  EXPECT_EQ(link(), "/copy early");
+  some.pose(5);
+  EXPECT_EQ(link(), "/copy late");
+}
+
+TEST(OpenModel, APoseAfterOneThatFailedHasAllThatChanged) {
+  Posed some(false, {0, 1}), all(true, {0, 1});
+  some.pose(1), all.pose(1);
+  some.source->fails_after = 6.2;  // within the shutter, after the light and the mesh went
+  some.fail(6);
+  some.source->fails_after = std::numeric_limits<double>::infinity();
+  some.pose(7), all.pose(7);
+  EXPECT_TRUE(some.scene.GetPrims() == all.scene.GetPrims());
 }
 
 }  // namespace
