@@ -5,9 +5,20 @@
 #include "delegate/support/lookup.h"
 
 namespace alabaster::hd::description {
+namespace {
+
+// The last part of a path that is more than a number: numbers tell the meshes of a node apart.
+std::string last_word(const std::string& path) {
+  const size_t letter = path.find_last_not_of("0123456789/");
+  if (letter == std::string::npos) return path;
+  const size_t begin = path.rfind('/', letter) + 1;
+  return path.substr(begin, path.find('/', letter) - begin);
+}
+
+}  // namespace
 
 void NameIndex::add(const Path& path, const std::string& name) {
-  for (const std::string& known : {path.str(), name}) prims_[known].insert(path);
+  for (const std::string& known : {path.str(), name, last_word(path.str())}) prims_[known].insert(path);
 }
 
 void NameIndex::add_subsets(const Path& path, const MeshTopology& topology) {
@@ -33,8 +44,9 @@ bool is_plain_name(const std::string& pattern) {
 }
 
 bool matches(const std::string& pattern, const Path& path, const host::RetainedSceneDelegate& scene) {
-  return fnmatch(pattern.c_str(), path.str().c_str(), 0) == 0 ||
-         fnmatch(pattern.c_str(), scene.GetName(path).c_str(), 0) == 0;
+  for (const std::string& known : {path.str(), scene.GetName(path), last_word(path.str())})
+    if (fnmatch(pattern.c_str(), known.c_str(), 0) == 0) return true;
+  return false;
 }
 
 std::vector<size_t> matching_subsets(const std::string& pattern, const MeshTopology& topology) {

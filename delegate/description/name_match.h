@@ -10,7 +10,8 @@
 
 namespace alabaster::hd::description {
 
-/// True if `pattern` (a glob with * and ?) matches the prim's path or its artist's name.
+/// True if `pattern` (a glob with * and ?) matches the prim's path, its artist's name, or the last part of its
+/// path that is more than a number ("/gltf/bust/nodes/3_head/0": "3_head").
 bool matches(const std::string& pattern, const Path& path, const host::RetainedSceneDelegate& scene);
 
 /// The subsets of a mesh that `pattern` matches by their paths, as places in the topology. A pattern that matches the

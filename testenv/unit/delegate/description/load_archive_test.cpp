@@ -208,5 +208,26 @@ TEST_F(LoadArchive, IsRefusedWhereMemoryDoesNotHoldIt) {
   EXPECT_EQ(file.cause, LoadCause::out_of_memory);
 }
 
+// Without an artist's name a prim is named by the last part of its path that is more than a number.
+TEST_F(LoadArchive, PrimsAreNamedByTheirPaths) {
+  host::RetainedSceneDelegate made;
+  made.SetMesh("/World/head/0", {});
+  made.SetMesh("/gltf/bust/nodes/3_ear/1", {});
+  made.SetMesh("/World/2/body", {});
+  const archive::SceneInfo info{.names = {{"/gltf/bust/nodes/3_ear/1", "ear"}}};
+  ASSERT_EQ(archive::WriteArchive(folder_.path() + "/a.alab", made.GetPrims(), info), "");
+  for (const auto& [name, path] : {std::pair("head", "/World/head/0"),
+                                   {"3_ear", "/gltf/bust/nodes/3_ear/1"},
+                                   {"3_e*", "/gltf/bust/nodes/3_ear/1"},
+                                   {"ear", "/gltf/bust/nodes/3_ear/1"},
+                                   {"body", "/World/2/body"}}) {
+    ASSERT_TRUE(load(std::string(R"({"models": [{"file": "a.alab"}], "meshes": [{"match": ")") + name +
+                     R"(", "visible": false}]})")
+                    .ok)
+        << said_;
+    for (const auto& [mesh, one] : scene_.GetMeshes()) EXPECT_EQ(one.visible, mesh != Path(path)) << name;
+  }
+}
+
 }  // namespace
 }  // namespace alabaster::hd::description
