@@ -152,7 +152,7 @@ MediumStack interiors_at(const PathContext& context, Ray ray, Seeker seeker) {
   const bool is_camera = seeker == Seeker::camera;
   MediumStack entered, about;
   SmallStack<Interior> found;
-  constexpr int kMostSurfaces = 1 << 24;  // no scene has so many along a line
+  constexpr int kMostSurfaces = 1 << 16;  // no scene has so many along a line
   TriangleHit hit;
   Vertex v;
   ray.tmax = std::numeric_limits<float>::infinity();

@@ -178,7 +178,9 @@ struct LightsWithin {
   }
 };
 void report_within(const ReportedScene& scene, uint32_t body, Within within, const LightsWithin& lights) {
-  const std::string others = lights.count > 1 ? ", as " + std::to_string(lights.count - 1) + " others do" : "";
+  const std::string others =
+      lights.count > 1 ? ", as " + std::to_string(lights.count - 1) + (lights.count > 2 ? " others do" : " other does")
+                       : "";
   report(scene.sink, Severity::warning, "light.within", lights.first,
          "it stands within the body of " + name_of(scene, body) + others + remedy_for(within));
 }
@@ -267,7 +269,9 @@ void report_lights_without_size(const ReportedScene& scene) {
   for (uint32_t i = 0; i < scene.snapshot.instances.size(); ++i) look(scene.snapshot.instances[i], i);
   for (const InstanceArray& array : scene.snapshot.arrays) look(array.look, array.first);
   if (solids.empty()) return;
-  const std::string others = solids.size() > 1 ? " and of " + std::to_string(solids.size() - 1) + " others" : "";
+  const std::string others =
+      solids.size() > 1 ? " and of " + std::to_string(solids.size() - 1) + (solids.size() > 2 ? " others" : " other")
+                        : "";
   report(
       scene.sink, Severity::warning, "light.withoutSize", first->name,
       "no light of the scene has a size, and light without size does not pass where it is refracted: what lies within "

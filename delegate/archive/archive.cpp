@@ -186,7 +186,9 @@ FileBytes map_sealed(int descriptor) {
   const int seals = fcntl(descriptor, F_GET_SEALS);
   struct stat status {};
   if (seals < 0 || (seals & kSeals) != kSeals || fstat(descriptor, &status) != 0)
-    throw Fault("the memory is not sealed against shrinking, growing, writing and further seals");
+    throw Fault(
+        "the memory is not sealed against shrinking, growing, writing and further seals: add these (F_ADD_SEALS) to a "
+        "memfd_create once it is written");
   const auto size = static_cast<size_t>(status.st_size);
   if (size == 0) return {};  // an error follows: it is too short
   void* const data = mmap(nullptr, size, PROT_READ, MAP_PRIVATE, descriptor, 0);
@@ -256,11 +258,13 @@ class Reader {
     if (const auto settings = root.find("settings"); settings != root.end() && settings->is_string())
       info->settings = Path(settings->get<std::string>());
     if (root.contains("upAxis")) info->up = Token(root["upAxis"].is_string() ? root["upAxis"].get<std::string>() : "");
-    if (!(info->up == Token("Y") || info->up == Token("Z"))) throw Fault("its up axis is neither Y nor Z");
+    if (!(info->up == Token("Y") || info->up == Token("Z")))
+      throw Fault("its up axis is neither Y nor Z: write one of these as upAxis");
     const auto positive = [&](const char* name, double* number) {
       if (!root.contains(name)) return;
       *number = root[name].is_number() ? root[name].get<double>() : 0;
-      if (!(*number > 0 && std::isfinite(*number))) throw Fault(std::string("its ") + name + " is no number above 0");
+      if (!(*number > 0 && std::isfinite(*number)))
+        throw Fault(std::string("its ") + name + " is no number above 0: write one, or leave it out");
     };
     positive("metersPerUnit", &info->metersPerUnit);
     positive("timeCodesPerSecond", &info->timeCodesPerSecond);
@@ -268,7 +272,7 @@ class Reader {
     if (range == root.end()) return;
     if (!range->is_array() || range->size() != 2 || !(*range)[0].is_number() || !(*range)[1].is_number() ||
         !((*range)[0].get<double>() <= (*range)[1].get<double>()))
-      throw Fault("its range is no pair of times, the first of which is not after the last");
+      throw Fault("its range is no pair of times in order: write the first and the last one, or leave it out");
     info->range = {(*range)[0].get<double>(), (*range)[1].get<double>()};
   }
   MemoryReservation for_json(std::span<const uint8_t> text) const {

@@ -108,7 +108,7 @@ typedef struct AlabasterLoadOptions { /* as the program's options of these names
   const double* shutter;    /* two numbers: open and close, in frames */
   int32_t keep_going;       /* leaves images that are missing to the renderer */
   int32_t allow_outside;    /* files may be named that lie outside the folder of the file that names them */
-  double frames_per_second; /* of the shutter's frames; 0: 24 */
+  double frames_per_second; /* of the shutter's frames; 0: the model's time codes, else 24 */
 } AlabasterLoadOptions;
 
 typedef struct AlabasterLoaded { /* strings live until the scene is destroyed */

@@ -435,10 +435,11 @@ TEST(Archive, FactsAndNamesComeBack) {
     EXPECT_FALSE(ReadArchive(made, &none, [&](const Diagnostic& d) { said = d.text; }).ok) << facts;
     return said;
   };
-  EXPECT_EQ(says(R"("upAxis":"X")"), "its up axis is neither Y nor Z");
-  EXPECT_EQ(says(R"("upAxis":3)"), "its up axis is neither Y nor Z");
-  EXPECT_EQ(says(R"("metersPerUnit":0)"), "its metersPerUnit is no number above 0");
-  EXPECT_EQ(says(R"("timeCodesPerSecond":"24")"), "its timeCodesPerSecond is no number above 0");
+  EXPECT_EQ(says(R"("upAxis":"X")"), "its up axis is neither Y nor Z: write one of these as upAxis");
+  EXPECT_EQ(says(R"("upAxis":3)"), "its up axis is neither Y nor Z: write one of these as upAxis");
+  EXPECT_EQ(says(R"("metersPerUnit":0)"), "its metersPerUnit is no number above 0: write one, or leave it out");
+  EXPECT_EQ(says(R"("timeCodesPerSecond":"24")"),
+            "its timeCodesPerSecond is no number above 0: write one, or leave it out");
   EXPECT_NE(says(R"("range":[2,1])").find("range"), std::string::npos);
 }
 
@@ -522,7 +523,9 @@ TEST(Archive, MemoryIsReadIfItIsSealed) {
     EXPECT_EQ(ok, said.empty());
     return said;
   };
-  const std::string refused = "the memory is not sealed against shrinking, growing, writing and further seals";
+  const std::string refused =
+      "the memory is not sealed against shrinking, growing, writing and further seals: add these (F_ADD_SEALS) "
+      "to a memfd_create once it is written";
   for (const int missing : {F_SEAL_SHRINK, F_SEAL_GROW, F_SEAL_WRITE, F_SEAL_SEAL}) {
     host::SceneEdits edits;
     EXPECT_EQ(read(Memory(whole, kAllSeals & ~missing).descriptor(), &edits), refused);
