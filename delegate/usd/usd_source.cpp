@@ -6,7 +6,6 @@
 #include "core/files/real_path.h"
 #include "delegate/archive/archive.h"
 #include "delegate/host/product_writer.h"
-#include "delegate/support/lookup.h"
 #include "delegate/support/process_usage.h"
 #include "delegate/usd/usd_child.h"
 
@@ -17,59 +16,6 @@ using nlohmann::json;
 
 /// The address space of a process that holds OpenUSD and nothing of a stage.
 constexpr size_t kOpenUsdBytes = size_t(4) << 30;
-
-// A look that the renderer does not read yet is drawn by its base colour: a constant, or an image that it leads to.
-const MaterialNode* image_behind(const MaterialNetwork& network, const MaterialNode& surface, const char* input,
-                                 Path* path) {
-  const auto* at = support::first_in(surface.inputConnections, input);
-  for (int steps = 0; at && steps < 8; ++steps) {
-    const MaterialNode* const node = support::find_in(network.nodes, at->upstreamNode);
-    if (!node) return nullptr;
-    *path = at->upstreamNode;
-    if (!support::value_in(node->parameters, "file").empty()) return node;
-    at = nullptr;
-    for (const auto& [name, connections] : node->inputConnections)
-      if (!connections.empty() && !at) at = &connections.front();
-  }
-  return nullptr;
-}
-bool is_read(const Token& type) {
-  return type == Token("UsdPreviewSurface") || type.str().starts_with("Alabaster");
-}
-/// The type of a look that is not read; empty: it is.
-std::string draw_plainly(MaterialNetwork* network) {
-  const auto terminal = network->terminals.find("surface");
-  if (terminal == network->terminals.end()) return {};
-  const Path id = terminal->second.upstreamNode;
-  const MaterialNode* const surface = support::find_in(network->nodes, id);
-  if (!surface || is_read(surface->nodeTypeId)) return {};
-  const std::string type = surface->nodeTypeId.str();
-  MaterialNetwork plain;
-  MaterialNode disney{"AlabasterDisney", {}, {}};
-  for (const auto& [names, target] : {std::pair<std::vector<const char*>, const char*>{
-                                          {"base_color", "baseColor", "diffuseColor", "color"}, "baseColor"},
-                                      {{"specular_roughness", "roughness"}, "roughness"},
-                                      {{"metalness", "base_metalness", "metallic"}, "metallic"}})
-    for (const char* name : names) {
-      const Value value = support::value_in(surface->parameters, name);
-      Path path;
-      const MaterialNode* const image = image_behind(*network, *surface, name, &path);
-      const bool is_color = target == std::string("baseColor");
-      if (image) {
-        plain.nodes[path] = {"AlabasterTexture", {{"file", support::value_in(image->parameters, "file")}}, {}};
-        disney.inputConnections[target] = {{path, is_color ? "rgb" : "r"}};
-      } else if (is_color ? value.get<Vec3f>() != nullptr : value.get<float>() != nullptr) {
-        disney.parameters[target] = value;
-      } else {
-        continue;
-      }
-      break;
-    }
-  plain.nodes[id] = std::move(disney);
-  plain.terminals["surface"] = {id, "out"};
-  *network = std::move(plain);
-  return type;
-}
 
 class StageSource : public host::SceneSource {
  public:
@@ -175,18 +121,6 @@ class StageSource : public host::SceneSource {
       fault_ = result.out_of_memory ? host::SourceFault::out_of_memory : host::SourceFault::input;
       return;
     }
-    std::map<std::string, std::pair<size_t, std::string>> plain;  // type -> how many, the first
-    for (auto& [path, prim] : edits->prims)
-      if (auto* network = std::get_if<MaterialNetwork>(&prim))
-        if (const std::string type = draw_plainly(network); !type.empty()) {
-          auto& [count, first] = plain.emplace(type, std::pair(size_t(0), path.str())).first->second;
-          ++count;
-        }
-    if (!is_posed_)
-      for (const auto& [type, told] : plain)
-        warn({"looks of type " + type + " are not read yet: they are drawn by their base colour", told.first,
-              told.second},
-             sink);
     facts_.settings = result.info.settings;
     facts_.memory_bytes = result.memory_bytes;
     std::set<Path> paths;
