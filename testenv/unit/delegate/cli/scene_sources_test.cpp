@@ -55,7 +55,8 @@ TEST_F(SceneSources, AnArchiveFileRemovesAndChangesNothing) {
 // promise: pipeline.archive.versions
 TEST_F(SceneSources, AnOlderArchiveIsReadAsBefore) {
   write_archive("old.alab", 1, R"({"prims":[{"path":"/gltf/bust/materials/2_skin","kind":"material",
-    "fields":[["surface",{"token":"AlabasterDisney"}],["surface.roughness",{"float":0.5}]]},
+    "fields":[["surface.type",{"token":"AlabasterDisney"}],["surface.roughness",{"float":0.5}],
+    ["surface",{"path":"surface.surface"}]]},
     {"path":"/eye","kind":"camera","fields":[]}]})");
   const Outcome outcome = run({"info", "old.alab", "--json", "--set", "materials/skin.roughness=0.25"});
   ASSERT_EQ(outcome.code, 0) << outcome.err;

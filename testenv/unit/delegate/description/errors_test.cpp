@@ -269,7 +269,7 @@ TEST_F(DescriptionErrors, Files) {
   EXPECT_SAYS("no such file");
   write("scene.obj", "v 0 0 0");
   EXPECT_FALSE(load("scene.obj").ok);
-  EXPECT_SAYS("use .gltf, .glb, .json (a render description) or .alab");
+  EXPECT_SAYS("use .gltf, .glb, .usd, .usda, .usdc, .usdz, .json (a render description) or .alab");
   EXPECT_FALSE(load(".").ok);
   EXPECT_SAYS("not a regular file");
 }
