@@ -45,7 +45,7 @@ TEST(Contents, WhiteOnesLoseNoLight) {
   metal.spec_trans = 0, metal.metallic = 1;
   DisneyParameters hull = clear_body(1.5f, 0.05f);
   for (const float ior : {1.0f, 1.33f})
-    for (const auto& [content, what] : {std::pair(matt(Rgb(1.0f)), "matt"),
+    for (const auto& [content, what] : {std::pair(white_body(0), "matt"),
                                         {metal, "metal"},
                                         {clear_body(1.5f), "glass"},
                                         {white_body(0.05f), "wax"},
@@ -108,7 +108,7 @@ TEST(Contents, BonesAreWithinTheBodyOfTheirSetAlone) {
   EXPECT_NEAR(seen(hand(""), kSights[0], 32).mean(), 1, 0.01);
   EXPECT_LT(seen(hand("hand"), kSights[0], 32).mean(), 0.8);
   SceneBuilder white = hand("hand");
-  white.description.instances.back().materials = {white.material(matt(Rgb(1.0f)))};
+  white.description.instances.back().materials = {white.material(white_body(0))};
   expect_furnace(white, kSights, {.runs = 64, .sees_background = true}, "white bone");
 }
 
