@@ -51,9 +51,9 @@ bool Path::may_pass_sheet(const Vertex& v) const {
   return depth > 0 && constants.thin && constants.spec_trans > 0;
 }
 
-void Path::meet_within(const Vec3f& direction, float distance) {
+void Path::meet_within(const Vec3f& direction) {
   ray.dir = direction;
-  ray.tmax = distance;
+  ray.tmax = std::numeric_limits<float>::infinity();  // behind a hidden wall it goes on
   pdf = 0;  // no light is sampled in there
   straight = 0;
   from_vertex = false;

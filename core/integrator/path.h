@@ -129,7 +129,7 @@ struct Path {
   void join(const Path& branch, uint32_t count);
 
   /// The walk in whose medium the path is has met a wall within, along the direction.
-  void meet_within(const Vec3f& direction, float distance);
+  void meet_within(const Vec3f& direction);
   /// Bounces off the vertex, or through it, by the sampled lobe.
   void leave(const PathContext& context, const Vertex& v, const VertexBsdf& bsdf, const ScatterSample& sample);
   /// Goes straight on from `origin`, where no vertex counts.

@@ -279,7 +279,7 @@ Exit find_exit(const PathContext& context, const PixelSampler& sampler, Path* pa
       return Exit::none;
     }
     if (!is_within) enter_interior(entry, body, path);
-    path->meet_within(exit->direction, exit->hit.t);
+    path->meet_within(exit->direction);
     v->triangle = exit->hit;
     return Exit::within;
   }
