@@ -54,7 +54,7 @@ bool Path::may_pass_sheet(const Vertex& v) const {
 void Path::meet_within(const Vec3f& direction) {
   ray.dir = direction;
   ray.tmax = std::numeric_limits<float>::infinity();  // behind a hidden wall it goes on
-  pdf = 0;  // no light is sampled in there
+  pdf = 0;                                            // no light is sampled in there
   straight = 0;
   from_vertex = false;
   ++depth;  // for numbers of its own

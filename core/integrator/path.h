@@ -67,8 +67,8 @@ struct Walk {
 struct LobeEntry {
   const SubsurfaceBody* body;
   TriangleHit place;
-  Vec3f normal;  // to the side that the path came from
-  Rgb indices;   // of the media there
+  Vec3f normal;       // to the side that the path came from
+  MediumStack media;  // there
   DisneyLayers::Entered layers;
 };
 

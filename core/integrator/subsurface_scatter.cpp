@@ -92,13 +92,12 @@ bool cross_to_media(const PathContext& context, const PixelSampler& sampler, con
   // A walk in an occupied body knows what it has crossed, up to the wall that it leaves by.
   if (body.occupied && u[3] < value_at(context, *exit, &DisneyParameters::spec_trans)) return false;
   const MediumStack beyond = media_beyond(context, *exit, body, *path);
-  const float share = sqr(beyond.index() / (entered ? entered->indices.g : path->media.index()));
+  const float share = sqr(beyond.index() / (entered ? entered->media.index() : path->media.index()));
   if (share < 1 && (entered || entry.kind != Vertex::Kind::within) && u[2] >= share &&
       u[3] >= value_at(context, *exit, &DisneyParameters::spec_trans)) {
     exit->hit = entered ? entered->place : entry.triangle;
     exit->direction = entered ? entered->normal : entry.hit.ng;
-    if (entered)
-      for (const auto& member : body.members) path->media.leave(member.instance_of(exit->hit));
+    if (entered) path->media = entered->media;
     return true;
   }
   path->media = beyond;
@@ -191,7 +190,8 @@ std::optional<LobeEntry> take_lobe_entry(const SubsurfaceBody& body, Path* path)
 /// The path has entered by a lobe, and is in the medium now.
 void enter_interior(const Vertex& entry, const SubsurfaceBody& body, Path* path) {
   const Rgb indices = path->media.indices();
-  path->lobe_entries.push_back({&body, entry.triangle, entry.hit.ng, indices, layers_entered(entry, path->ray.dir)});
+  path->lobe_entries.push_back(
+      {&body, entry.triangle, entry.hit.ng, path->media, layers_entered(entry, path->ray.dir)});
   Interior interior = interior_of(entry);
   if (!entry.material.transmits()) interior.priority = ~uint64_t(0);  // it is behind an opaque wall
   path->media.enter(interior);
