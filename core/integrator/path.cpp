@@ -51,18 +51,29 @@ bool Path::may_pass_sheet(const Vertex& v) const {
   return depth > 0 && constants.thin && constants.spec_trans > 0;
 }
 
-void Path::meet_within(const Vec3f& direction, float distance) {
+void Path::meet_within(const Vec3f& direction) {
   ray.dir = direction;
-  ray.tmax = distance;
-  pdf = 0;  // no light is sampled in there
+  ray.tmax = std::numeric_limits<float>::infinity();  // behind a hidden wall it goes on
+  pdf = 0;                                            // no light is sampled in there
   straight = 0;
   from_vertex = false;
   ++depth;  // for numbers of its own
   ++uncounted;
 }
 
+void Path::forget_ended_stays(const SceneSnapshot& scene) {
+  if (lobe_entries.empty()) [[likely]]
+    return;
+  std::erase_if(lobe_entries, [&](const LobeEntry& entry) {
+    for (uint32_t i = 0; i < media.size(); ++i)
+      if (scene.instance(media[i].instance).body == entry.body) return false;
+    return true;
+  });
+}
+
 void Path::leave(const PathContext& context, const Vertex& v, const VertexBsdf& bsdf, const ScatterSample& sample) {
-  const bool was_within = !media.empty() && stands_within(context.scene, media, v);
+  const bool was_within =
+      !media.empty() && context.mode() == SubsurfaceMode::walk && stands_within(context.scene, media, v);
   if (layers) {
     const bool through_clear = walk_decides_layer() && v.kind == Vertex::Kind::interface && sample.side == Side::far;
     if (seeks_layer()) layer = {Layer::Kind::local, sample.specular};
@@ -73,6 +84,7 @@ void Path::leave(const PathContext& context, const Vertex& v, const VertexBsdf& 
   if (sample.side == Side::far) {
     throughput *= bsdf.factor_beyond();
     media = bsdf.media_beyond();
+    forget_ended_stays(context.scene);
     if (!air.empty()) air.leave(air_pocket_of(context.scene, v.triangle.instance));
     origin = v.origins[Vertex::kFarSide].p;
   } else {

@@ -67,8 +67,8 @@ struct Walk {
 struct LobeEntry {
   const SubsurfaceBody* body;
   TriangleHit place;
-  Vec3f normal;  // to the side that the path came from
-  Rgb indices;   // of the media there
+  Vec3f normal;       // to the side that the path came from
+  MediumStack media;  // there
   DisneyLayers::Entered layers;
 };
 
@@ -109,7 +109,11 @@ struct Path {
     radiance += light;
     if (layers) (walk_decides_layer() ? Layer{Layer::Kind::below, Rgb(0.0f), kManyEvents} : layer).add(light, layers);
   }
-  bool may_bounce(const PathContext& context) const { return depth - uncounted < context.settings.max_depth; }
+  /// Ends paths that light loses nothing on.
+  static constexpr uint32_t kMostUncounted = 1u << 16;
+  bool may_bounce(const PathContext& context) const {
+    return depth - uncounted < context.settings.max_depth && uncounted < kMostUncounted;
+  }
   /// True if the path may go straight on through the vertex as shadow rays do.
   bool may_pass_sheet(const Vertex& v) const;
   /// True where the next vertex that scatters decides the layer.
@@ -129,7 +133,9 @@ struct Path {
   void join(const Path& branch, uint32_t count);
 
   /// The walk in whose medium the path is has met a wall within, along the direction.
-  void meet_within(const Vec3f& direction, float distance);
+  void meet_within(const Vec3f& direction);
+  /// Drops the entries of bodies whose medium the path has left, through walls that were hidden within another one.
+  void forget_ended_stays(const SceneSnapshot& scene);
   /// Bounces off the vertex, or through it, by the sampled lobe.
   void leave(const PathContext& context, const Vertex& v, const VertexBsdf& bsdf, const ScatterSample& sample);
   /// Goes straight on from `origin`, where no vertex counts.

@@ -19,6 +19,13 @@ bool end(const PathContext& context, const char* reason) {
   return false;
 }
 
+// The path has no bounce left.
+bool end_at_depth(const PathContext& context, const Path& path) {
+  if (path.uncounted < Path::kMostUncounted) return end(context, "maxDepth");
+  ++context.counters.walk_safety_cap;
+  return end(context, "the light met too many surfaces within bodies");
+}
+
 // Finds the nearest surface that stops the path's ray. Updates path->air by the holes on the way.
 bool intersect(const PathContext& context, const PixelSampler& sampler, Path* path, TriangleHit* hit) {
   const auto& top = *context.scene.top;
@@ -107,6 +114,7 @@ bool find_next_vertex(const PathContext& context, const PixelSampler& sampler, P
     }
     if (record) record->sample_lobe(lobe_name(Lobe::straight), Rgb(1.0f), 1);
     path->ray.tmax = reach - hit.t;
+    path->forget_ended_stays(context.scene);
     passed += hit.t;
     met_within = false;
   }
@@ -129,7 +137,7 @@ bool find_next_vertex(const PathContext& context, const PixelSampler& sampler, P
     path->add(emission);
     if (record) record->meet_light(emission);
   }
-  if (!path->may_bounce(context) && !path->may_pass_sheet(*v)) return end(context, "maxDepth");
+  if (!path->may_bounce(context) && !path->may_pass_sheet(*v)) return end_at_depth(context, *path);
   return true;
 }
 
@@ -137,7 +145,7 @@ bool find_next_vertex(const PathContext& context, const PixelSampler& sampler, P
 bool scatter(const PathContext& context, Vertex* v, const VertexBsdf& bsdf, const VertexSamples& u, Path* path) {
   ScatterSample sample;
   if (!bsdf.sample(u.bsdf, &sample)) return end(context, "no direction was sampled");
-  if (!path->may_bounce(context) && sample.lobe != Lobe::straight) return end(context, "maxDepth");
+  if (!path->may_bounce(context) && sample.lobe != Lobe::straight) return end_at_depth(context, *path);
   path->throughput *= sample.weight;
   if (sample.lobe == Lobe::subsurface) {
     path->enter(context, v, u.roulette);  // no bounce yet: the exit is the next vertex

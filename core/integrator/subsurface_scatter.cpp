@@ -82,6 +82,11 @@ bool is_opaque_at(const PathContext& context, const SubsurfaceExit& exit) {
          (material.constants.metallic > 0 && !(value_at(context, exit, &DisneyParameters::metallic) < 1));
 }
 
+/// True where walks meet what stands in the body: a profile does not.
+bool is_occupied(const PathContext& context, const SubsurfaceBody& body) {
+  return body.occupied && context.mode() == SubsurfaceMode::walk;
+}
+
 /// Sets path->media to those beyond *exit. Where the index falls from the entry to the exit, the share (low / high)^2
 /// of the walks passes, and the others come out at the entry: *exit becomes it (random_walk.md, "Clear bodies that
 /// touch"). For lobes at both ends; `entered`: of a path that met something within. True: it has become the entry.
@@ -89,16 +94,20 @@ bool cross_to_media(const PathContext& context, const PixelSampler& sampler, con
                     const LobeEntry* entered, Path* path, SubsurfaceExit* exit) {
   const SubsurfaceBody& body = *entry.instance->body;
   const auto u = sampler.draw(Dimension::exit_bsdf, path->depth);  // the last one chooses a clear exit
-  // A walk in an occupied body knows what it has crossed, up to the wall that it leaves by.
-  if (body.occupied && u[3] < value_at(context, *exit, &DisneyParameters::spec_trans)) return false;
+  // A walk in an occupied body knows what it has crossed, up to the wall that it leaves by. Of a union it has entered
+  // another member.
+  if (is_occupied(context, body) && u[3] < value_at(context, *exit, &DisneyParameters::spec_trans)) {
+    for (const auto& member : body.members)
+      if (member.instance != exit->hit.instance) path->media.leave(member.instance);
+    return false;
+  }
   const MediumStack beyond = media_beyond(context, *exit, body, *path);
-  const float share = sqr(beyond.index() / (entered ? entered->indices.g : path->media.index()));
+  const float share = sqr(beyond.index() / (entered ? entered->media.index() : path->media.index()));
   if (share < 1 && (entered || entry.kind != Vertex::Kind::within) && u[2] >= share &&
       u[3] >= value_at(context, *exit, &DisneyParameters::spec_trans)) {
     exit->hit = entered ? entered->place : entry.triangle;
     exit->direction = entered ? entered->normal : entry.hit.ng;
-    if (entered)
-      for (const auto& member : body.members) path->media.leave(member.instance_of(exit->hit));
+    if (entered) path->media = entered->media;
     return true;
   }
   path->media = beyond;
@@ -131,10 +140,7 @@ std::optional<ExitLayers> layers_at(const Vertex& at, const SubsurfaceExit& exit
 class ContentsOfScene final : public WalkContents {
  public:
   ContentsOfScene(const PathContext& context, const PixelSampler& sampler, const Rgb& scale, Path* path)
-      : context_(context),
-        scale_(max_component(scale)),
-        path_(*path),
-        rng_(sampler.stream(Dimension::opacity, path->depth)) {}
+      : context_(context), scale_(scale), path_(*path), rng_(sampler.stream(Dimension::opacity, path->depth)) {}
 
   bool is_opaque(const TriangleHit& hit) const override {
     return !context_.scene.instance(hit.instance).material(hit.triangle).scatters();
@@ -172,7 +178,7 @@ class ContentsOfScene final : public WalkContents {
 
  private:
   const PathContext& context_;
-  const float scale_;
+  const Rgb scale_;
   Path& path_;
   Rng rng_;
 };
@@ -188,14 +194,29 @@ std::optional<LobeEntry> take_lobe_entry(const SubsurfaceBody& body, Path* path)
   return entered;
 }
 
-/// The path has entered by a lobe, and is in the medium now.
-void enter_interior(const Vertex& entry, const SubsurfaceBody& body, Path* path) {
-  const Rgb indices = path->media.indices();
-  path->lobe_entries.push_back({&body, entry.triangle, entry.hit.ng, indices, layers_entered(entry, path->ray.dir)});
+/// A path that enters by a lobe goes into the medium: that counts where it meets something there. The lobe at the entry
+/// compensates for the albedo of the exit lobe, which no light within passes. Returns the factor of the throughput.
+Rgb enter_by_lobe(const Vertex& entry, MediumStack* media) {
+  const Rgb indices = media->indices();
   Interior interior = interior_of(entry);
   if (!entry.material.transmits()) interior.priority = ~uint64_t(0);  // it is behind an opaque wall
-  path->media.enter(interior);
-  path->throughput *= index_factor(indices, path->media.indices());
+  media->enter(interior);
+  return index_factor(indices, media->indices()) * kMeanDiffuseTransmittance;
+}
+
+/// The path has entered by a lobe, and is in the medium now.
+void enter_interior(const Vertex& entry, const SubsurfaceBody& body, Path* path) {
+  path->lobe_entries.push_back(
+      {&body, entry.triangle, entry.hit.ng, path->media, layers_entered(entry, path->ray.dir)});
+  path->throughput *= enter_by_lobe(entry, &path->media);
+}
+
+/// The throughput of a walk's lights over the walk's own, which is relative to the largest channel.
+Rgb scale_within(const Vertex& entry, const Path& path) {
+  const Rgb scale(max_component(path.throughput));
+  if (entry.kind == Vertex::Kind::within) return scale;
+  MediumStack media = path.media;
+  return scale * enter_by_lobe(entry, &media);
 }
 
 /// The walls of a body.
@@ -249,8 +270,8 @@ Exit find_exit(const PathContext& context, const PixelSampler& sampler, Path* pa
   Rgb twin = has_twin ? path->throughput * control->albedo : Rgb(0.0f);
   SubsurfaceNumbers numbers(sampler, Dimension::subsurface, path->depth);
   std::optional<ContentsOfScene> contents;
-  if (body.occupied) [[unlikely]]
-    contents.emplace(context, sampler, path->throughput, path);
+  if (is_occupied(context, body)) [[unlikely]]
+    contents.emplace(context, sampler, scale_within(entry, *path), path);
   const RandomWalk walk{context.settings.walk, record ? record->walk() : nullptr, has_twin ? &twin : nullptr,
                         contents ? &*contents : nullptr};
   auto exit = context.mode() == SubsurfaceMode::diffusion
@@ -271,22 +292,15 @@ Exit find_exit(const PathContext& context, const PixelSampler& sampler, Path* pa
 
   // Meet what stands in the body, in its medium.
   if (exit->is_content) prefer_own_wall(context, body, &*exit);
-  if (exit->is_content || (body.occupied && is_opaque_at(context, *exit))) [[unlikely]] {
-    constexpr uint32_t kMostMet = 1u << 16;
-    if (path->uncounted >= kMostMet) {
-      ++context.counters.walk_safety_cap;
-      if (record) record->end("the light met too many surfaces within bodies");
-      return Exit::none;
-    }
+  if (exit->is_content || (is_occupied(context, body) && is_opaque_at(context, *exit))) [[unlikely]] {
     if (!is_within) enter_interior(entry, body, path);
-    path->meet_within(exit->direction, exit->hit.t);
+    path->meet_within(exit->direction);
     v->triangle = exit->hit;
     return Exit::within;
   }
 
   // Find the media beyond the exit.
   const std::optional<LobeEntry> entered = take_lobe_entry(body, path);
-  const bool by_lobe = !is_within || entered;
   const Rgb index = path->media.indices();
   const bool may_cross = !path->media.empty() || !body.touched.empty();
   const bool is_back =
@@ -297,7 +311,8 @@ Exit find_exit(const PathContext& context, const PixelSampler& sampler, Path* pa
   const DisneyMaterial& material = instance.material(exit->hit.triangle);
 
   // Leave by the clear share of an interface: a vertex that is seen from inside. What it reflects walks on in the body.
-  // A path that came by an entry lobe is multiplied by the albedo of the exit lobe here, as the next walk has no entry.
+  // A path that came by an entry lobe is multiplied by the albedo of the exit lobe here, as the next walk has no entry,
+  // unless it has been where it met something within.
   // A profile does not know from where the light comes to the interface.
   if (material.constants.spec_trans > 0 && !is_back && context.mode() != SubsurfaceMode::diffusion) [[unlikely]] {
     const VertexSamples u{sampler.draw(Dimension::exit_light, path->depth),
@@ -311,13 +326,14 @@ Exit find_exit(const PathContext& context, const PixelSampler& sampler, Path* pa
       clear.material.metallic = clear.material.diff_trans = 0;
       clear.material.spec_trans = 1;
       path->ray = arriving;
-      if (by_lobe) path->throughput *= kMeanDiffuseTransmittance;
+      if (!is_within) path->throughput *= kMeanDiffuseTransmittance;
       if (record) record->leave_body(*clear.instance, exit->hit, clear.hit, path->throughput);
-      Meeting met = resolve_interface(context, sampler, &clear, path);
+      const Meeting met = resolve_interface(context, sampler, &clear, path);
       path->throughput *= index_factor(index, path->media.indices());
-      while (met == Meeting::replaced) {
-        make_vertex(context, TriangleHit(clear.triangle), *path, &clear);
-        met = clear.material.transmits() ? resolve_interface(context, sampler, &clear, path) : Meeting::visible;
+      if (met == Meeting::replaced) {  // the path is still in the body
+        path->meet_within(exit->direction);
+        v->triangle = clear.triangle;
+        return Exit::within;
       }
       *v = clear;
       return met == Meeting::visible ? Exit::vertex : Exit::passes;
@@ -331,12 +347,11 @@ Exit find_exit(const PathContext& context, const PixelSampler& sampler, Path* pa
     return Exit::none;
   }
 
-  // Leave by the exit lobe: the lobes at the entry compensate for its albedo. Without an entry it is normalised
-  // instead.
-  if (!by_lobe) path->throughput *= 1 / kMeanDiffuseTransmittance;
+  // Leave by the exit lobe: the lobes at the entry compensate for its albedo. In the medium it is normalised instead.
+  if (is_within) path->throughput *= 1 / kMeanDiffuseTransmittance;
   const bool has_layers = material.constants.has_dimming_layers();
   std::optional<DisneyLayers::Entered> passed;
-  if (has_layers && by_lobe) [[unlikely]]
+  if (has_layers && (!is_within || entered)) [[unlikely]]
     passed = entered ? entered->layers : layers_entered(entry, path->ray.dir);
   v->kind = Vertex::Kind::exit;
   v->instance = &instance;

@@ -20,11 +20,15 @@ Frame turned(const Frame& frame, float turns) {
 }
 
 // True if the path is in the body of the instance that it meets, in air: it came through a hole, or it left another
-// body within. (It left a clear body of holes by its interior.)
+// body within. (It left a clear body of holes by its interior.) A walk notes no holes: but for one it would have met
+// the wall of what it is in, and the path would have that interior.
 bool is_in_air_within(const PathContext& context, const Vertex& v, const Path& path) {
   const SubsurfaceBody* const body = v.instance->body;
   const bool began_there = path.depth > 0 && body && body->has_holes && !v.material.transmits();
-  if (!began_there && (path.air.empty() || !path.air.contains(air_pocket_of(context.scene, v.triangle.instance))))
+  const bool has_walked =
+      v.instance->see_through && is_cloudy(context, path.media) && !path.media.contains(v.triangle.instance);
+  if (!began_there && !has_walked &&
+      (path.air.empty() || !path.air.contains(air_pocket_of(context.scene, v.triangle.instance))))
     return false;
   return crossing_at(*v.instance, path.ray.dir, v.triangle) == Crossing::leaves &&
          !is_in_union(context.scene, path.media, *v.instance);

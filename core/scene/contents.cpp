@@ -13,8 +13,9 @@ bool is_cloudy(const DisneyMaterial& material) {
   return material.scatters() && material.constants.spec_trans > 0;
 }
 
-// A proof looks at no more faces, of both together, and at no more points.
+// A proof looks at no more faces, of both together, and at no more points; all proofs of a commit at no more faces.
 constexpr size_t kMostFaces = size_t(1) << 20, kMostPointsOfProof = size_t(1) << 16;
+constexpr size_t kMostFacesOfAll = size_t(1) << 24;
 
 // The boxes of the faces that may meet `region`, widened by rounding.
 std::vector<Bounds> boxes_of_faces(const Instance& instance, const Bounds& region) {
@@ -42,10 +43,24 @@ bool holds_points_of(const Instance& body, const Instance& other, const CancelTo
   return false;
 }
 
+// Empty: it has none, or is a mesh.
+BoundsDouble finite_box(const Light& light) {
+  const LightExtent extent = std::visit([](const auto& l) { return l.extent(); }, light);
+  return extent.finite && !std::holds_alternative<MeshLight>(light) ? extent.box : BoundsDouble();
+}
+
 BoundsDouble world_box(const InstanceDescription& d) {
   BoundsDouble box = world_bounds(d.prototype->mesh.bounds, d.object_to_world);
   for (const Matrix4d& pose : d.poses) box.extend(world_bounds(d.prototype->mesh.bounds, pose));
   return box;
+}
+
+// Empty: it has no place.
+BoundsDouble world_box(LightParameters d) {
+  if (!is_valid_affine(d.light_to_world) || !is_within_reach(d.light_to_world)) return {};
+  d.texture = nullptr;  // which its place does not need
+  d.ies = nullptr;
+  return finite_box(make_light(d, Vec3d(0, 0, 0)));
 }
 
 Bounds rounded(const BoundsDouble& box) {
@@ -75,11 +90,13 @@ void ContentFinder::build() {
   boxes_.emplace(std::move(boxes));
 }
 
-bool ContentFinder::are_apart(const Instance& body, const Instance& other) const {
+bool ContentFinder::are_apart(const Instance& body, const Instance& other) {
   if (!body.is_still() || !other.is_still()) return false;
   const Mesh &of_body = body.prototype->mesh, &of_other = other.prototype->mesh;
-  if (of_body.triangles.size() + of_other.triangles.size() > kMostFaces || of_other.points.size() > kMostPointsOfProof)
+  const size_t count = of_body.triangles.size() + of_other.triangles.size();
+  if (count > kMostFaces || of_other.points.size() > kMostPointsOfProof || faces_seen_ + count > kMostFacesOfAll)
     return false;
+  faces_seen_ += count;
   const Bounds a = wider(bounds_in_render_space(body)), b = wider(bounds_in_render_space(other));
   const BoxTree faces(boxes_of_faces(body, b));
   for (const Bounds& face : boxes_of_faces(other, a)) {
@@ -107,12 +124,9 @@ ContentFinder::Contents ContentFinder::find(const std::vector<uint32_t>& members
                      else if (!are_apart(body, snapshot_.instances[number]))
                        contents.alone.push_back(number);
                    });
-    for (const Light& light : snapshot_.lights.lights()) {
-      const LightExtent extent = std::visit([](const auto& l) { return l.extent(); }, light);
-      if (extent.finite && !extent.box.empty() && !std::holds_alternative<MeshLight>(light) &&
-          overlap(rounded(extent.box), box))
-        contents.lights.push_back(rounded(extent.box));
-    }
+    for (const Light& light : snapshot_.lights.lights())
+      if (const BoundsDouble of_light = finite_box(light); !of_light.empty() && overlap(rounded(of_light), box))
+        contents.lights.push_back(rounded(of_light));
   }
   const auto sort_unique = [](auto* all) {
     std::sort(all->begin(), all->end());
@@ -127,10 +141,13 @@ bool ArrayNeighbours::any_in(const InstanceArrayDescription& array, const Cancel
   const auto has_shape = [](const InstanceDescription& d) {
     return d.prototype && !d.prototype->mesh.triangles.empty() && is_valid_affine(d.object_to_world);
   };
+  if (!used_slots(array.look, [](const DisneyMaterial& m) { return !m.scatters(); }).empty()) return true;
   if (!boxes_) {
     std::vector<Bounds> boxes;
     for (const InstanceDescription& d : description_.instances)
       if (has_shape(d)) boxes.push_back(rounded(world_box(d)));
+    for (const LightParameters& d : description_.lights)
+      if (const BoundsDouble box = world_box(d); !box.empty()) boxes.push_back(rounded(box));
     arrays_.resize(boxes.size(), nullptr);
     for (const InstanceArrayDescription& other : description_.arrays) {
       BoundsDouble all;
@@ -141,6 +158,7 @@ bool ArrayNeighbours::any_in(const InstanceArrayDescription& array, const Cancel
     boxes_.emplace(std::move(boxes));
   }
   bool found = false;
+  std::vector<Bounds> own;
   for (size_t i = 0; i < array.places->size() && !found; ++i) {
     if (i % 1024 == 0) cancel.check();
     const auto place = array.places->at(i);
@@ -148,6 +166,13 @@ bool ArrayNeighbours::any_in(const InstanceArrayDescription& array, const Cancel
     const Bounds box = rounded(world_bounds(array.look.prototype->mesh.bounds, *place));
     boxes_->search([&](const Bounds& b) { return !found && overlap(b, box); },
                    [&](uint32_t k) { found |= arrays_[k] != &array; });
+    own.push_back(box);
+  }
+  if (found) return true;
+  const BoxTree tree(std::move(own));
+  for (uint32_t i = 0; i < tree.size() && !found; ++i) {
+    if (i % 1024 == 0) cancel.check();
+    tree.search([&](const Bounds& b) { return !found && overlap(b, tree[i]); }, [&](uint32_t k) { found |= k != i; });
   }
   return found;
 }

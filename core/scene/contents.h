@@ -12,7 +12,7 @@ namespace alabaster {
 
 /// True if light walks in it behind a clear wall: its walks end at the walls of what stands in it.
 bool is_cloudy(const InstanceDescription& instance);
-/// True if some face of it is opaque: a wall within what others of its set light walks in.
+/// True if all its faces are opaque: a wall within what others of its set light walks in.
 bool is_opaque_everywhere(const InstanceDescription& instance);
 
 /// By bounding boxes over the whole shutter, so a needle counts; of what stands still and has not too many faces, those
@@ -31,21 +31,22 @@ class ContentFinder {
   Contents find(const std::vector<uint32_t>& members);
 
  private:
-  struct Boxes;
   void build();
-  bool are_apart(const Instance& body, const Instance& other) const;
+  bool are_apart(const Instance& body, const Instance& other);
 
   const SceneSnapshot& snapshot_;
   const CancelToken cancel_;
   std::optional<BoxTree> boxes_;  // of instances that stand alone, then of arrays, in render space
   std::vector<uint32_t> of_box_;  // their numbers
+  size_t faces_seen_ = 0;         // by proofs
 };
 
 /// What stands in bodies of an array, in world space: before it is decided which arrays stay such.
 class ArrayNeighbours {
  public:
   explicit ArrayNeighbours(const SceneDescription& description) : description_(description) {}
-  /// True if another instance's box meets that of one of the array.
+  /// True if the box of another instance, one of the array too, or of a light meets that of one of the array, or if
+  /// some faces of their own mesh are opaque.
   bool any_in(const InstanceArrayDescription& array, const CancelToken& cancel);
 
  private:

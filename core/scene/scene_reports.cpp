@@ -158,6 +158,12 @@ class Surrounding {
   const ReportedScene& scene_;
 };
 
+// False: no ray meets it.
+bool has_size(const LightParameters& light) {
+  if (light.type == LightType::distant) return light.angle != 0;
+  return light.type != LightType::sphere || (light.radius != 0 && !light.treat_as_point);
+}
+
 // What becomes of light within a body: behind diffuse walls nothing, behind clear ones walks meet what has a size.
 enum class Within { dark, sizeless, noisy };
 const char* remedy_for(Within within) {
@@ -189,20 +195,20 @@ void report_lights_within(const ReportedScene& scene) {
   constexpr uint32_t kNoInstance = ~0u;
   const Surrounding surrounding(scene);
   std::map<std::pair<uint32_t, Within>, LightsWithin> found;  // by instance
-  const auto kind = [&](uint32_t body, bool has_size) {
+  const auto kind = [&](uint32_t body, bool is_met) {
     const Instance& instance = scene.snapshot.instance(body);
     const bool is_clear = std::any_of(instance.materials.begin(), instance.materials.end(),
                                       [](const auto* m) { return m->scatters() && m->constants.spec_trans > 0; });
     if (!is_clear || !instance.body->occupied) return Within::dark;
-    return has_size ? Within::noisy : Within::sizeless;
+    return is_met ? Within::noisy : Within::sizeless;
   };
   for (const LightParameters& light : scene.description.lights) {
     scene.cancel.check();
     if (light.type == LightType::distant || light.type == LightType::dome || light.intensity == 0) continue;
     if (!is_valid_affine(light.light_to_world) || !is_within_reach(light.light_to_world)) continue;
     const Vec3f p = to_affine(moved_to(light.light_to_world, scene.snapshot.origin)).t;
-    const bool has_size = light.type != LightType::sphere || light.radius > 0;
-    if (const auto body = surrounding.find(p, kNoInstance)) found[{*body, kind(*body, has_size)}].add(light.name);
+    if (const auto body = surrounding.find(p, kNoInstance))
+      found[{*body, kind(*body, has_size(light))}].add(light.name);
   }
   for (uint32_t i = 0; i < scene.snapshot.instances.size(); ++i) {
     const Instance& instance = scene.snapshot.instances[i];
@@ -250,10 +256,7 @@ void report_lights_without_size(const ReportedScene& scene) {
   const LightParameters* first = nullptr;
   for (const LightParameters& light : scene.description.lights) {
     if (light.intensity == 0) continue;
-    const bool has_size = light.type == LightType::distant  ? light.angle != 0
-                          : light.type == LightType::sphere ? light.radius != 0 && !light.treat_as_point
-                                                            : true;
-    if (has_size) return;
+    if (has_size(light)) return;
     if (!first) first = &light;
   }
   if (!first) return;

@@ -46,6 +46,24 @@ inline void add(SceneBuilder* b, const std::shared_ptr<const MeshPrototype>& mes
   b->description.instances.back().subsurface_set = set;
 }
 
+class ListedPlaces final : public InstancePlaces {
+ public:
+  explicit ListedPlaces(std::vector<Matrix4d> places) : places_(std::move(places)) {}
+  size_t size() const override { return places_.size(); }
+  std::optional<Matrix4d> at(size_t number) const override { return places_[number]; }
+  bool stand_alike(const InstancePlaces&, size_t, size_t) const override { return false; }
+
+ private:
+  std::vector<Matrix4d> places_;
+};
+
+/// The instance that was added last becomes an array.
+inline void make_last_an_array(SceneBuilder* b, std::vector<Matrix4d> places) {
+  b->description.arrays.push_back(
+      {b->description.instances.back(), std::make_shared<const ListedPlaces>(std::move(places))});
+  b->description.instances.pop_back();
+}
+
 /// Means of runs of 32 samples, which may be stratified.
 inline RunningStatistics look(PathTracer* tracer, int runs, const std::function<double(const FilmSample&)>& value) {
   constexpr int kSamples = 32;

@@ -3,6 +3,7 @@
 
 #include "testenv/support/furnace.h"
 #include "testenv/support/medium_bodies.h"
+#include "testenv/support/mesh_bodies.h"
 
 namespace alabaster {
 namespace {
@@ -43,15 +44,111 @@ testing::RunningStatistics seen(const SceneBuilder& builder, const Sight& sight,
 TEST(Contents, WhiteOnesLoseNoLight) {
   DisneyParameters metal = clear_body(1.5f);
   metal.spec_trans = 0, metal.metallic = 1;
-  DisneyParameters hull = clear_body(1.5f, 0.05f);
+  DisneyParameters hull = clear_body(1.5f, 0.05f), with_holes = clear_body(1.5f);
+  with_holes.opacity = 0.5f;
   for (const float ior : {1.0f, 1.33f})
-    for (const auto& [content, what] : {std::pair(matt(Rgb(1.0f)), "matt"),
+    for (const auto& [content, what] : {std::pair(white_body(0), "matt"),
                                         {metal, "metal"},
                                         {clear_body(1.5f), "glass"},
+                                        {with_holes, "glass with holes"},
                                         {white_body(0.05f), "wax"},
                                         {hull, "cloudy"}})
       expect_furnace(ball_with(clear_body(ior, 0.2f), content), kSights, {.runs = 32, .sees_background = true},
                      std::string(what) + " in index " + std::to_string(ior));
+}
+
+// Light goes in through one member and comes out of another one, whichever has the higher priority.
+TEST(Contents, InAUnionLoseNoLight) {
+  for (const uint32_t priority : {0u, 1u, 2u}) {
+    DisneyParameters milk = clear_body(1.33f, 0.2f), other = milk;
+    milk.priority = 1, other.priority = priority;
+    SceneBuilder b;
+    const auto ball = b.prototype(testing::sphere_mesh(1, 48, true));
+    add(&b, ball, milk, Matrix4d(), "milk");
+    add(&b, ball, other, scaled_by(0.8) * moved_by(0.5, 0.2, 0.6), "milk");
+    add(&b, ball, white_body(0), scaled_by(0.3) * moved_by(0.2, 0.1, 0.1));
+    expect_furnace(b, kSights, {.runs = 64, .sees_background = true}, "priority " + std::to_string(priority));
+  }
+}
+
+// As it is just above the wall.
+TEST(Contents, AGlowingPlateOnTheWallIsSeen) {
+  DisneyParameters glow = matt(Rgb(0.5f));
+  glow.emission = Rgb(4.0f);
+  const auto at = [&](double z) {
+    SceneBuilder b;
+    add(&b, b.prototype(testing::box_mesh({0.7f, 0.8f, 0.6f})), clear_body(1.33f, 0.3f));
+    add(&b, b.prototype(testing::box_mesh({0.6f, 0.6f, 0.1f})), glow, moved_by(0, 0, z));
+    return seen(b, {"", {1, 2, 5}, {0.1, 0.1, 0}}, 128);
+  };
+  const auto on_it = at(-0.7), sunk = at(-0.699);
+  EXPECT_TRUE(testing::plausible(testing::z_test(on_it, sunk, {.slack = 0.01 * sunk.mean()})));
+  EXPECT_GT(sunk.mean(), 1.1);
+}
+
+// Walks meet both, those that enter by a lobe as well as those behind a clear wall.
+TEST(Contents, ALampIsAsBrightAsAMeshThatEmits) {
+  for (const float spec_trans : {0.5f, 1.0f}) {
+    DisneyParameters body = clear_body(1.5f, 0.3f);
+    body.spec_trans = spec_trans;
+    DisneyParameters glow = matt(Rgb(0.0f));
+    const float radiance = 10;
+    glow.emission = Rgb(radiance);
+    SceneBuilder lamp = ball_with(body, matt(Rgb(0.0f)));
+    LightParameters light;
+    light.type = LightType::sphere;
+    light.radius = 0.401f;
+    light.intensity = radiance;
+    light.light_to_world = moved_by(0.2, 0.1, 0.1);
+    lamp.add(light);
+    for (const Sight& sight : kSights) {
+      const auto mesh = seen(ball_with(body, glow), sight, 128);
+      EXPECT_TRUE(testing::plausible(testing::z_test(seen(lamp, sight, 128), mesh, {.slack = 0.01 * mesh.mean()})))
+          << "specTrans " << spec_trans << ", " << sight.what;
+    }
+  }
+}
+
+// A body that something stands in is the same in an array: opaque faces of its own, a lamp, and another place.
+TEST(Contents, OfAnArrayAreThoseOfEachOfItsBodies) {
+  const DisneyParameters milk = clear_body(1.33f, 0.3f);
+  const auto labelled = [&](SceneBuilder* b) {
+    Mesh ball = testing::sphere_mesh(1, 48, true);
+    ball.triangle_material.assign(ball.triangles.size(), 0);
+    std::fill_n(ball.triangle_material.begin(), ball.triangles.size() / 3, 1);
+    add(b, b->prototype(ball), milk);
+    b->description.instances.back().materials.push_back(b->material(matt(Rgb(0.0f))));
+  };
+  SceneBuilder alone, in_array;
+  labelled(&alone), labelled(&in_array);
+  testing::make_last_an_array(&in_array, {Matrix4d()});
+  EXPECT_TRUE(testing::plausible(testing::z_test(seen(in_array, kSights[0], 64), seen(alone, kSights[0], 64))));
+
+  DisneyParameters partly_clear = milk;
+  partly_clear.spec_trans = 0.5f;
+  partly_clear.base_color = Rgb(0.8f);
+  const auto bodies_at = [&](const std::vector<Matrix4d>& places, bool as_array) {
+    SceneBuilder b;
+    const auto ball = b.prototype(testing::sphere_mesh(1, 48, true));
+    for (const Matrix4d& place : places) add(&b, ball, partly_clear, place);
+    if (!as_array) return b;
+    b.description.instances.resize(1);
+    testing::make_last_an_array(&b, places);
+    return b;
+  };
+  const auto with_lamp = [](SceneBuilder b) {
+    LightParameters lamp;
+    lamp.type = LightType::sphere;
+    lamp.radius = 0.4f;
+    lamp.intensity = 10;
+    b.add(lamp);
+    return b;
+  };
+  const std::vector<Matrix4d> one = {Matrix4d()}, overlapping = {Matrix4d(), moved_by(0.6, 0.3, 0.2)};
+  EXPECT_TRUE(testing::plausible(testing::z_test(seen(with_lamp(bodies_at(one, true)), kSights[1], 64),
+                                                 seen(with_lamp(bodies_at(one, false)), kSights[1], 64))));
+  EXPECT_TRUE(testing::plausible(testing::z_test(seen(bodies_at(overlapping, true), kSights[0], 64),
+                                                 seen(bodies_at(overlapping, false), kSights[0], 64))));
 }
 
 TEST(Contents, OneOfTheSameMediumChangesNothing) {
@@ -108,7 +205,7 @@ TEST(Contents, BonesAreWithinTheBodyOfTheirSetAlone) {
   EXPECT_NEAR(seen(hand(""), kSights[0], 32).mean(), 1, 0.01);
   EXPECT_LT(seen(hand("hand"), kSights[0], 32).mean(), 0.8);
   SceneBuilder white = hand("hand");
-  white.description.instances.back().materials = {white.material(matt(Rgb(1.0f)))};
+  white.description.instances.back().materials = {white.material(white_body(0))};
   expect_furnace(white, kSights, {.runs = 64, .sees_background = true}, "white bone");
 }
 

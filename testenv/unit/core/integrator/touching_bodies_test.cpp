@@ -222,29 +222,15 @@ TEST(TouchingBodies, AMemberWhollyWithinAnotherChangesNothing) {
   EXPECT_TRUE(plausible(z_test(seen[1], seen[0])));
 }
 
-class ListedPlaces final : public InstancePlaces {
- public:
-  explicit ListedPlaces(std::vector<Matrix4d> places) : places_(std::move(places)) {}
-  size_t size() const override { return places_.size(); }
-  std::optional<Matrix4d> at(size_t number) const override { return places_[number]; }
-  bool stand_alike(const InstancePlaces&, size_t, size_t) const override { return false; }
-
- private:
-  std::vector<Matrix4d> places_;
-};
-
 // Many drops are an array of instances.
 TEST(TouchingBodies, DropsOfAnInstanceArrayLoseNoLight) {
   SceneBuilder b;
   const auto ball = b.prototype(testing::sphere_mesh(1, 64, true));
   add(&b, ball, white_body(0.3f));
   add(&b, ball, clear_body(1.5f));
-  InstanceArrayDescription drops{b.description.instances.back(), {}};
-  b.description.instances.pop_back();
   std::vector<Matrix4d> places;
   for (int i = 0; i < 4; ++i) places.push_back(scaled_by(0.3) * moved_by(0.35 * (i & 1), 0.35 * (i >> 1), 0.9));
-  drops.places = std::make_shared<const ListedPlaces>(std::move(places));
-  b.description.arrays.push_back(drops);
+  testing::make_last_an_array(&b, std::move(places));
   expect_furnace(b, kSights, {.runs = 64, .sees_background = true}, "an array of drops");
 }
 

@@ -68,11 +68,20 @@ TEST(SceneReports, AnEmissiveMeshWithinABodyIsNamedToo) {
 TEST(SceneReports, ALightBehindAClearWallIsNoisyAndOneWithoutSizeGivesNone) {
   DisneyParameters milk = wax();
   milk.spec_trans = 1;
-  for (const auto& [radius, told] : {std::pair(0.05f, "noisy"), std::pair(0.0f, "without size")}) {
+  struct Case {
+    float radius;
+    bool treat_as_point;
+    const char* told;
+  };
+  for (const auto& [radius, as_point, told] : {Case{0.05f, false, "noisy"},
+                                               {-0.05f, false, "noisy"},
+                                               {0, false, "without size"},
+                                               {0.05f, true, "without size"}}) {
     SceneBuilder b;
     b.add(b.prototype(testing::sphere_mesh(1, 16, true)), b.material(milk));
     LightParameters light = lamp(0.5, "/inside");
     light.radius = radius;
+    light.treat_as_point = as_point;
     b.add(light);
     const auto found = warnings(b, "light.within");
     ASSERT_EQ(found.size(), 1u);
