@@ -158,7 +158,6 @@ bool ArrayNeighbours::any_in(const InstanceArrayDescription& array, const Cancel
     boxes_.emplace(std::move(boxes));
   }
   bool found = false;
-  std::vector<Bounds> own;
   for (size_t i = 0; i < array.places->size() && !found; ++i) {
     if (i % 1024 == 0) cancel.check();
     const auto place = array.places->at(i);
@@ -166,13 +165,6 @@ bool ArrayNeighbours::any_in(const InstanceArrayDescription& array, const Cancel
     const Bounds box = rounded(world_bounds(array.look.prototype->mesh.bounds, *place));
     boxes_->search([&](const Bounds& b) { return !found && overlap(b, box); },
                    [&](uint32_t k) { found |= arrays_[k] != &array; });
-    own.push_back(box);
-  }
-  if (found) return true;
-  const BoxTree tree(std::move(own));
-  for (uint32_t i = 0; i < tree.size() && !found; ++i) {
-    if (i % 1024 == 0) cancel.check();
-    tree.search([&](const Bounds& b) { return !found && overlap(b, tree[i]); }, [&](uint32_t k) { found |= k != i; });
   }
   return found;
 }

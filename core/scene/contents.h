@@ -45,8 +45,8 @@ class ContentFinder {
 class ArrayNeighbours {
  public:
   explicit ArrayNeighbours(const SceneDescription& description) : description_(description) {}
-  /// True if the box of another instance, one of the array too, or of a light meets that of one of the array, or if
-  /// some faces of their own mesh are opaque.
+  /// True if the box of another instance or of a light meets that of one of the array, or if some faces of their own
+  /// mesh are opaque. Bodies of the array that overlap are of one medium.
   bool any_in(const InstanceArrayDescription& array, const CancelToken& cancel);
 
  private:

@@ -71,7 +71,7 @@ TEST(Contents, InAUnionLoseNoLight) {
   }
 }
 
-// As it is just above the wall.
+// As it is just above the wall, whichever of the two a walk meets first.
 TEST(Contents, AGlowingPlateOnTheWallIsSeen) {
   DisneyParameters glow = matt(Rgb(0.5f));
   glow.emission = Rgb(4.0f);
@@ -81,8 +81,10 @@ TEST(Contents, AGlowingPlateOnTheWallIsSeen) {
     add(&b, b.prototype(testing::box_mesh({0.6f, 0.6f, 0.1f})), glow, moved_by(0, 0, z));
     return seen(b, {"", {1, 2, 5}, {0.1, 0.1, 0}}, 128);
   };
-  const auto on_it = at(-0.7), sunk = at(-0.699);
-  EXPECT_TRUE(testing::plausible(testing::z_test(on_it, sunk, {.slack = 0.01 * sunk.mean()})));
+  const auto sunk = at(-0.699);
+  for (const double gap : {0.0, 5e-7})
+    EXPECT_TRUE(testing::plausible(testing::z_test(at(-0.7 - gap), sunk, {.slack = 0.01 * sunk.mean()})))
+        << "gap " << gap;
   EXPECT_GT(sunk.mean(), 1.1);
 }
 
@@ -109,46 +111,28 @@ TEST(Contents, ALampIsAsBrightAsAMeshThatEmits) {
   }
 }
 
-// A body that something stands in is the same in an array: opaque faces of its own, a lamp, and another place.
+// A body that something stands in is the same in an array: a lamp, or opaque faces of its own.
 TEST(Contents, OfAnArrayAreThoseOfEachOfItsBodies) {
-  const DisneyParameters milk = clear_body(1.33f, 0.3f);
-  const auto labelled = [&](SceneBuilder* b) {
+  for (const bool has_lamp : {true, false}) {
+    SceneBuilder alone;
     Mesh ball = testing::sphere_mesh(1, 48, true);
     ball.triangle_material.assign(ball.triangles.size(), 0);
-    std::fill_n(ball.triangle_material.begin(), ball.triangles.size() / 3, 1);
-    add(b, b->prototype(ball), milk);
-    b->description.instances.back().materials.push_back(b->material(matt(Rgb(0.0f))));
-  };
-  SceneBuilder alone, in_array;
-  labelled(&alone), labelled(&in_array);
-  testing::make_last_an_array(&in_array, {Matrix4d()});
-  EXPECT_TRUE(testing::plausible(testing::z_test(seen(in_array, kSights[0], 64), seen(alone, kSights[0], 64))));
-
-  DisneyParameters partly_clear = milk;
-  partly_clear.spec_trans = 0.5f;
-  partly_clear.base_color = Rgb(0.8f);
-  const auto bodies_at = [&](const std::vector<Matrix4d>& places, bool as_array) {
-    SceneBuilder b;
-    const auto ball = b.prototype(testing::sphere_mesh(1, 48, true));
-    for (const Matrix4d& place : places) add(&b, ball, partly_clear, place);
-    if (!as_array) return b;
-    b.description.instances.resize(1);
-    testing::make_last_an_array(&b, places);
-    return b;
-  };
-  const auto with_lamp = [](SceneBuilder b) {
+    // The label is on the far side.
+    if (!has_lamp) std::fill_n(ball.triangle_material.rbegin(), ball.triangles.size() / 3, 1);
+    add(&alone, alone.prototype(ball), clear_body(1.33f, 0.3f));
+    alone.description.instances.back().materials.push_back(alone.material(white_body(0)));
     LightParameters lamp;
     lamp.type = LightType::sphere;
     lamp.radius = 0.4f;
     lamp.intensity = 10;
-    b.add(lamp);
-    return b;
-  };
-  const std::vector<Matrix4d> one = {Matrix4d()}, overlapping = {Matrix4d(), moved_by(0.6, 0.3, 0.2)};
-  EXPECT_TRUE(testing::plausible(testing::z_test(seen(with_lamp(bodies_at(one, true)), kSights[1], 64),
-                                                 seen(with_lamp(bodies_at(one, false)), kSights[1], 64))));
-  EXPECT_TRUE(testing::plausible(testing::z_test(seen(bodies_at(overlapping, true), kSights[0], 64),
-                                                 seen(bodies_at(overlapping, false), kSights[0], 64))));
+    if (has_lamp) alone.add(lamp);
+    SceneBuilder in_array = alone;
+    testing::make_last_an_array(&in_array, {Matrix4d()});
+    const auto a = seen(alone, kSights[1], 64), b = seen(in_array, kSights[1], 64);
+    EXPECT_TRUE(testing::plausible(testing::z_test(b, a))) << has_lamp;
+    if (has_lamp) continue;
+    EXPECT_NEAR(b.mean(), 1, 0.01) << "a white label";
+  }
 }
 
 TEST(Contents, OneOfTheSameMediumChangesNothing) {
