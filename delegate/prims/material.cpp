@@ -79,7 +79,7 @@ struct TextureNodeReader : NodeReader {
     source.wrap_s = in.wrap_s, source.wrap_t = in.wrap_t, source.filter = in.filter;
     TextureLookup lookup;
     std::optional<std::string> missing;
-    const bool may_miss = fallback().has_value();
+    const bool may_miss = fallback() && source.fault.empty();  // one that may not be read is a fault all the same
     lookup.image =
         param.texture(source, may_miss ? &missing : fault, may_miss ? alabaster::DiagnosticSink() : sink, cancel);
     if (missing) warn("material.texture.fallback", *missing + "; its fallback is used");

@@ -88,7 +88,7 @@ def cube(name, x, color=RED, more="", y=0):
 def prims(file, *words):
     code, said = run("info", file, "--json", *words)
     assert code == 0, said
-    return json.loads(said[said.index("{"):])
+    return json.JSONDecoder().raw_decode(said[said.index("{"):])[0]
 
 
 # Composition -----------------------------------------------------------------------------------------
@@ -367,6 +367,32 @@ def test_the_only_settings_count_and_products_are_written():
     out = os.path.join(FOLDER, "written.exr")
     assert code == 0 and os.path.exists(out), said
     assert "40 x   20" in subprocess.run(["oiiotool", "--info", out], capture_output=True, text=True).stdout
+
+
+def test_flags_choose_of_a_stage():
+    two = stage("two.usda", cube("a", -1) + cube("b", 1) + """    def RenderSettings "small" { uniform int2 resolution = (20, 10) }
+    def RenderSettings "large" { uniform int2 resolution = (40, 20) }
+""")
+    assert len(prims(two)["meshes"]) == 2 and len(prims(two, "--mask", "/World/cam", "--mask", "/World/a")["meshes"]) == 1
+    for name, size in (("small", "20 x   10"), ("large", "40 x   20")):
+        out = os.path.join(FOLDER, name + ".exr")
+        code, said = run("render", two, "--render-settings", "/World/" + name, "--spp", "1", "--quiet", "-o", out)
+        assert code == 0 and size in subprocess.run(["oiiotool", "--info", out], capture_output=True, text=True).stdout, said
+    cage = stage("cage.usda", """    def Mesh "cage"
+    {
+        int[] faceVertexCounts = [4]
+        int[] faceVertexIndices = [0, 1, 2, 3]
+        point3f[] points = [(-1, -1, 0), (1, -1, 0), (1, 1, 0), (-1, 1, 0)]
+        uniform token subdivisionScheme = "catmullClark"
+        uniform token interpolateBoundary = "edgeOnly"
+    }
+""")
+    rough, fine = (picture(cage, "--complexity", level)[0] for level in ("low", "high"))
+    assert apart(rough, fine) > 0.1
+    write("library/part.usda", '#usda 1.0\n(\n defaultPrim = "R"\n)\ndef Xform "R"\n{\n' + cube("c", 0) + "}\n")
+    user = write("user/user.usda", HEAD % "Y" + 'def Xform "World"\n{\n' + CAMERA + '    def Xform "p" (references = @part.usda@)\n    {\n    }\n}\n')
+    assert run("check", user)[0] == 3
+    assert len(prims(user, "--search-path", os.path.join(FOLDER, "library"))["meshes"]) == 1
 
 
 # Packages, faults, the fence ---------------------------------------------------------------------------

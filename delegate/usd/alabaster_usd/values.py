@@ -126,7 +126,7 @@ class Archive:
         text = json.dumps({"prims": prims, **scene}, separators=(",", ":"), ensure_ascii=False).encode("utf-8", "replace")
         self.tensors.append(("scene.json", "U8", 1, [len(text)], memoryview(text)))
         ordered = sorted(self.tensors, key=lambda t: -t[2])  # the largest elements first: each is aligned without gaps
-        header, offset = {"__metadata__": {"format": "alabaster scene", "version": "1"}}, 0
+        header, offset = {"__metadata__": {"format": "alabaster scene", "version": "2"}}, 0
         for name, dtype, _, shape, view in ordered:
             header[name] = {"dtype": dtype, "shape": shape, "data_offsets": [offset, offset + view.nbytes]}
             offset += view.nbytes
