@@ -36,24 +36,19 @@ std::optional<int> parse_complexity(const std::string& text) {
     if (text == kWords[level]) return level;
   return std::nullopt;
 }
-std::optional<std::vector<std::string>> parse_list(const std::string& text) {
-  std::vector<std::string> words(1);
-  for (const char c : text)
-    if (c == ',')
-      words.emplace_back();
-    else
-      words.back() += c;
-  return words;
-}
 
 // Of stages of OpenUSD.
 void add_stage_options(CLI::App* command, SceneArguments* a) {
   hd::host::StageOptions* stage = &a->stage;
   command->add_option("--session-layer", stage->session_layer, "Layer over a stage of OpenUSD")->type_name("FILE");
   add_repeated(command, "--mask", &stage->mask, "PATH", "Read this prim of a stage and what it needs; may be repeated");
-  add_parsed(command, "--purposes", &stage->purposes, parse_list, "is no list of purposes.", "LIST",
-             "Purposes of a stage that are drawn, such as default,proxy; default: those of its settings, else "
-             "default,render");
+  command
+      ->add_option("--purposes", stage->purposes,
+                   "Purposes of a stage that are drawn, such as default,proxy; default: those of its settings, else "
+                   "default,render")
+      ->type_name("LIST")
+      ->allow_extra_args(false)
+      ->delimiter(',');
   command
       ->add_option("--render-settings", stage->settings, "RenderSettings prim of a stage; default: the stage's choice")
       ->type_name("PATH");

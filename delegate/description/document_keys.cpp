@@ -128,8 +128,8 @@ Key models(const char* name = "models", const char* meaning = "Models, in the or
   return referred(
       "#/definitions/models",
       objects(name, meaning,
-              {text("file", ".gltf, .glb or .alab (a scene archive) file."), transform(), motion(),
-               within(0, 8, std::move(level)),
+              {text("file", ".gltf, .glb, .usd, .usda, .usdc, .usdz or .alab (a scene archive) file."), transform(),
+               motion(), within(0, 8, std::move(level)),
                text("scene", "Scene of the file, by name or index; without it the file's default."),
                text("animation", "Animation of the file, by name or index; without it the first."),
                text("variant", "Variant of the file's materials (KHR_materials_variants), by name or index."),

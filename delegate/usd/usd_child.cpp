@@ -11,6 +11,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <array>
 #include <cerrno>
 #include <cmath>
@@ -180,7 +181,9 @@ void Child::allow_time() {
   timespec used{};
   if (clock_getcpuclockid(pid_, &clock) != 0 || clock_gettime(clock, &used) != 0) return;
   const double all = std::ceil(double(used.tv_sec) + options_.seconds + 1);
-  const rlimit limit = {rlim_t(all), RLIM_INFINITY};
+  rlimit limit{};
+  if (prlimit(pid_, RLIMIT_CPU, nullptr, &limit) != 0) return;
+  limit.rlim_cur = std::min(rlim_t(all), limit.rlim_max);
   prlimit(pid_, RLIMIT_CPU, &limit, nullptr);
 }
 
@@ -192,9 +195,12 @@ void Child::drain() {
   }
 }
 
+// One that has shut its socket is about to end; one that does not within two seconds is ended.
 void Child::fail_ended() {
   int status = 0;
-  while (waitpid(pid_, &status, 0) < 0 && errno == EINTR) {
+  for (int waits = 0; waitpid(pid_, &status, WNOHANG) == 0; ++waits) {
+    if (waits == 200) kill(pid_, SIGKILL);
+    poll(nullptr, 0, 10);
   }
   pid_ = -1;
   drain();

@@ -24,6 +24,13 @@ def least(scenery):
     return LAYERED_CLEAR if scenery.kind != "opaque body" else LAYERED
 
 
+def mean_by_seed(renderer, camera):
+    def one(seed):
+        renderer.set(seed=seed)
+        return picture(renderer, camera).mean(axis=(0, 1))
+    return one
+
+
 class ViewerFurnace:
     """Each block of 4 x 4 pixels of a white scene under a sky of 1 shows 1, or the squared index of what the camera is in."""
     name = "furnace, viewer"
@@ -184,11 +191,7 @@ class LambertLimit:
         distant(scene, SIDE, 60.0 if scenery.clear else 0.0)  # a drop shows a point of light as a glint that few paths meet
         scene.set_light("/sky", "domeLight", intensity=0.2)
         renderer = renderer_of(scene, samples=128 if scenery.any("below glass") else 16, subsurface=mode)
-
-        def one(seed):
-            renderer.set(seed=seed)
-            return picture(renderer, camera).mean(axis=(0, 1))
-        return one
+        return mean_by_seed(renderer, camera)
 
     @classmethod
     def run(cls, scenery):
@@ -277,11 +280,7 @@ class LightWithoutSize:
         scene, camera = scene_of(scenery, Look(white=False))
         distant(scene, SIDE, angle)
         renderer = renderer_of(scene, samples=16)
-
-        def one(seed):
-            renderer.set(seed=seed)
-            return picture(renderer, camera).mean(axis=(0, 1))
-        return one
+        return mean_by_seed(renderer, camera)
 
     @classmethod
     def run(cls, scenery):

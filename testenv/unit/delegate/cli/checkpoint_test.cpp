@@ -5,6 +5,7 @@
 #include <span>
 
 #include "core/digest/digest.h"
+#include "testenv/unit/delegate/cli/picture_values.h"
 #include "testenv/unit/delegate/cli/run_program.h"
 #include "testenv/unit/delegate/description/scene_fixture.h"
 
@@ -26,13 +27,7 @@ class CheckpointTest : public hd::description::SceneFiles {
   }
   bool says(const std::string& text) const { return said_.find(text) != std::string::npos; }
   bool exists(const std::string& file) const { return std::filesystem::exists(folder_ / file); }
-  std::vector<float> pixels(const std::string& file) const {
-    const auto input = OIIO::ImageInput::open(folder_ / file);
-    if (!input) return {};
-    std::vector<float> all(size_t(input->spec().image_pixels()) * size_t(input->spec().nchannels));
-    input->read_image(0, 0, 0, input->spec().nchannels, OIIO::TypeDesc::FLOAT, all.data());
-    return all;
-  }
+  std::vector<float> pixels(const std::string& file) const { return pixels_of(folder_ / file); }
   // All attributes of a file but those of time and memory.
   std::map<std::string, std::string> attributes(const std::string& file) const {
     std::map<std::string, std::string> all;

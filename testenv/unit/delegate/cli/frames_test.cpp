@@ -4,6 +4,7 @@
 #include <nlohmann/json.hpp>
 #include <thread>
 
+#include "testenv/unit/delegate/cli/picture_values.h"
 #include "testenv/unit/delegate/cli/run_program.h"
 #include "testenv/unit/delegate/description/scene_fixture.h"
 #include "testenv/unit/delegate/gltf/gltf_builder.h"
@@ -45,13 +46,7 @@ class FramesTest : public hd::description::SceneFiles {
     if (said) *said = program.err();
     return code;
   }
-  std::vector<float> pixels(const std::string& file) const {
-    const auto input = OIIO::ImageInput::open(folder_ / file);
-    if (!input) return {};
-    std::vector<float> all(size_t(input->spec().image_pixels()) * size_t(input->spec().nchannels));
-    input->read_image(0, 0, 0, input->spec().nchannels, OIIO::TypeDesc::FLOAT, all.data());
-    return all;
-  }
+  std::vector<float> pixels(const std::string& file) const { return pixels_of(folder_ / file); }
   // The share of the picture that the patch covers.
   double coverage(const std::string& file) const {
     const std::vector<float> all = pixels(file);

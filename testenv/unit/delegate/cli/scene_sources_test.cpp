@@ -1,10 +1,9 @@
 // What holds for models of every kind, from outside: the reader of a file, and what is done to its prims.
-#include <OpenImageIO/imageio.h>
-
 #include <cmath>
 #include <nlohmann/json.hpp>
 
 #include "delegate/archive/archive.h"
+#include "testenv/unit/delegate/cli/picture_values.h"
 #include "testenv/unit/delegate/cli/run_program.h"
 #include "testenv/unit/delegate/description/scene_fixture.h"
 
@@ -18,13 +17,7 @@ using nlohmann::json;
 class SceneSources : public hd::description::SceneFiles {
  protected:
   Outcome run(const std::vector<std::string>& arguments) const { return run_program(folder_, arguments); }
-  std::vector<float> pixels(const std::string& file) const {
-    const auto input = OIIO::ImageInput::open(folder_ / file);
-    if (!input) return {};
-    std::vector<float> all(size_t(input->spec().image_pixels()) * size_t(input->spec().nchannels));
-    input->read_image(0, 0, 0, input->spec().nchannels, OIIO::TypeDesc::FLOAT, all.data());
-    return all;
-  }
+  std::vector<float> pixels(const std::string& file) const { return pixels_of(folder_ / file); }
   /// An archive of that list of prims, and what else is said beside it.
   void write_archive(const std::string& name, int version, const std::string& text) const {
     std::string header = R"({"__metadata__":{"format":"alabaster scene","version":")" + std::to_string(version) +
