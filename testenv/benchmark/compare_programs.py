@@ -54,12 +54,17 @@ def parsed_size(text):
     return int(found[1]), int(found[2])
 
 
+def scene_file(scene):
+    """The description of a bundled scene, or the file itself."""
+    return SCENES / scene / f"{scene}.json" if scene in BUNDLED else pathlib.Path(scene)
+
+
 def render(program, scene, output, flags, prefix=()):
     if prefix:
         with open(shutil.which(program) or program, "rb") as file:
             if file.read(4) != b"\x7fELF":
                 sys.exit(f"{program} is a script, of which callgrind counts nothing: name bin/alabaster itself")
-    command = [*prefix, program, "render", str(SCENES / scene / f"{scene}.json"), "-o", str(output), "--quiet", *flags]
+    command = [*prefix, program, "render", str(scene_file(scene)), "-o", str(output), "--quiet", *flags]
     done = subprocess.run(command, env=environment(program), capture_output=True, text=True)
     if done.returncode != 0:
         sys.exit(f"{' '.join(command)}\nended with {done.returncode}: {done.stderr}")
@@ -77,12 +82,12 @@ def instructions_of_core(counts):
     return total
 
 
-def instructions_per_sample(scene, program, folder, size):
+def instructions_per_sample(scene, program, folder, size, more_flags=()):
     """Instructions of one camera sample in one thread, without AOVs."""
     (width, height), few = size, 4
     totals = []
     for samples in (few, 2 * few):
-        flags = ["--size", f"{width}x{height}", "--spp", str(samples), "--threads", "1"]
+        flags = ["--size", f"{width}x{height}", "--spp", str(samples), "--threads", "1", *more_flags]
         prefix = ["valgrind", "--tool=callgrind", f"--callgrind-out-file={folder / 'callgrind.out'}"]
         render(program, scene, folder / "cost.exr", flags, prefix)
         totals.append(instructions_of_core(folder / "callgrind.out"))

@@ -1,13 +1,14 @@
 #!/usr/bin/env python3
 """Compares the noise that two builds of the program (or two settings of one) reach in the same CPU time.
 
-  noise_gain.py BEFORE AFTER [--scene NAME|FILE.json ...] [--size WxH] [--spp N] [--seeds N] [--before FLAG ...] [--after FLAG ...]
+  noise_gain.py BEFORE AFTER [--scene NAME|FILE.json ...] [--size WxH] [--spp N] [--seeds N] [--before-flag FLAG ...] [--after-flag FLAG ...] [--instructions]
 
 Every scene is rendered by both, turn by turn, with several seeds. The variance over the seeds, divided by the squared level
 of the picture (core/convergence/frame_error.h) and averaged over the pixels, is the relative mean squared error of an unbiased
 picture. One column has it for pixels, one for the 98 % of the pixels that are least noisy in both (few rare bright paths would
-else decide), one for the means of blocks of 8 x 8 pixels, the noise that neither eye nor denoiser averages away. A gain is the ratio of error x CPU seconds of the render phase, BEFORE over AFTER: 2 means the same noise in half
-the time. In brackets is its interval of 95 %, by the jackknife over the seeds. `bias z` is the largest z value of the three channels' means over the whole picture, and `block z` the root mean square
+else decide), one for the means of blocks of 8 x 8 pixels, the noise that neither eye nor denoiser averages away. A gain is the
+ratio of error x CPU seconds of the render phase, BEFORE over AFTER: 2 means the same noise in half the time. --instructions takes
+instructions of a sample (compare_programs.py) in place of seconds, which depend on what else the machine does. In brackets is its interval of 95 %, by the jackknife over the seeds. `bias z` is the largest z value of the three channels' means over the whole picture, and `block z` the root mean square
 of Welch's t over blocks of 16 x 16 pixels: 1 to about 1.3 where both programs have the same expectation and few seeds are taken.
 """
 import argparse
@@ -20,15 +21,14 @@ import tempfile
 
 HERE = pathlib.Path(__file__).resolve().parent
 sys.path.insert(0, str(HERE.parent / "statistical" / "calibration"))
-from compare_programs import BUNDLED, SCENES, environment  # noqa: E402
+from compare_programs import BUNDLED, HEIGHT, WIDTH, environment, instructions_per_sample, scene_file  # noqa: E402
 from pictures import Reference, read_exr  # noqa: E402
 
 
 def render(program, scene, seed, arguments, flags, folder):
     """The picture and its CPU seconds."""
     output, stats = folder / "picture.exr", folder / "stats.json"
-    description = SCENES / scene / f"{scene}.json" if scene in BUNDLED else pathlib.Path(scene)
-    command = [program, "render", str(description), "-o", str(output), "--quiet", "--stats", str(stats),
+    command = [program, "render", str(scene_file(scene)), "-o", str(output), "--quiet", "--stats", str(stats),
                "--size", arguments.size, "--spp", str(arguments.spp), "--set", f"seed={seed}", "--threads", str(arguments.threads),
                *flags]
     done = subprocess.run(command, env=environment(program), capture_output=True, text=True)
@@ -54,12 +54,12 @@ def mean_and_variance(values):
 class Side:
     """All renders of one program."""
 
-    def __init__(self, pictures=(), seconds=()):
-        self.pictures, self.seconds = list(pictures), list(seconds)
+    def __init__(self, pictures=(), costs=()):
+        self.pictures, self.costs = list(pictures), list(costs)
 
     def without(self, i):
         """All renders but one."""
-        return Side(self.pictures[:i] + self.pictures[i + 1:], self.seconds[:i] + self.seconds[i + 1:])
+        return Side(self.pictures[:i] + self.pictures[i + 1:], self.costs[:i] + self.costs[i + 1:])
 
     def pixel_errors(self):
         """Relative squared error of each pixel, the mean of its channels."""
@@ -97,11 +97,11 @@ def largest_bias(before, after):
 
 def gains(before, after, calm):
     """Of pixels, of the pixels `calm`, of 8 x 8 means."""
-    cpu = sum(after.seconds) / sum(before.seconds)
+    cost = sum(after.costs) / sum(before.costs)
     pixels = [side.pixel_errors() for side in (before, after)]
     ratios = [sum(pixels[0]) / sum(pixels[1]), sum(pixels[0][i] for i in calm) / sum(pixels[1][i] for i in calm),
               before.block_error() / after.block_error()]
-    return [ratio / cpu for ratio in ratios]
+    return [ratio / cost for ratio in ratios]
 
 
 # Two-sided 95 % of Student's distribution with 1, 2, ... degrees of freedom.
@@ -132,28 +132,32 @@ def main():
     parser.add_argument("--threads", type=int, default=1)
     parser.add_argument("--before-flag", action="append", default=[], help="passed to BEFORE's render; may be repeated")
     parser.add_argument("--after-flag", action="append", default=[], help="passed to AFTER's render; may be repeated")
+    parser.add_argument("--instructions", action="store_true", help="cost is instructions of a sample, not CPU seconds")
     arguments = parser.parse_args()
     if arguments.seeds < 3:
         parser.error("--seeds must be 3 or more: noise is the difference between seeds, and its interval that without one of them")
     sides = ((arguments.before, arguments.before_flag), (arguments.after, arguments.after_flag))
     print(f"{arguments.size}, {arguments.spp} samples, {arguments.seeds} seeds\n")
-    print("| scene | relative MSE: before | after | CPU: after / before | gain, pixels | gain, 98 % | gain, 8 x 8 means | bias z | block z |")
+    cost = "instructions" if arguments.instructions else "CPU"
+    print(f"| scene | relative MSE: before | after | {cost}: after / before | gain, pixels | gain, 98 % | gain, 8 x 8 means | bias z | block z |")
     print("|--|--|--|--|--|--|--|--|--|")
     with tempfile.TemporaryDirectory() as name:
         for scene in arguments.scene or BUNDLED:
             before, after = Side(), Side()
+            costs = [instructions_per_sample(scene, program, pathlib.Path(name), (WIDTH, HEIGHT), flags)
+                     for program, flags in sides] if arguments.instructions else [None, None]
             for seed in range(1, arguments.seeds + 1):
-                for side, (program, flags) in zip((before, after), sides):
+                for side, (program, flags), counted in zip((before, after), sides, costs):
                     picture, seconds = render(program, scene, seed, arguments, flags, pathlib.Path(name))
                     side.pictures.append(picture)
-                    side.seconds.append(seconds)
+                    side.costs.append(counted or seconds)
             pixels = [side.pixel_errors() for side in (before, after)]
             errors = [sum(errors) / len(errors) for errors in pixels]
             calm = sorted(range(len(pixels[0])), key=lambda i: pixels[0][i] + pixels[1][i])[:len(pixels[0]) * 98 // 100]
-            cpu = sum(after.seconds) / sum(before.seconds)
+            ratio = sum(after.costs) / sum(before.costs)
             texts = with_intervals(before, after, calm)
             whole, block = largest_bias(before, after)
-            print(f"| {pathlib.Path(scene).stem} | {errors[0]:.5f} | {errors[1]:.5f} | {cpu:.2f} | {' | '.join(texts)} | {whole:.1f} | {block:.2f} |",
+            print(f"| {pathlib.Path(scene).stem} | {errors[0]:.5f} | {errors[1]:.5f} | {ratio:.3f} | {' | '.join(texts)} | {whole:.1f} | {block:.2f} |",
                   flush=True)
 
 

@@ -10,8 +10,8 @@ READ = ("AlabasterDisney", "UsdPreviewSurface", "ND_UsdPreviewSurface_surfacesha
         "ND_standard_surface_surfaceshader_100", "ND_open_pbr_surface_surfaceshader", "ND_gltf_pbr_surfaceshader",
         "ND_disney_principled", "arnold:standard_surface", "arnold:openpbr_surface")
 # MaterialX's nodes of the preview surface are those of USD under other names.
-NATIVE = {"ND_UsdPreviewSurface_surfaceshader": "UsdPreviewSurface", "ND_UsdUVTexture": "UsdUVTexture",
-          "ND_UsdTransform2d": "UsdTransform2d", "ND_UsdPrimvarReader_vector2": "UsdPrimvarReader_float2"}
+NATIVE = {"ND_UsdPreviewSurface_surfaceshader": "UsdPreviewSurface", "ND_UsdTransform2d": "UsdTransform2d",
+          "ND_UsdPrimvarReader_vector2": "UsdPrimvarReader_float2"}
 
 
 class Looks:

@@ -91,12 +91,18 @@ class Document:
                 file = outer.getResolvedValueString()
                 made = shader.CreateInput(given.getName(), Sdf.ValueTypeNames.Asset)
                 made.Set(Sdf.AssetPath(file if os.path.isabs(file) or not file else os.path.join(os.path.dirname(self.file), file)))
-                space = outer.getActiveColorSpace() or outer.getDocument().getActiveColorSpace()
-                if space:
-                    made.GetAttr().SetColorSpace(space)
+                self._space(made, outer)
             elif make and outer.getValue() is not None:
-                shader.CreateInput(given.getName(), kind).Set(make(outer.getValue()))
+                made = shader.CreateInput(given.getName(), kind)
+                made.Set(make(outer.getValue()))
+                if given.getType().startswith("color"):
+                    self._space(made, outer)
         return shader
+
+    @staticmethod
+    def _space(made, given):
+        if given.getActiveColorSpace():
+            made.GetAttr().SetColorSpace(given.getActiveColorSpace())
 
 
 def library(mx, held=[]):

@@ -1,8 +1,9 @@
 """Opens a stage: layers, composition errors, variants, and what a program lists of it."""
+import math
 import os
 import re
 
-from pxr import Ar, Pcp, Sdf, Tf, Usd, UsdGeom, UsdRender
+from pxr import Ar, Sdf, Tf, Usd, UsdGeom
 
 from .notes import Fault
 
@@ -36,13 +37,14 @@ def open_stage(asked, folders, everywhere):
     more, files, held = mtlx.place_layers(stage)
     stage.held_layers = held  # as long as the stage
     faults = more + faults_of(stage, folders, everywhere)
-    return stage, {"layers": sorted(set(layers_of(stage) + files)), "faults": faults, **facts_of(stage)}
+    facts = facts_of(stage, faults)
+    return stage, {"layers": sorted(set(layers_of(stage) + files)), "faults": faults, **facts}
 
 
 def plain(text):
     """(what OpenUSD says without the places in its own code, the layer, the line)."""
     quoted = re.findall(r"at line \d+ in file \S+ : '(.*?)'\s*(?=\n|$)", str(text), re.S)
-    text = re.sub(r"pxrInternal\w*?__(pxrReserved__(::)?)?_?", "", " ".join(" ".join(quoted or [str(text)]).split()))
+    text = re.sub(r"pxrInternal\w*?__(pxrReserved__(::)?)?_?|,?@anon:0x[0-9a-f]+:session.usda@", "", " ".join(" ".join(quoted or [str(text)]).split()))
     place = re.search(r"(/[^\s@<>']+?):(\d+):\d+: ", text)
     return text[:600], place.group(1) if place else "", int(place.group(2)) if place else 0
 
@@ -116,14 +118,27 @@ def is_within(file, folders):
     return any(real == f or real.startswith(f.rstrip("/") + "/") for f in folders)
 
 
-def facts_of(stage):
-    has_range = stage.HasAuthoredTimeCodeRange()
-    return {"range": [stage.GetStartTimeCode(), stage.GetEndTimeCode()] if has_range else None,
-            "timeCodesPerSecond": stage.GetTimeCodesPerSecond(), "framesPerSecond": stage.GetFramesPerSecond(),
-            "varies": any(layer.ListAllTimeSamples() for layer in stage.GetUsedLayers()),
-            "up": str(UsdGeom.GetStageUpAxis(stage)), "metersPerUnit": UsdGeom.GetStageMetersPerUnit(stage),
-            "variants": {str(p.GetPath()): {n: [p.GetVariantSets().GetVariantSelection(n)] + list(p.GetVariantSets().GetVariantSet(n).GetVariantNames())
-                                            for n in p.GetVariantSets().GetNames()} for p in stage.Traverse() if p.HasVariantSets()}}
+def facts_of(stage, faults):
+    """What a program asks of a stage."""
+    def number(name, value, otherwise, least=-math.inf):
+        if math.isfinite(value) and value > least:
+            return value
+        text = "its %s is %g: write a number%s" % (name, value, " above 0" if least == 0 else "")
+        faults.append({"text": text, "file": stage.GetRootLayer().realPath, "prim": "", "line": 0})
+        return otherwise
+
+    ends = [number("startTimeCode", stage.GetStartTimeCode(), 0.0), number("endTimeCode", stage.GetEndTimeCode(), 0.0)]
+    return {"range": ends if stage.HasAuthoredTimeCodeRange() else None, "varies": varies(stage),
+            "timeCodesPerSecond": number("timeCodesPerSecond", stage.GetTimeCodesPerSecond(), 24.0, 0),
+            "metersPerUnit": number("metersPerUnit", UsdGeom.GetStageMetersPerUnit(stage), 0.01, 0), "up": str(UsdGeom.GetStageUpAxis(stage))}
+
+
+def varies(stage):
+    """Whether something may change with the time: by samples, or by value clips and splines, which no layer lists."""
+    if any(layer.ListAllTimeSamples() for layer in stage.GetUsedLayers()):
+        return True
+    prims = [*stage.Traverse(), *(prim for prototype in stage.GetPrototypes() for prim in Usd.PrimRange(prototype))]
+    return any(prim.HasAuthoredMetadata("clips") or any(a.ValueMightBeTimeVarying() for a in prim.GetAuthoredAttributes()) for prim in prims)
 
 
 def fail():
