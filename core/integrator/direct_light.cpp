@@ -1,5 +1,6 @@
 #include "core/integrator/direct_light.h"
 
+#include "core/integrator/interface.h"
 #include "core/integrator/path_record.h"
 #include "core/integrator/see_through.h"
 #include "core/sampling/mis.h"
@@ -9,8 +10,12 @@ namespace {
 
 // The share of the light that arrives at `p`, which is in these media.
 Rgb visibility(const PathContext& context, const Vec3f& p, const LightSample& light, const MediumStack& media) {
-  ++context.counters.shadow_rays;
   const Ray ray{p, light.wi, light.shadow_length(), context.time};
+  if (light.on_mesh && !media.empty()) [[unlikely]] {
+    const TriangleHit hit{light.distance, light.place.x, light.place.y, light.triangle, light.instance, context.time};
+    if (is_hidden_boundary(context, ray, hit, media)) return Rgb(0.0f);
+  }
+  ++context.counters.shadow_rays;
   if (light.shadow_link != 0) [[unlikely]]
     return linked_visibility(context, ray, light.shadow_link, media);
   if (!context.sees_through() && !context.scene.features.clear_sheets)
