@@ -139,7 +139,7 @@ Meeting resolve_interface(const PathContext& context, const PixelSampler& sample
       media = *v->beyond;
     else
       cross_interface(*v, inside, &media);
-    path->pass(v->origins[Vertex::kFarSide].p, path->ray.dir);
+    path->pass(*v->instance, v->origins[Vertex::kFarSide].p, path->ray.dir);
     return Meeting::hidden;
   }
 
