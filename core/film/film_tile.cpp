@@ -8,25 +8,6 @@
 namespace alabaster {
 namespace {
 
-Rgb layer_of(const LightLayers& layers, Aov aov) {
-  switch (aov) {
-    case Aov::diffuse:
-      return layers.diffuse;
-    case Aov::subsurface:
-      return layers.unscattered + layers.single + layers.multiple;
-    case Aov::subsurface_single:
-      return layers.single;
-    case Aov::subsurface_multiple:
-      return layers.multiple;
-    case Aov::subsurface_unscattered:
-      return layers.unscattered;
-    case Aov::specular:
-      return layers.specular;
-    default:
-      return layers.emission;
-  }
-}
-
 void accumulate(const std::array<float, 3>& value, std::array<UnitSum, 3>* sum) {
   for (size_t i = 0; i < 3; ++i) (*sum)[i].add(value[i]);
 }
@@ -43,6 +24,28 @@ constexpr struct {
 } kIds[] = {{Aov::prim_id, &FilmSample::prim_id},
             {Aov::instance_id, &FilmSample::instance_id},
             {Aov::element_id, &FilmSample::element_id}};
+
+constexpr struct {
+  Aov aov;
+  Rgb (*light)(const LightLayers&);
+} kLayers[] = {
+    {Aov::diffuse, [](const LightLayers& l) { return l.diffuse; }},
+    {Aov::subsurface, [](const LightLayers& l) { return l.unscattered + l.single + l.multiple; }},
+    {Aov::subsurface_single, [](const LightLayers& l) { return l.single; }},
+    {Aov::subsurface_multiple, [](const LightLayers& l) { return l.multiple; }},
+    {Aov::subsurface_unscattered, [](const LightLayers& l) { return l.unscattered; }},
+    {Aov::specular, [](const LightLayers& l) { return l.specular; }},
+    {Aov::emission, [](const LightLayers& l) { return l.emission; }},
+};
+
+template <class Table>
+constexpr AovSet aovs_of(const Table& table) {
+  AovSet aovs = 0;
+  for (const auto& row : table) aovs |= aov_bit(row.aov);
+  return aovs;
+}
+static_assert(aovs_of(kLayers) == kLayerAovs, "a layer has no row");
+static_assert((aovs_of(kDepths) | aovs_of(kIds) | kVectorAovs) == kClosestAovs, "a value of the first hit has no row");
 
 template <class T>
 T background(Aov aov) {
@@ -90,8 +93,8 @@ FilmTile::FilmTile(size_t pixels, AovSet aovs, const FilmExtras& extras)
   add_planes(kDepths, aovs, pixels, &depths_);
   add_planes(kIds, aovs, pixels, &ids_);
   if (aovs & aov_bit(Aov::nonfinite)) nonfinite_.resize(pixels);
-  for (const AovInfo& info : kAovs)
-    if (aovs & kLayerAovs & aov_bit(info.aov)) layers_.push_back({info.aov, std::vector<RgbSum>(pixels)});
+  for (const auto& [aov, light] : kLayers)
+    if (aovs & aov_bit(aov)) layers_.push_back({aov, light, std::vector<RgbSum>(pixels)});
   for (auto a = static_cast<size_t>(Aov::eye_point); a < kAovCount; ++a)
     if (const Aov aov = static_cast<Aov>(a); aovs & kVectorAovs & aov_bit(aov))
       vectors_.push_back({aov, std::vector<std::array<float, 3>>(pixels)});
@@ -175,7 +178,7 @@ void FilmTile::add(size_t pixel, const FilmSample& s, const LightLayers* layers,
   if (!normal_.empty()) accumulate({s.normal.x, s.normal.y, s.normal.z}, &normal_[pixel]);
   if (!albedo_.empty()) accumulate({s.albedo.r, s.albedo.g, s.albedo.b}, &albedo_[pixel]);
   if (layers)
-    for (LayerPlane& plane : layers_) plane.sums[pixel].add(layer_of(*layers, plane.aov));
+    for (LayerPlane& plane : layers_) plane.sums[pixel].add(plane.light(*layers));
   if (!rays_.empty()) rays_[pixel] += rays;
   if (!nonfinite_.empty() && s.nonfinite) ++nonfinite_[pixel];
   if (!distance_.empty() && s.distance < distance_[pixel]) {

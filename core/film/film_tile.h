@@ -111,6 +111,7 @@ class FilmTile {
   using UnitSums = std::vector<std::array<UnitSum, 3>>;
   struct LayerPlane {
     Aov aov;
+    Rgb (*light)(const LightLayers&);
     std::vector<RgbSum> sums;
   };
   struct VectorPlane {

@@ -1,5 +1,6 @@
 #include "core/integrator/direct_light.h"
 
+#include "core/integrator/interface.h"
 #include "core/integrator/path_record.h"
 #include "core/integrator/see_through.h"
 #include "core/sampling/mis.h"
@@ -9,8 +10,12 @@ namespace {
 
 // The share of the light that arrives at `p`, which is in these media.
 Rgb visibility(const PathContext& context, const Vec3f& p, const LightSample& light, const MediumStack& media) {
-  ++context.counters.shadow_rays;
   const Ray ray{p, light.wi, light.shadow_length(), context.time};
+  if (light.on_mesh && !media.empty()) [[unlikely]] {
+    const TriangleHit hit{light.distance, light.place.x, light.place.y, light.triangle, light.instance, context.time};
+    if (is_hidden_boundary(context, ray, hit, media)) return Rgb(0.0f);
+  }
+  ++context.counters.shadow_rays;
   if (light.shadow_link != 0) [[unlikely]]
     return linked_visibility(context, ray, light.shadow_link, media);
   if (!context.sees_through() && !context.scene.features.clear_sheets)
@@ -21,7 +26,7 @@ Rgb visibility(const PathContext& context, const Vec3f& p, const LightSample& li
 
 // What the exit lobe at the vertex sends on of light that arrives, with the weight that it has at exits. Zero where the
 // product is not finite, which depends on this sample alone.
-Rgb exit_light(const ScatterValue& value, const LightSample& light) {
+Rgb sent_by_exit_lobe(const ScatterValue& value, const LightSample& light) {
   const float mis = light.delta || light.of_constant_dome ? 1.0f : power_heuristic(light.pdf, value.exit_pdf);
   const Rgb sent = light.radiance * (value.exit_cos * mis / light.pdf);
   return is_finite(sent) ? sent : Rgb(0.0f);
@@ -82,7 +87,7 @@ void sample_lights(const PathContext& context, const VertexBsdf& bsdf, Vertex* v
       }
       if (record && !is_black(value.f_cos)) record->light_arrives(path->throughput * arriving, {light->pdf, mis});
       if (!control || !(value.exit_cos > 0)) continue;
-      Rgb exit = exit_light(value, *light) * visible;
+      Rgb exit = sent_by_exit_lobe(value, *light) * visible;
       if (origin == Vertex::kSmooth) exit *= 1 / from.chance;
       control->light += path->through_media(exit, light->distance);
     }

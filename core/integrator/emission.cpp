@@ -21,6 +21,7 @@ Rgb linked_light_emission(const PathContext& context, const Path& path, bool esc
   const bool is_clear = escaped && !context.sees_through();
   return path.lights->emitted_with_links(
       path.ray, path.light_context, weigh, [&](uint32_t link, float distance) -> Rgb {
+        if (path.hidden_boundary && !context.scene.casts_shadow(*path.hidden_boundary, link)) return Rgb(0.0f);
         const Ray ray{path.ray.org, path.ray.dir, distance, path.ray.time};
         if (is_clear) return path.through_media(Rgb(1.0f), distance);
         ++context.counters.shadow_rays;

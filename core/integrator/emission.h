@@ -7,7 +7,8 @@
 namespace alabaster {
 
 /// Of the lights without geometry on the path's segment, and of infinite ones if the ray `escaped`. A ray that
-/// begins where light was sampled meets those with a shadow link, beyond what casts no shadow for them.
+/// begins where light was sampled meets those with a shadow link, beyond what casts no shadow for them; so does one
+/// that begins at a hidden boundary which casts one.
 Rgb emission_along(const PathContext& context, const Path& path, bool escaped);
 
 /// Of the surface at `v`.

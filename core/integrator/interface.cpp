@@ -48,6 +48,15 @@ class ClearSurfaces final : public HitFilter {
   const SceneSnapshot& scene_;
 };
 
+// True if the boundary of `own` is one of media: `inside`, where a ray leaves `own`, which is one of `media`, or enters
+// it.
+bool is_boundary(const Interior& own, bool inside, const MediumStack& media) {
+  // Within another shell of its mesh it is no wall of the body.
+  if (media.count(own.instance) > (inside ? 1u : 0u)) return false;
+  const Interior* const current = media.current();
+  return inside ? current->instance == own.instance : !current || current->priority <= own.priority;
+}
+
 bool is_same(const Interior* a, const Interior* b) {
   return a && b ? a->instance == b->instance : a == b;
 }
@@ -119,9 +128,7 @@ Meeting resolve_interface(const PathContext& context, const PixelSampler& sample
   // Find the media on this body's side and on the other one.
   const Interior* within = &own;
   const Interior* other = inside ? media.current_without(instance) : media.current();
-  bool is_visible = inside ? media.current()->instance == instance : !other || other->priority <= own.priority;
-  // Within another shell of its mesh it is no wall of the body.
-  if (media.count(instance) > (inside ? 1u : 0u)) is_visible = false;
+  bool is_visible = is_boundary(own, inside, media);
   if (v->beyond) [[unlikely]] {
     within = inside ? media.current() : v->beyond->current();
     other = inside ? v->beyond->current() : media.current();
@@ -132,7 +139,7 @@ Meeting resolve_interface(const PathContext& context, const PixelSampler& sample
       media = *v->beyond;
     else
       cross_interface(*v, inside, &media);
-    path->pass(v->origins[Vertex::kFarSide].p, path->ray.dir);
+    path->pass(*v->instance, v->origins[Vertex::kFarSide].p, path->ray.dir);
     return Meeting::hidden;
   }
 
@@ -145,6 +152,18 @@ Meeting resolve_interface(const PathContext& context, const PixelSampler& sample
   const float eta = index(within, channel) / index(other, channel);
   v->side = {inside ? 1 / eta : eta, inside, !v->instance->prototype->mesh.closed};
   return Meeting::visible;
+}
+
+bool is_hidden_boundary(const PathContext& context, const Ray& ray, const TriangleHit& hit, const MediumStack& media) {
+  const DisneyMaterial& material = context.scene.instance(hit.instance).material(hit.triangle);
+  if (media.empty() || !material.transmits() || material.constants.thin) return false;
+  Vertex v;
+  evaluate_surface(context, ray, hit, 0, &v);
+  const bool inside = is_seen_from_inside(v, media);
+  const Interior own = interior_of(v);
+  MediumStack about = media;
+  if (inside && !about.contains(hit.instance)) about.enter(own);
+  return v.material.transmits() && !is_boundary(own, inside, about);
 }
 
 MediumStack interiors_at(const PathContext& context, Ray ray, Seeker seeker) {

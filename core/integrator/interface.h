@@ -19,6 +19,10 @@ enum class Meeting {
 /// Else chance would decide which of them a ray finds.
 Meeting resolve_interface(const PathContext& context, const PixelSampler& sampler, Vertex* v, Path* path);
 
+/// True if `ray`, which arrives in `media`, would meet a boundary there that a medium of higher priority hides.
+/// Surfaces that lie on it do not count.
+bool is_hidden_boundary(const PathContext& context, const Ray& ray, const TriangleHit& hit, const MediumStack& media);
+
 /// The media on the far side of a visible interface. `media`: on the near side.
 MediumStack media_past(const Vertex& v, MediumStack media);
 /// Factor of what passes, beside the lobes: those of a clear share have it.

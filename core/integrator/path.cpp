@@ -105,17 +105,19 @@ void Path::leave(const PathContext& context, const Vertex& v, const VertexBsdf& 
     if (goes_cloudy) pdf = 0;
   }
   from_vertex = !passes_sheet && !goes_cloudy;
+  hidden_boundary = nullptr;
   ray = {origin, sample.wi, std::numeric_limits<float>::infinity(), ray.time};
   branches = 1;
   ++depth;
   if (passes_sheet || was_within) ++uncounted;
 }
 
-void Path::pass(const Vec3f& origin, const Vec3f& direction) {
+void Path::pass(const Instance& boundary, const Vec3f& origin, const Vec3f& direction) {
   ray = {origin, direction, std::numeric_limits<float>::infinity(), ray.time};
   pdf = std::numeric_limits<float>::infinity();
   straight = 0;
-  from_vertex = false;
+  from_vertex = depth > 0;  // the camera's ray sees lights as they are
+  hidden_boundary = &boundary;
 }
 
 void Path::enter(const PathContext& context, Vertex* v, float roulette) {

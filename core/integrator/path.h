@@ -86,13 +86,16 @@ struct Path {
   const LightSet* lights = nullptr;
   LightSampleContext light_context;
   Vec3f light_origin{0, 0, 0};
-  float straight = 0;        // distance from there to the ray's origin; 0: it is the ray's origin
-  bool from_vertex = false;  // lights were sampled at the ray's origin: those with a shadow link count
-  uint32_t depth = 0;        // vertices before the present one; a walk has one
-  uint32_t uncounted = 0;    // of those, no bounces: sheets that it went straight through, and what stands in media
-  uint32_t branches = 1;     // that leave the present vertex
-  MediumStack media;         // that the ray is in
-  AirPockets air;            // bodies that the ray is in, in air
+  float straight = 0;  // distance from there to the ray's origin; 0: it is the ray's origin
+  /// The ray meets lights with a shadow link, too: it begins where lights were sampled, or at a hidden boundary, before
+  /// which those that it casts no shadow of have been met.
+  bool from_vertex = false;
+  const Instance* hidden_boundary = nullptr;
+  uint32_t depth = 0;      // vertices before the present one; a walk has one
+  uint32_t uncounted = 0;  // of those, no bounces: sheets that it went straight through, and what stands in media
+  uint32_t branches = 1;   // that leave the present vertex
+  MediumStack media;       // that the ray is in
+  AirPockets air;          // bodies that the ray is in, in air
   std::vector<LobeEntry> lobe_entries;  // of the media that it is in, in order
   Footprint footprint;
   Layer layer;
@@ -138,8 +141,8 @@ struct Path {
   void forget_ended_stays(const SceneSnapshot& scene);
   /// Bounces off the vertex, or through it, by the sampled lobe.
   void leave(const PathContext& context, const Vertex& v, const VertexBsdf& bsdf, const ScatterSample& sample);
-  /// Goes straight on from `origin`, where no vertex counts.
-  void pass(const Vec3f& origin, const Vec3f& direction);
+  /// Goes straight on from `origin`, at a boundary that is no vertex.
+  void pass(const Instance& boundary, const Vec3f& origin, const Vec3f& direction);
   /// Goes below the surface. The vertex at the walk's exit is the next one.
   void enter(const PathContext& context, Vertex* v, float roulette);
 };

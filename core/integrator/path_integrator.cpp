@@ -68,6 +68,7 @@ bool find_next_vertex(const PathContext& context, const PixelSampler& sampler, P
     if (exit == Exit::passes) {
       ++path->depth;
       path->from_vertex = true;
+      path->hidden_boundary = nullptr;  // no ray has met light on the way
       if (!survives_roulette(context, path->walk.roulette, path)) return false;
     }
   }

@@ -47,7 +47,8 @@ Rgb straight_through(const PathContext& context, const Vec3f& dir, const Triangl
 }
 
 // A wall of a union with holes that lies within another member: no surface of the body.
-bool is_hidden(const Instance& instance, const DisneyMaterial& material, const Vec3f& dir, const TriangleHit& hit) {
+bool is_within_union(const Instance& instance, const DisneyMaterial& material, const Vec3f& dir,
+                     const TriangleHit& hit) {
   const SubsurfaceBody* const body = instance.body;
   if (!body || !body->is_union() || !material.is_partly_opaque()) return false;
   const uint8_t flags = body->members[instance.member].shells->flags(hit.triangle);
@@ -77,7 +78,7 @@ namespace {
   const Instance& instance = scene.instance(hit.instance);
   const DisneyMaterial& material = instance.material(hit.triangle);
   if (within && (within->contains(hit.instance) || is_in_union(scene, *within, instance))) return 1;
-  if (is_hidden(instance, material, dir, hit)) return 0;
+  if (is_within_union(instance, material, dir, hit)) return 0;
   const Mesh& mesh = instance.prototype->mesh;
   const Vec2f uv = mesh.uv_sets.empty() ? Vec2f(0, 0) : interpolated<Vec2f>(mesh.uv_sets.front(), mesh, hit);
   return material.coverage({mesh, hit, uv});
@@ -103,7 +104,7 @@ Crossing crossing_at(const Instance& instance, const Vec3f& dir, const TriangleH
   if (instance.body) {
     if (instance.body->members[instance.member].shells->flags(hit.triangle) & (MeshShells::kOpen | MeshShells::kInner))
       return Crossing::none;
-    if (is_hidden(instance, instance.material(hit.triangle), dir, hit)) return Crossing::none;
+    if (is_within_union(instance, instance.material(hit.triangle), dir, hit)) return Crossing::none;
     leaves = instance.body->leaves(instance.member, hit, dir);
   } else {
     const DisneyMaterial& material = instance.material(hit.triangle);

@@ -30,7 +30,9 @@ struct LightSample {
   Rgb radiance{0.0f};  // arriving along wi; for a delta light: irradiance on a plane facing it (pdf = 1)
   float pdf = 0;       // per solid angle; 1 for delta lights
   bool delta = false;
-  bool on_mesh = false;           // the point lies on geometry
+  bool on_mesh = false;  // the point lies on geometry: on which, and where, as TriangleHit has it
+  uint32_t instance = 0, triangle = 0;
+  Vec2f place{0, 0};
   bool of_constant_dome = false;  // of a light that ConstantDomes (light_set.h) may leave to BSDF sampling
   uint32_t shadow_link = 0;       // LightParameters::shadow_link
 

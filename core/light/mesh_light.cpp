@@ -62,7 +62,7 @@ MeshLight::MeshLight(uint32_t instance, std::vector<Triangle> triangles, const s
   auto emitter = std::make_shared<Emitter>();
   emitter->triangles = std::move(triangles);
   emitter->emission = std::move(emission);
-  if (emitter->emission) emitter->triangle_ids = triangle_ids;
+  emitter->triangle_ids = triangle_ids;
   emitter->measure(cancel);
   emitter->index(triangle_ids, cancel);
   emitter_ = std::move(emitter);
@@ -89,14 +89,14 @@ std::optional<LightSample> MeshLight::sample(const Vec3f& p, const Vec2f& u, con
   const Vec3d wi = to_light * (1 / distance);
   LightSample s;
   s.on_mesh = true;
+  s.instance = instance_;
+  s.triangle = emitter.triangle_ids[chosen.index];
+  s.place = {b.y, 1 - b.x - b.y};
   s.wi = to_float(wi);
   s.distance = static_cast<float>(distance);
   if (t.one_sided && dot(area_vector(t), wi) > 0) return std::nullopt;
   s.radiance = t.radiance;
-  if (emitter.emission) {
-    const uint32_t id = emitter.triangle_ids[chosen.index];
-    s.radiance = finite_or_black(emitter.emission(id, {b.y, 1 - b.x - b.y}), 1);
-  }
+  if (emitter.emission) s.radiance = finite_or_black(emitter.emission(s.triangle, s.place), 1);
   if (is_black(s.radiance)) return std::nullopt;
   s.pdf = emitter.pdf(chosen.index, wi, distance);
   if (!(s.pdf > 0) || !(s.distance > 0) || !std::isfinite(s.distance)) return std::nullopt;

@@ -54,7 +54,7 @@ class MeshLight {
   struct Emitter {
     std::vector<Triangle> triangles;
     Emission emission;
-    std::vector<uint32_t> triangle_ids;       // only with `emission`
+    std::vector<uint32_t> triangle_ids;
     std::vector<uint32_t> index_of_triangle;  // mesh triangle -> entry, or ~0u
     Distribution1D distribution;              // by area times luminance
     double power = 0;                         // sum of area times luminance

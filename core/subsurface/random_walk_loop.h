@@ -30,7 +30,7 @@ inline bool survives(double q, Rng& rng) {
 /// Roulette ends walks whose throughput has fallen below the first of these, relative to the start, and lifts survivors
 /// to the second. A guided walk loses throughput at every event and hardly any noise: roulette from the start would put
 /// back the noise that guiding has taken away (testenv/benchmark/results/sampling.md).
-inline constexpr double kRouletteBelow = 0.25, kLiftedTo = 0.5;
+inline constexpr double kWalkRouletteBelow = 0.25, kLiftedTo = 0.5;
 
 /// A walk asks after as many events whether it is cancelled, which is after a millisecond or less.
 inline constexpr uint32_t kEventsPerLook = 4096;
@@ -202,7 +202,7 @@ class WalkLoop {
   /// Roulette on the largest channel, once it is small: unbiased. Where alpha < 1 it ends the walk in the end.
   bool survives_roulette() {
     const double largest = max_value(throughput_);
-    if (largest >= kRouletteBelow) return true;
+    if (largest >= kWalkRouletteBelow) return true;
     const double q = largest / kLiftedTo;
     if (!survives(q, numbers_.rng())) {
       ++counters_.walk_roulette_ends;

@@ -3,7 +3,7 @@
 
   vary_constant.py FILE NAME VALUE [VALUE ...] [-- FLAGS OF noise_gain.py]
 
-  vary_constant.py core/integrator/path_integrator.cpp kRouletteBelow 0.25f 0.0625f -- --scene hard_light --seeds 6
+  vary_constant.py core/integrator/path.cpp kRouletteBelow 0.25f 0.0625f -- --scene hard_light --seeds 6
 
 Builds the program as it is committed, then with each value in the place of the constant's own, in a clone below --work that
 later runs build on. Each is compared with the first by noise_gain.py: a gain above one speaks for the value. FILE is a path from

@@ -398,6 +398,30 @@ TEST(Interface, LightsBehindAreSampled) {
   }
 }
 
+// A boundary that a body of higher priority hides is no surface: no light falls from it on what stands in the outer
+// body, nor on what stands in both.
+TEST(Interface, AHiddenBoundaryDoesNotEmit) {
+  for (const uint32_t priority : {1u, 3u})
+    for (const float floor : {1.0f, 40.0f}) {  // within the inner body, and through its wall
+      SceneBuilder b;
+      DisneyParameters outer = clear(1), inner = clear(1);
+      outer.priority = 2;
+      inner.priority = priority;
+      inner.emission = Rgb(1.0f);
+      b.add(b.prototype(slab_mesh(-20, 20, 30)), b.material(outer));
+      b.add(b.prototype(slab_mesh(-2, 3, 2)), b.material(inner));
+      b.add(b.prototype(testing::plane_mesh(floor)), b.material(testing::matt(Rgb(0.5f))));
+      // Below the inner body's top, or beside it.
+      PathTracer tracer(b.snapshot(), floor < 2 ? Vec3d(0, 2, 0.1) : Vec3d(6, 5, 0),
+                        floor < 2 ? Vec3d(0) : Vec3d(6, 0, 0.1));
+      const double light = means(&tracer, 1, 16).mean();
+      if (priority < 2)
+        EXPECT_EQ(light, 0) << floor;
+      else
+        EXPECT_GT(light, 0.01) << floor;
+    }
+}
+
 // The camera stands in a body that lets the inner one's boundary be no boundary: its far plane counts behind it, too.
 TEST(Interface, TheFarPlaneCountsBehindAHiddenBoundary) {
   SceneBuilder b;

@@ -227,6 +227,27 @@ TEST(ShadowLinks, AHiddenBoundaryIsNoSurfaceToCountLightFrom) {
   expect_same(samples(true), bare, "with a core that is not there");
 }
 
+// Nor is one that casts a shadow: paths find the light behind it.
+TEST(ShadowLinks, AHiddenBoundaryTakesNoLight) {
+  DisneyParameters tank = testing::clear_body(1), core = testing::clear_body(1.2f);
+  tank.priority = 2;
+  core.priority = 1;
+  for (const float roughness : kRoughness) {
+    const auto sum = [&](bool has_core, uint32_t core_set, uint32_t shadow_link) {
+      Scene scene(3, glossy(roughness));
+      scene.put(testing::sphere_mesh(9, 24, true), scene.material(tank), Matrix4d(), 3);
+      if (has_core) scene.put(testing::sphere_mesh(0.6f, 24, true), scene.material(core), at(-0.9, 1, -0.3), core_set);
+      scene.shine(panel(), 0, shadow_link);
+      return sum_of(scene.samples(8, 8192));
+    };
+    const double bare = sum(false, 0, 0);
+    EXPECT_GT(bare, 0);
+    EXPECT_NEAR(sum(true, 1, 0) / bare, 1, 0.03) << "no link, roughness " << roughness;
+    EXPECT_NEAR(sum(true, 1, kA) / bare, 1, 0.03) << "it casts the light's shadow, roughness " << roughness;
+    EXPECT_NEAR(sum(true, 1, kB) / bare, 1, 0.03) << "it casts none, roughness " << roughness;
+  }
+}
+
 DisneyParameters wax() {
   DisneyParameters p = matt(Rgb(0.8f));
   p.scatter_distance = Rgb(0.2f);
