@@ -132,6 +132,7 @@ Meeting resolve_interface(const PathContext& context, const PixelSampler& sample
       media = *v->beyond;
     else
       cross_interface(*v, inside, &media);
+    if (v->air_beyond) path->air = *v->air_beyond;
     path->pass(v->origins[Vertex::kFarSide].p, path->ray.dir);
     return Meeting::hidden;
   }

@@ -85,6 +85,8 @@ void Path::leave(const PathContext& context, const Vertex& v, const VertexBsdf& 
     throughput *= bsdf.factor_beyond();
     media = bsdf.media_beyond();
     forget_ended_stays(context.scene);
+    if (v.air_beyond) [[unlikely]]
+      air = *v.air_beyond;
     if (!air.empty()) air.leave(air_pocket_of(context.scene, v.triangle.instance));
     origin = v.origins[Vertex::kFarSide].p;
   } else {
