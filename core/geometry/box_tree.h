@@ -9,6 +9,13 @@
 
 namespace alabaster {
 
+/// True if the boxes share a point; their sides count.
+inline bool overlap(const Bounds& a, const Bounds& b) {
+  for (int i = 0; i < 3; ++i)
+    if (a.lower[i] > b.upper[i] || b.lower[i] > a.upper[i]) return false;
+  return true;
+}
+
 /// Immutable; any thread. Built in O(n log n), and twice the size of its boxes.
 class BoxTree {
  public:

@@ -1,6 +1,9 @@
 #include "core/integrator/coincident_surfaces.h"
 
 #include <algorithm>
+#include <limits>
+#include <new>
+#include <vector>
 
 #include "core/integrator/interface.h"
 #include "core/integrator/see_through.h"
@@ -8,38 +11,38 @@
 namespace alabaster {
 namespace {
 
-// Stops at opaque surfaces that the path's ray would stop at, and notes those of closed clear bodies other than `own`,
-// one of each body.
+// Stops at opaque surfaces of bodies other than `own` that the path's ray would stop at, and notes those of closed
+// clear ones, one of each body.
 class CoincidentSurfaces final : public HitFilter {
  public:
-  static constexpr uint32_t kMost = 32;  // bodies whose walls lie within rounding of one point
-
-  CoincidentSurfaces(const SceneSnapshot& scene, const Ray& ray, uint32_t own, const StochasticStop& path_stops)
-      : scene_(scene), ray_(ray), own_(own), path_stops_(path_stops) {}
+  CoincidentSurfaces(const SceneSnapshot& scene, uint32_t own, const StochasticStop& path_stops)
+      : scene_(scene), own_(own), path_stops_(path_stops) {}
   bool stops(const TriangleHit& hit) const noexcept override {
     const Instance& instance = scene_.instance(hit.instance);
     const DisneyMaterial& material = instance.material(hit.triangle);
-    if (!material.transmits()) return hit.instance != own_ && path_stops_.stops(hit);
-    const auto end = found_.begin() + count_;
-    const bool known = std::any_of(found_.begin(), end, [&](const auto& h) { return h.instance == hit.instance; });
-    if (known || hit.instance == own_ || count_ == kMost || !instance.prototype->mesh.closed) return false;
-    if (material.constants.thin) return false;
-    if (!(coverage_at(scene_, ray_.dir, hit, nullptr) < 1)) found_[count_++] = hit;
+    if (hit.instance == own_) return false;
+    if (material.transmits() && (!instance.prototype->mesh.closed || material.constants.thin)) return false;
+    if (!path_stops_.stops(hit)) return false;
+    if (!material.transmits()) return true;
+    if (std::any_of(found_.begin(), found_.end(), [&](const auto& h) { return h.instance == hit.instance; }))
+      return false;
+    try {
+      found_.push_back(hit);
+    } catch (const std::bad_alloc&) {  // Embree's callbacks let none through; the path will ask for memory as well
+    }
     return false;
   }
   std::vector<TriangleHit> sorted() const {
-    std::vector<TriangleHit> all(found_.begin(), found_.begin() + count_);
+    std::vector<TriangleHit> all = found_;
     std::sort(all.begin(), all.end(), [](const auto& a, const auto& b) { return a.instance < b.instance; });
     return all;
   }
 
  private:
   const SceneSnapshot& scene_;
-  const Ray& ray_;
   const uint32_t own_;
   const StochasticStop& path_stops_;
-  mutable std::array<TriangleHit, kMost> found_;
-  mutable uint32_t count_ = 0;
+  mutable std::vector<TriangleHit> found_;
 };
 
 // The clear surface of the highest priority. Null: that of `v`, or light walks in one of the bodies with nothing that
@@ -70,16 +73,21 @@ bool find_coincident_surfaces(const PathContext& context, const PixelSampler& sa
   const Vec3f &near = v->origins[Vertex::kFacet].p, &far = v->origins[Vertex::kFarSide].p;
   const Ray across{near, -v->hit.ng, length(far - near), v->triangle.time};
   const StochasticStop path_stops(context.scene, path->ray.dir, *media, sampler, path->depth);
-  const CoincidentSurfaces surfaces(context.scene, across, v->triangle.instance, path_stops);
+  const CoincidentSurfaces surfaces(context.scene, v->triangle.instance, path_stops);
   ++context.counters.bounce_rays;
   TriangleHit opaque;
   const bool is_on_opaque = context.scene.top->intersect(across, &opaque, &surfaces);
+  const bool passes_holes = path_stops.uncross_holes(&path->air);
   const std::vector<TriangleHit> hits = surfaces.sorted();
   if (const TriangleHit* const first = is_on_opaque ? &opaque : first_of(context, across, *v, hits)) {
     const float t = v->triangle.t;
     v->triangle = *first;
     v->triangle.t = t;
     return true;
+  }
+  if (passes_holes) {
+    v->air_beyond = path->air;
+    path_stops.cross_holes(std::numeric_limits<float>::infinity(), &*v->air_beyond);
   }
   if (hits.empty()) return false;
   std::vector<Interior> entered;

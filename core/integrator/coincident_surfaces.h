@@ -7,8 +7,9 @@
 namespace alabaster {
 
 /// Finds the surfaces of other bodies between the two origins of rays that leave this interface: the next ray would
-/// miss them. Sets v->beyond if clear ones do. The path's media, on the near side, then agree with them. True:
-/// v->triangle is now on one that takes this one's place.
+/// miss them. Sets v->beyond if clear ones do, and v->air_beyond if holes do. The path's media and air, on the near
+/// side, then agree with them, whichever of the faces its ray found first. True: v->triangle is now on one that takes
+/// this one's place.
 bool find_coincident_surfaces(const PathContext& context, const PixelSampler& sampler, bool inside, Vertex* v,
                               Path* path);
 

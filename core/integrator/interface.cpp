@@ -139,6 +139,7 @@ Meeting resolve_interface(const PathContext& context, const PixelSampler& sample
       media = *v->beyond;
     else
       cross_interface(*v, inside, &media);
+    if (v->air_beyond) path->air = *v->air_beyond;
     path->pass(*v->instance, v->origins[Vertex::kFarSide].p, path->ray.dir);
     return Meeting::hidden;
   }
@@ -171,11 +172,10 @@ MediumStack interiors_at(const PathContext& context, Ray ray, Seeker seeker) {
   const bool is_camera = seeker == Seeker::camera;
   MediumStack entered, about;
   SmallStack<Interior> found;
-  constexpr int kMostSurfaces = 1 << 16;  // no scene has so many along a line
   TriangleHit hit;
   Vertex v;
   ray.tmax = std::numeric_limits<float>::infinity();
-  for (int i = 0; i < kMostSurfaces; ++i) {
+  for (int i = 0; i < kMaxCrossings; ++i) {
     ++(is_camera ? context.counters.camera_rays : context.counters.bounce_rays);
     if (!context.scene.top->intersect(ray, &hit, &filter)) break;
     evaluate_surface(context, ray, hit, 0, &v);

@@ -11,10 +11,12 @@ namespace alabaster {
 
 namespace {
 
-// True if the vertex is on what stands in one of the media.
+// True if the vertex is on what stands in one of the media, or on an opaque face of its body.
 bool stands_within(const SceneSnapshot& scene, const MediumStack& media, const Vertex& v) {
   for (uint32_t i = 0; i < media.size(); ++i)
-    if (media[i].occupied && scene.instance(media[i].instance).body != v.instance->body) return true;
+    if (media[i].occupied &&
+        (v.kind == Vertex::Kind::surface || scene.instance(media[i].instance).body != v.instance->body))
+      return true;
   return false;
 }
 
@@ -85,6 +87,8 @@ void Path::leave(const PathContext& context, const Vertex& v, const VertexBsdf& 
     throughput *= bsdf.factor_beyond();
     media = bsdf.media_beyond();
     forget_ended_stays(context.scene);
+    if (v.air_beyond) [[unlikely]]
+      air = *v.air_beyond;
     if (!air.empty()) air.leave(air_pocket_of(context.scene, v.triangle.instance));
     origin = v.origins[Vertex::kFarSide].p;
   } else {

@@ -120,8 +120,7 @@ bool find_next_vertex(const PathContext& context, const PixelSampler& sampler, P
     met_within = false;
   }
   // A diffusion profile has no way through the medium, only ways into it.
-  if (!met_within && context.mode() == SubsurfaceMode::walk && is_within_medium(context, *v, *path))
-    v->kind = Vertex::Kind::within;
+  if (!met_within && context.mode() == SubsurfaceMode::walk && is_within_medium(context, *v, *path)) set_within(v);
 
   // Record the first hit and the denoiser's features; end at a hold-out.
   if (path->depth == 0) record_first_hit(context, *v, passed, first_hit);

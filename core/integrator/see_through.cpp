@@ -149,6 +149,17 @@ void StochasticStop::cross_holes(float t, AirPockets* hollows) const {
     }
 }
 
+bool StochasticStop::uncross_holes(AirPockets* hollows) const {
+  for (uint32_t i = 0; i < holes_.size(); ++i) {
+    const uint32_t pocket = air_pocket_of(scene_, holes_[i].instance);
+    if (holes_[i].crossing == Crossing::enters)
+      hollows->leave(pocket);
+    else if (!hollows->contains(pocket))
+      hollows->enter(pocket);
+  }
+  return holes_.size() > 0;
+}
+
 bool Transmittance::stops(const TriangleHit& hit) const noexcept {
   const float coverage = coverage_at(context_.scene, dir_, hit, &media_);
   const Rgb straight =

@@ -38,6 +38,9 @@ class StochasticStop final : public HitFilter {
   bool stops(const TriangleHit& hit) const noexcept override;
   /// Updates the bodies that the ray is in, by the holes that it passed before `t`.
   void cross_holes(float t, AirPockets* hollows) const;
+  /// The bodies that a ray is in before the holes, whether or not `hollows` has been told of them. False: it passed
+  /// none.
+  bool uncross_holes(AirPockets* hollows) const;
 
  private:
   struct Hole {

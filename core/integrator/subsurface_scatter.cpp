@@ -194,20 +194,31 @@ std::optional<LobeEntry> take_lobe_entry(const SubsurfaceBody& body, Path* path)
   return entered;
 }
 
-/// A path that enters by a lobe goes into the medium: that counts where it meets something there. The lobe at the entry
-/// compensates for the albedo of the exit lobe, which no light within passes. Returns the factor of the throughput.
-Rgb enter_by_lobe(const Vertex& entry, MediumStack* media) {
+/// A path goes into the medium: that counts where it meets something there. Returns the factor of the throughput.
+Rgb enter_medium(const Vertex& entry, MediumStack* media) {
   const Rgb indices = media->indices();
   Interior interior = interior_of(entry);
+  interior.occupied = true;
   if (!entry.material.transmits()) interior.priority = ~uint64_t(0);  // it is behind an opaque wall
   media->enter(interior);
-  return index_factor(indices, media->indices()) * kMeanDiffuseTransmittance;
+  return index_factor(indices, media->indices());
 }
 
-/// The path has entered by a lobe, and is in the medium now.
-void enter_interior(const Vertex& entry, const SubsurfaceBody& body, Path* path) {
+/// By a lobe: that compensates for the albedo of the exit lobe, which no light within passes.
+Rgb enter_by_lobe(const Vertex& entry, MediumStack* media) {
+  return enter_medium(entry, media) * kMeanDiffuseTransmittance;
+}
+
+/// The path is in the medium now, if it was not before: it has entered by a lobe, or began behind an opaque wall.
+void enter_interior(const PathContext& context, const Vertex& entry, Path* path) {
+  if (entry.kind == Vertex::Kind::within) {
+    if (path->media.contains(entry.triangle.instance) || is_in_union(context.scene, path->media, *entry.instance))
+      return;
+    path->throughput *= enter_medium(entry, &path->media);
+    return;
+  }
   path->lobe_entries.push_back(
-      {&body, entry.triangle, entry.hit.ng, path->media, layers_entered(entry, path->ray.dir)});
+      {entry.instance->body, entry.triangle, entry.hit.ng, path->media, layers_entered(entry, path->ray.dir)});
   path->throughput *= enter_by_lobe(entry, &path->media);
 }
 
@@ -290,10 +301,14 @@ Exit find_exit(const PathContext& context, const PixelSampler& sampler, Path* pa
     path->layer = {Layer::Kind::below, Rgb(0.0f), exit->events};
   path->throughput = exit->throughput;
 
-  // Meet what stands in the body, in its medium.
+  // Meet what stands in the body, or an opaque face of its own, in its medium. A profile ends there.
   if (exit->is_content) prefer_own_wall(context, body, &*exit);
-  if (exit->is_content || (is_occupied(context, body) && is_opaque_at(context, *exit))) [[unlikely]] {
-    if (!is_within) enter_interior(entry, body, path);
+  if (exit->is_content || is_opaque_at(context, *exit)) [[unlikely]] {
+    if (context.mode() == SubsurfaceMode::diffusion) {
+      if (record) record->end("the light met an opaque surface from below");
+      return Exit::none;
+    }
+    enter_interior(context, entry, path);
     path->meet_within(exit->direction);
     v->triangle = exit->hit;
     return Exit::within;
@@ -341,12 +356,6 @@ Exit find_exit(const PathContext& context, const PixelSampler& sampler, Path* pa
   }
   if (may_cross) path->throughput *= index_factor(index, path->media.indices());
 
-  // A surface below which light does not walk is opaque from below, too.
-  if (is_opaque_at(context, *exit)) {
-    if (record) record->end("the light met an opaque surface from below");
-    return Exit::none;
-  }
-
   // Leave by the exit lobe: the lobes at the entry compensate for its albedo. In the medium it is normalised instead.
   if (is_within) path->throughput *= 1 / kMeanDiffuseTransmittance;
   const bool has_layers = material.constants.has_dimming_layers();
@@ -390,12 +399,17 @@ bool find_wall_ahead(const PathContext& context, const Path& path, TriangleHit* 
 
 void make_vertex_within(const PathContext& context, const Path& path, Vertex* v) {
   make_vertex(context, v->triangle, path, v);
-  v->kind = Vertex::Kind::within;
   v->material.emission = Rgb(0.0f);  // it is not seen straight
+  set_within(v);
+}
+
+void set_within(Vertex* v) {
+  v->kind = Vertex::Kind::within;
   if (v->material.scatters()) return;
   for (const DisneyMaterial* material : v->instance->materials)
     if (material->scatters()) {
       material->evaluate({v->instance->prototype->mesh, v->triangle, v->hit.uv}, &v->material);
+      v->material.emission = Rgb(0.0f);
       drop_unresolved_distances(v);
       return;
     }
@@ -427,9 +441,20 @@ void drop_unresolved_distances(Vertex* v) {
     if (!is_resolved(distance[c], depth)) distance[c] = clear ? least : 0;
 }
 
+namespace {
+
+// An opaque face of a mesh that scatters. Those that are seen in the air of a body are thin.
+bool is_opaque_face(const Vertex& v) {
+  return !v.material.thin && !v.material.transmits() && !v.instance->material(v.triangle.triangle).scatters();
+}
+
+}  // namespace
+
 bool is_within_medium(const PathContext& context, const Vertex& v, const Path& path) {
   const SubsurfaceBody* body = v.instance->body;
-  if (!body || !v.material.scatters() || v.material.metallic == 1) return false;
+  if (!body) return false;
+  const bool scatters = v.material.scatters() && v.material.metallic != 1;
+  if (!scatters && !is_opaque_face(v)) return false;
   if (body->is_union()) [[unlikely]] {
     // The first hit of a path may be where its ray enters the union.
     if (path.depth == 0) return body->contains(path.ray);

@@ -30,9 +30,11 @@ bool is_within_medium(const PathContext& context, const Vertex& vertex, const Pa
 /// The nearest wall ahead of the path's ray, of the medium that it is in: it says which medium that is. False: there is
 /// none.
 bool find_wall_ahead(const PathContext& context, const Path& path, TriangleHit* hit);
-/// Makes the vertex there, v->triangle, of one that is within the medium. An opaque wall has the medium of the mesh's
-/// first material that scatters.
+/// Makes the vertex there, v->triangle, of one that is within the medium.
 void make_vertex_within(const PathContext& context, const Path& path, Vertex* v);
+/// The vertex is on a wall of the medium that the path came through. An opaque one has the medium of the mesh's first
+/// material that scatters.
+void set_within(Vertex* v);
 
 /// `*hit`: the surface that the path's ray has met. A ray in a medium that light walks in ignores clear bodies of a
 /// lower rank (rank_clear_bodies()), as walks do: `*hit` becomes the wall of the medium. Clear bodies of a higher rank

@@ -100,6 +100,7 @@ void evaluate_surface(const PathContext& context, const Ray& ray, const Triangle
 
   v->side = {};
   v->beyond.reset();
+  v->air_beyond.reset();
   v->medium = nullptr;
   v->control.reset();
 }

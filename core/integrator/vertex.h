@@ -57,8 +57,9 @@ struct Vertex {
   std::array<RayOrigin, 3> origins;  // kSmooth: of chance 0 where the surface does not stand out over the facet; so is
                                      // kFarSide but of interfaces that resolve_interface() has found visible
 
-  InterfaceSide side;                      // of interfaces, once resolve_interface() has set it
-  std::optional<MediumStack> beyond = {};  // the media on its far side, where other bodies' surfaces lie on it
+  InterfaceSide side;                         // of interfaces, once resolve_interface() has set it
+  std::optional<MediumStack> beyond = {};     // the media on its far side, where other bodies' surfaces lie on it
+  std::optional<AirPockets> air_beyond = {};  // as it is there, where holes of other bodies lie on it
   std::optional<ExitLayers> exit_layers = {};
   const WalkMedium* medium = nullptr;          // once find_medium() has been called
   std::optional<ControlVariate> control = {};  // of walks that enter here; empty: they have no twins

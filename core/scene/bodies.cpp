@@ -110,7 +110,7 @@ class BodyPlanner {
     auto body = std::make_shared<SubsurfaceBody>();
     const MeshShells& first = drawn_[indices.front()]->prototype->shells(cancel_);
     const ContentFinder::Contents contents = find_contents(indices, body.get());
-    if (indices.size() == 1 && is_simple(first) && !body->occupied)
+    if (indices.size() == 1 && is_simple(first) && body->contents.empty() && !body->lights_within)
       add_alone(indices.front(), body.get());
     else if (!unite(indices, contents, body.get()))
       return false;
@@ -131,7 +131,7 @@ class BodyPlanner {
   }
 
   // What stands in the body, behind its clear walls. Behind diffuse ones, as artists expect of other renderers, walks
-  // know the body alone, but for opaque members of its set.
+  // know the body alone, its opaque faces, and opaque members of its set.
   ContentFinder::Contents find_contents(const std::vector<uint32_t>& indices, SubsurfaceBody* body) {
     ContentFinder::Contents contents;
     const auto any = [&](const auto& is_such) {
@@ -142,9 +142,6 @@ class BodyPlanner {
     };
     if (any(is_closed_and_cloudy)) {
       contents = finder_.find(indices);
-      body->opaque_faces = any([](const InstanceDescription& d) {
-        return !used_slots(d, [](const DisneyMaterial& m) { return !m.scatters(); }).empty();
-      });
     } else if (const auto opaque = opaque_of_sets_.find(drawn_[indices.front()]->subsurface_set);
                opaque != opaque_of_sets_.end()) {
       contents.alone = opaque->second;
@@ -153,6 +150,7 @@ class BodyPlanner {
     for (const InstanceArray* array : contents.arrays)
       for (uint32_t i = 0; i < array->placed->size(); ++i) body->contents.push_back(array->first + i);
     body->lights_within = !contents.lights.empty();
+    body->opaque_faces = any(has_opaque_faces);
     body->occupied = body->opaque_faces || body->lights_within || !body->contents.empty();
     return contents;
   }
@@ -178,6 +176,7 @@ class BodyPlanner {
     member.object = prototype.object.get();
     member.bounds = body->bounds = prototype.mesh.bounds;
     member.least_stretch = array->placed->plan.least_stretch();
+    body->opaque_faces = body->occupied = has_opaque_faces(look);
     plan_walks({&look}, body.get());
     body->touched = clear_.that_meet(array->placed->bounds(), {});
     snapshot_.bodies.push_back(std::move(body));

@@ -159,12 +159,6 @@ Bounds wider(const Bounds& box) {
   return {box.lower - by, box.upper + by};
 }
 
-bool overlap(const Bounds& a, const Bounds& b) {
-  for (int i = 0; i < 3; ++i)
-    if (a.lower[i] > b.upper[i] || b.lower[i] > a.upper[i]) return false;
-  return true;
-}
-
 ClearBoxes::ClearBoxes(const SceneSnapshot& snapshot) {
   std::vector<Bounds> boxes;
   const auto add = [&](const Bounds& box, uint32_t instance) {

@@ -25,8 +25,6 @@ Bounds bounds_in_render_space(const Instance& instance);
 
 /// Faces that coincide but for rounding count as touching.
 Bounds wider(const Bounds& box);
-/// True if the boxes share a point; their sides count.
-bool overlap(const Bounds& a, const Bounds& b);
 
 /// Extends `all` to where one of `boxes` and one of `others` share a point; they may be the same boxes. Returns the
 /// number of comparisons of boxes, in the order of n log n.

@@ -73,6 +73,14 @@ bool is_cloudy(const InstanceDescription& instance) {
   return !used_slots(instance, [](const DisneyMaterial& m) { return is_cloudy(m); }).empty();
 }
 
+bool has_opaque_faces(const InstanceDescription& instance) {
+  const auto may_be_opaque = [](const DisneyMaterial& m) {
+    const float metallic = m.constants.metallic;
+    return !m.scatters() || metallic == 1 || (metallic > 0 && m.varies(&DisneyParameters::metallic));
+  };
+  return !used_slots(instance, may_be_opaque).empty();
+}
+
 bool is_opaque_everywhere(const InstanceDescription& instance) {
   return used_slots(instance, [](const DisneyMaterial& m) { return m.is_translucent(); }).empty();
 }
@@ -141,7 +149,6 @@ bool ArrayNeighbours::any_in(const InstanceArrayDescription& array, const Cancel
   const auto has_shape = [](const InstanceDescription& d) {
     return d.prototype && !d.prototype->mesh.triangles.empty() && is_valid_affine(d.object_to_world);
   };
-  if (!used_slots(array.look, [](const DisneyMaterial& m) { return !m.scatters(); }).empty()) return true;
   if (!boxes_) {
     std::vector<Bounds> boxes;
     for (const InstanceDescription& d : description_.instances)

@@ -12,6 +12,8 @@ namespace alabaster {
 
 /// True if light walks in it behind a clear wall: its walks end at the walls of what stands in it.
 bool is_cloudy(const InstanceDescription& instance);
+/// True if light walks below some faces alone: the others are walls of its body.
+bool has_opaque_faces(const InstanceDescription& instance);
 /// True if all its faces are opaque: a wall within what others of its set light walks in.
 bool is_opaque_everywhere(const InstanceDescription& instance);
 
@@ -45,8 +47,8 @@ class ContentFinder {
 class ArrayNeighbours {
  public:
   explicit ArrayNeighbours(const SceneDescription& description) : description_(description) {}
-  /// True if the box of another instance or of a light meets that of one of the array, or if some faces of their own
-  /// mesh are opaque. Bodies of the array that overlap are of one medium.
+  /// True if the box of another instance or of a light meets that of one of the array. Bodies of the array that overlap
+  /// are of one medium.
   bool any_in(const InstanceArrayDescription& array, const CancelToken& cancel);
 
  private:

@@ -125,11 +125,10 @@ class Surrounding {
 
   /// The index of an instance whose medium holds `p` (render space). Surfaces of `except` do not count.
   std::optional<uint32_t> find(const Vec3f& p, uint32_t except) const {
-    constexpr int kMost = 64;  // surfaces; a light behind more is not reported
     std::vector<uint32_t> entered;
     Ray ray{p, normalize(Vec3f(0.36f, 0.48f, 0.8f))};
     TriangleHit hit;
-    for (int i = 0; i < kMost && scene_.snapshot.top->intersect(ray, &hit); ++i) {
+    for (int i = 0; i < kMaxCrossings && scene_.snapshot.top->intersect(ray, &hit); ++i) {
       const Instance& instance = scene_.snapshot.instance(hit.instance);
       std::optional<Placement> moved;
       const Placement& placement = instance.at(hit, &moved);

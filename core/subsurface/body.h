@@ -57,12 +57,12 @@ struct SubsurfaceBody {
 
   std::vector<Member> members;
   /// Traces the members of a union, in their order, and then the contents. Null: a lone object, closed and without
-  /// overlaps, that nothing stands in: its surface is always the end of the medium.
+  /// overlaps, that nothing else stands in: its surface is always the end of the medium.
   std::shared_ptr<const InstancedScene> scene;
   /// What stands in the body, by the scene's indices: walks end at its walls.
   std::vector<uint32_t> contents;
   /// Some walls end walks without letting them out, or walks meet lights: contents, lights within, and opaque faces of
-  /// a member. Such a body has a `scene`.
+  /// a member. With the first two it has a `scene`.
   bool occupied = false;
   bool lights_within = false, opaque_faces = false;
   /// Nothing within is nearer than the grid and the boxes say, in the body's space: for sphere steps.

@@ -164,10 +164,11 @@ class UnionTracer {
       TriangleHit of_scene = hit;
       of_scene.instance =
           is_content ? body_.contents[hit.instance - body_.members.size()] : body_.members[hit.instance].instance;
-      if (is_content || contents_->is_opaque(of_scene)) {
+      if (is_content) {
         const auto beyond = contents_->beyond(of_scene, direction);
         return beyond ? std::optional(*beyond - body_.origin) : std::nullopt;
       }
+      if (contents_->is_opaque(of_scene)) return std::nullopt;
     }
     const Crossed crossed = body_.cross(hit, direction);
     if (ends_medium(crossed, direction, body_.members[hit.instance])) return std::nullopt;

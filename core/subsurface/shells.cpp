@@ -9,6 +9,8 @@
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
 
+#include "core/geometry/box_tree.h"
+
 namespace alabaster {
 namespace {
 
@@ -31,7 +33,8 @@ class ShellFinder {
     if (out_.any_closed) {
       find_thinnest();
       find_cavities();
-      out_.overlapping = topology_->has_walls || overlaps() || (mesh_.deforms() && shells_.size() > 1);
+      out_.overlapping =
+          topology_->has_walls || (mesh_.deforms() && shells_.size() > 1) || overlaps() || shells_cross();
     }
     auto& flags = out_.triangle_flags;
     if (std::all_of(flags.begin(), flags.end(), [](uint8_t f) { return f == 0; })) flags = {};
@@ -166,6 +169,58 @@ class ShellFinder {
     });
     return found;
   }
+
+  // True if an edge of some shell goes through the surface of another one that is closed.
+  bool shells_cross() const {
+    if (shells_.size() < 2) return false;
+    std::vector<Bounds> boxes(shells_.size());
+    for (uint32_t t = 0; t < corners_.size(); ++t)
+      if (is_wall(t))
+        for (const uint32_t corner : corners_[t]) boxes[shell_[t]].extend(mesh_.points[corner]);
+    std::vector<uint32_t> closed;
+    std::vector<Bounds> of_closed;
+    for (uint32_t s = 0; s < shells_.size(); ++s)
+      if (!open_[s] && !boxes[s].empty()) closed.push_back(s), of_closed.push_back(boxes[s]);
+    const BoxTree tree(std::move(of_closed));
+    std::atomic<bool> found = false;
+    tbb::parallel_for(
+        tbb::blocked_range<uint32_t>(0, static_cast<uint32_t>(corners_.size()), 256),
+        [&](const tbb::blocked_range<uint32_t>& range) {
+          cancel_.check();
+          for (uint32_t t = range.begin(); t < range.end() && !found; ++t) {
+            if (!is_wall(t)) continue;
+            Bounds box;
+            for (const uint32_t corner : corners_[t]) box.extend(mesh_.points[corner]);
+            bool near = false;
+            tree.search([&](const Bounds& b) { return !near && overlap(b, box); },
+                        [&](uint32_t i) { near = near || closed[i] != shell_[t]; });
+            for (size_t e = 0; near && e < 3 && !found; ++e)
+              if (goes_into_another(t, mesh_.points[corners_[t][e]], mesh_.points[corners_[t][(e + 1) % 3]]))
+                found = true;
+          }
+        });
+    return found;
+  }
+
+  // The edge from p to q of triangle t. It must reach deeper than its own corners are rounded.
+  bool goes_into_another(uint32_t t, const Vec3f& p, const Vec3f& q) const {
+    constexpr float kBesideCorners = 0x1p-10f;  // where it meets its neighbours
+    Ray ray{p + (q - p) * kBesideCorners, q - p, 1 - 2 * kBesideCorners};
+    TriangleHit hit;
+    for (int i = 0; i < kMaxCrossings && ray.tmax > 0 && object_.intersect(ray, &hit); ++i) {
+      const Crossed crossed = cross_surface(mesh_, out_, hit, ray.dir);
+      if (shell_[hit.triangle] != shell_[t] && crossed.crossing() != 0) {
+        const SurfacePoint s = surface_point(mesh_, hit, Affine(), Affine());
+        const float depth = std::abs(dot(s.ng_object, (crossed.leaves ? p : q) - s.p_object));
+        if (depth > 4 * s.offset_object) return true;
+      }
+      ray.tmax -= hit.t;
+      ray.org = crossed.beyond;
+    }
+    return false;
+  }
+
+  bool is_wall(uint32_t t) const { return kind_[t] != kDegenerate && shell_[t] != kNone && !inner_[shell_[t]]; }
 
   // True for a point of the surface that a closed shell of the mesh contains.
   bool lies_inside(uint32_t t, const Vec2f& u) const {

@@ -22,9 +22,9 @@ struct MeshShells {
   };
   std::vector<uint8_t> triangle_flags;  // empty: closed shells that wind outward, all of them
   bool any_open = false, any_closed = false;
-  /// Some surface lies inside a closed shell of the same mesh, or is a wall: the body is the union of its shells. Found
-  /// by 4096 points spread over the area, and 16 over each shell: an overlap of less than those shares may be
-  /// overlooked.
+  /// Some surface lies inside a closed shell of the same mesh, or is a wall: the body is the union of its shells. Of a
+  /// shell that goes through itself alone 4096 points are looked at: less than that share of the area may be
+  /// overlooked, and of the light that goes in there.
   bool overlapping = false;
   /// Twice the volume over the area, of the closed shell where that is least; and a triangle of it. Object space.
   float least_thickness = std::numeric_limits<float>::infinity();
@@ -57,8 +57,8 @@ struct Crossed {
 /// In object space.
 Crossed cross_surface(const Mesh& mesh, const MeshShells& shells, const TriangleHit& hit, const Vec3f& direction);
 
-/// A line that has crossed so many surfaces is not followed further.
-inline constexpr int kMaxCrossings = 4096;
+/// A line that has crossed so many surfaces is not followed further. No scene has so many along a line.
+inline constexpr int kMaxCrossings = 1 << 16;
 
 /// The number of closed shells that contain the ray's origin (object space), by the balance of crossings along the ray:
 /// a cavity takes one away. `counts(triangle)`: true if the triangle's shell counts.

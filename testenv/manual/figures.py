@@ -18,7 +18,7 @@ import tempfile
 HERE = pathlib.Path(__file__).resolve().parent
 TOP = HERE.parents[1]
 sys.path.insert(0, str(TOP / "testenv/scenes"))
-from gltf_writer import Document  # noqa: E402
+from gltf_writer import Document, Mesh  # noqa: E402
 from scatter_distances import material_of  # noqa: E402
 from shapes import backdrop, lathe, placed  # noqa: E402
 
@@ -29,18 +29,37 @@ MM = 0.001
 CUP = [(8.6, 0), (9.8, 0.3), (10.2, 1.1), (9.6, 2.0), (6.0, 3.6), (5.8, 5.0), (10.2, 7.6), (15.4, 12), (17.8, 18), (17.6, 23.5), (16.3, 29.5),
        (14.9, 34.2), (14.3, 35.8), (13.9, 36.1), (13.5, 35.9), (13.8, 34.2), (15.0, 29.5), (16.1, 23.5), (16.0, 18), (12.2, 13.4), (6.0, 11.0),
        (2.0, 10.2)]
+SIDES = 24
 PITCH, MARGIN = 43, 8  # mm between cups, and beside them all
 RECIPE_UNIT = 3000  # mm of a scene unit: cups of recipes are three times as large
 HEIGHT = 200  # pixels of a row
 TABLE = json.loads((HERE / "rows.json").read_text())
 
 
+def add_cup(document, name, cup, material, label):
+    """`label`: None, or the material of some faces: those between two rings and two of the SIDES, as in rows.json."""
+    def is_labelled(quad):
+        return bool(label) and all(low <= at < high for at, (low, high) in zip(divmod(quad, SIDES), label["between"]))
+    primitives = []
+    for part, look in enumerate([material, label["material"]] if label else [material]):
+        faces = Mesh()
+        faces.points = cup.points
+        chosen = [q for q in range(len(cup.quads)) if is_labelled(q) == bool(part)]
+        faces.quads, faces.uvs = [cup.quads[q] for q in chosen], [cup.uvs[q] for q in chosen]
+        document.add_mesh(name, faces, document.add_material(f"{name}_{part}" if part else name, look))
+        primitives += document.json["meshes"].pop()["primitives"]
+    document.json["meshes"].append({"name": name, "primitives": primitives})
+    return len(document.json["meshes"]) - 1
+
+
 def row_files(folder, name, materials, lights):
     """A row of cups as a glTF file and a render description; the latter's name."""
     document = Document("Alabaster figures.py")
-    cup = lathe([(r * MM, y * MM) for r, y in CUP], sides=24)
+    cup = lathe([(r * MM, y * MM) for r, y in CUP], sides=SIDES)
     for index, material in enumerate(materials):
-        mesh = document.add_mesh(f"cup{index}", cup, document.add_material(f"cup{index}", material))
+        label = material.get("label")
+        material = {key: value for key, value in material.items() if key != "label"}
+        mesh = add_cup(document, f"cup{index}", cup, material, label)
         document.add_node(f"cup{index}", mesh, placed(at=((index - (len(materials) - 1) / 2) * PITCH * MM, 0, 0)))
     grey = document.add_material("floor", {"baseColor": [0.32, 0.32, 0.33], "roughness": 0.6})
     document.add_node("floor", document.add_mesh("floor", backdrop(), grey), placed(size=0.6))
@@ -76,6 +95,9 @@ def figures():
     made = {row["name"]: ([([{**row["base"], **value} for value in row["values"]], lights[row.get("side", "front")])], 1) for row in TABLE["rows"]}
     recipes = [material_of(medium, RECIPE_UNIT) for medium in TABLE["recipes"] if medium.get("in_figure")]
     made["recipes"] = ([(recipes, lights["front"]), (recipes, lights["back"])], 1)
+    wax = material_of(next(m for m in TABLE["recipes"] if m["name"] == "Candle wax"), RECIPE_UNIT)
+    labelled = [{**wax, "label": label} for label in TABLE["labels"]]
+    made["labels"] = ([(labelled, lights["front"]), (labelled, lights["back"])], 1)
     cups = [([TABLE["cup_under_lights"]], lights[name]) for name in TABLE["lights_in_figure"]]
     made["lights"] = (cups, len(cups))
     return made

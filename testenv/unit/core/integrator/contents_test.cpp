@@ -1,4 +1,4 @@
-// What stands in a body that scatters behind a clear wall.
+// What stands in a body that scatters, and opaque faces of its own.
 #include <gtest/gtest.h>
 
 #include "testenv/support/furnace.h"
@@ -11,6 +11,7 @@ namespace {
 using testing::add;
 using testing::clear_body;
 using testing::expect_furnace;
+using testing::FurnaceTest;
 using testing::matt;
 using testing::moved_by;
 using testing::PathTracer;
@@ -111,16 +112,51 @@ TEST(Contents, ALampIsAsBrightAsAMeshThatEmits) {
   }
 }
 
+/// A ball of which a third of the faces has another material.
+SceneBuilder labelled(const DisneyParameters& body, const DisneyParameters& label, const char* set = "") {
+  SceneBuilder b;
+  Mesh ball = testing::sphere_mesh(1, 48, true);
+  ball.triangle_material.assign(ball.triangles.size(), 0);
+  std::fill_n(ball.triangle_material.rbegin(), ball.triangles.size() / 3, 1);
+  add(&b, b.prototype(ball), body, Matrix4d(), set);
+  b.description.instances.back().materials.push_back(b.material(label));
+  return b;
+}
+
+// Labels and gilding: on wax and on milk, seen on it, beside it, and from within; with holes, which walks ignore.
+TEST(Contents, WhiteFacesOfTheBodyLoseNoLight) {
+  DisneyParameters gold = white_body(0), with_holes = white_body(0);
+  gold.metallic = 1, gold.roughness = 0;
+  with_holes.opacity = 0.5f;
+  std::vector<Sight> sights = {{"from -x", {-5, 0.3, 0.2}}, {"from x", {5, 0.2, -0.4}}, {"from y", {0.3, 5, 0.2}}};
+  std::vector<Sight> inside = {{"within, to x", {0.1, 0, 0}, {1, 0.2, 0.1}},
+                               {"within, to -x", {0.1, 0, 0}, {-1, 0.2, 0.1}}};
+  for (const auto& [label, what] : {std::pair(white_body(0), "paper"), {gold, "gold"}, {with_holes, "lace"}}) {
+    const FurnaceTest test{.runs = 48, .slack = 4e-3, .sees_background = true};
+    expect_furnace(labelled(white_body(0.3f), label), sights, test, std::string(what) + " on wax");
+    expect_furnace(labelled(white_body(0.3f), label), inside, test, std::string(what) + " on wax");
+    expect_furnace(labelled(clear_body(1.33f, 0.3f), label), sights, test, std::string(what) + " on milk");
+  }
+}
+
+// They let light neither in nor out, at once in a set as alone.
+TEST(Contents, LabelsDimTheWaxBesideThem) {
+  const Sight beside{"", {-5, 0.3, 0.2}};
+  const auto white = seen(labelled(white_body(0.5f), white_body(0)), beside, 64);
+  const auto black = seen(labelled(white_body(0.5f), matt(Rgb(0.0f))), beside, 64);
+  const auto in_set = seen(labelled(white_body(0.5f), matt(Rgb(0.0f)), "set"), beside, 64);
+  EXPECT_LT(black.mean(), white.mean() - 0.05);
+  EXPECT_TRUE(testing::plausible(testing::z_test(in_set, black)));
+}
+
 // A body that something stands in is the same in an array: a lamp, or opaque faces of its own.
 TEST(Contents, OfAnArrayAreThoseOfEachOfItsBodies) {
   for (const bool has_lamp : {true, false}) {
     SceneBuilder alone;
-    Mesh ball = testing::sphere_mesh(1, 48, true);
-    ball.triangle_material.assign(ball.triangles.size(), 0);
-    // The label is on the far side.
-    if (!has_lamp) std::fill_n(ball.triangle_material.rbegin(), ball.triangles.size() / 3, 1);
-    add(&alone, alone.prototype(ball), clear_body(1.33f, 0.3f));
-    alone.description.instances.back().materials.push_back(alone.material(white_body(0)));
+    if (has_lamp)
+      add(&alone, alone.prototype(testing::sphere_mesh(1, 48, true)), clear_body(1.33f, 0.3f));
+    else
+      alone = labelled(clear_body(1.33f, 0.3f), white_body(0));
     LightParameters lamp;
     lamp.type = LightType::sphere;
     lamp.radius = 0.4f;
@@ -146,10 +182,9 @@ TEST(Contents, OneOfTheSameMediumChangesNothing) {
   }
 }
 
-TEST(Contents, BlackOneIsTheSameAsOpaqueFacesOfTheBody) {
-  const DisneyParameters milk = clear_body(1.33f, 0.3f);
-  const SceneBuilder separate = ball_with(milk, matt(Rgb(0.0f)));
-  SceneBuilder as_faces;
+void expect_as_faces(const DisneyParameters& body, const char* set) {
+  SceneBuilder separate = ball_with(body, matt(Rgb(0.0f))), as_faces;
+  for (auto& instance : separate.description.instances) instance.subsurface_set = set;
   Mesh ball = testing::sphere_mesh(1, 48, true), inner = ball;
   for (Vec3f& p : inner.points) p = p * 0.4f + Vec3f(0.2f, 0.1f, 0.1f);
   const size_t outer = ball.triangles.size();
@@ -157,13 +192,18 @@ TEST(Contents, BlackOneIsTheSameAsOpaqueFacesOfTheBody) {
   ball.normals.clear(), ball.normal_triangles.clear();
   ball.triangle_material.assign(ball.triangles.size(), 1);
   std::fill_n(ball.triangle_material.begin(), outer, 0);
-  add(&as_faces, as_faces.prototype(ball), milk);
+  add(&as_faces, as_faces.prototype(ball), body);
   as_faces.description.instances.back().materials.push_back(as_faces.material(matt(Rgb(0.0f))));
   for (const Sight& sight : kSights) {
     const auto a = seen(separate, sight, 128), b = seen(as_faces, sight, 128);
     EXPECT_TRUE(testing::plausible(testing::z_test(a, b))) << sight.what;
     EXPECT_LT(a.mean(), 0.95);
   }
+}
+
+TEST(Contents, BlackOneIsTheSameAsOpaqueFacesOfTheBody) {
+  expect_as_faces(clear_body(1.33f, 0.3f), "");
+  expect_as_faces(white_body(0.3f), "set");
 }
 
 // Sphere steps keep clear of what stands within.

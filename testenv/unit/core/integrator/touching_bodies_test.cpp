@@ -191,6 +191,29 @@ TEST(TouchingBodies, AnOpaqueFaceIsMetBeforeAClearOneThatCoincides) {
   }
 }
 
+// Holes that lie on glass lead into the air of the body, and its wall into the medium, whichever of two faces that
+// coincide a ray finds first: that depends on the order of the bodies, and on rounding.
+TEST(TouchingBodies, AWallWithHolesOnGlassIsTheSameInAnyOrder) {
+  DisneyParameters holed = clear_body(1.5f, 0.2f);
+  holed.base_color = Rgb(0.5f);
+  holed.opacity = 0.5f;
+  const auto seen = [&](bool is_first, double gap) {
+    SceneBuilder b;
+    const auto box = b.prototype(testing::box_mesh({0.7f, 0.8f, 0.6f}));
+    if (is_first) add(&b, box, holed, moved_by(0, 0, -0.6));
+    add(&b, box, clear_body(1.5f), moved_by(0, 0, 0.6 + gap));
+    if (!is_first) add(&b, box, holed, moved_by(0, 0, -0.6));
+    b.add(testing::constant_dome(1, true));
+    PathTracer tracer(b.snapshot(), {1.2, 1.4, 5}, {0, 0, 0});
+    tracer.settings.max_depth = 256;
+    return testing::look(&tracer, 256, [](const FilmSample& s) { return double(s.color.g); });
+  };
+  const RunningStatistics first = seen(true, 0);
+  EXPECT_TRUE(testing::plausible(testing::z_test(seen(false, 0), first)));
+  for (const double gap : {-3e-8, 3e-8})
+    EXPECT_TRUE(testing::plausible(testing::z_test(seen(true, gap), first))) << "gap " << gap;
+}
+
 // A face that is turned and moved coincides but for rounding.
 TEST(TouchingBodies, NearlyCoincidentFacesLoseNoLight) {
   SceneBuilder b;

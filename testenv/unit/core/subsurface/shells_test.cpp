@@ -111,6 +111,11 @@ TEST(Shells, OverlapsAreFound) {
   EXPECT_TRUE(find(both(box({0, 0, 0}, 1), box({1.5f, 0.1f, 0.2f}, 1))).shells.overlapping);
   EXPECT_TRUE(find(both(box({0, 0, 0}, 1), box({1.99f, 1.9f, 0.2f}, 1, true))).shells.overlapping);
   EXPECT_FALSE(find(both(box({0, 0, 0}, 1), box({2.01f, 0.1f, 0.2f}, 1))).shells.overlapping);
+  // One pair of many overlaps, at a corner.
+  Cage many = box({0, 0, 0}, 1);
+  for (int i = 1; i < 1000; ++i) many = both(many, box({0, 0, 3.0f * static_cast<float>(i)}, 1));
+  EXPECT_FALSE(find(many).shells.overlapping);
+  EXPECT_TRUE(find(both(many, box({1.99f, 1.99f, 1.99f}, 1))).shells.overlapping);
   // A bar that folds back through itself: one shell, wound twice around where it does.
   Cage bar = box({0, 0, 0}, 1);
   for (size_t i = 0; i < 8; ++i)
