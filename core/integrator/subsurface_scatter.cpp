@@ -75,11 +75,20 @@ float value_at(const PathContext& context, const SubsurfaceExit& exit, float Dis
   return material.evaluate({instance.prototype->mesh, exit.hit, hit.uv}).*parameter;
 }
 
-/// True where light walks below no part of the surface.
-bool is_opaque_at(const PathContext& context, const SubsurfaceExit& exit) {
+/// True where light walks below no part of the surface, but for a clear share.
+bool is_opaque_at(const PathContext& context, const SubsurfaceExit& exit, const SubsurfaceBody& body) {
   const DisneyMaterial& material = context.scene.instance(exit.hit.instance).material(exit.hit.triangle);
-  return !material.constants.scatters() ||
+  return !material.scatters() ||
+         (body.weighted && value_at(context, exit, &DisneyParameters::subsurface_weight) == 0) ||
          (material.constants.metallic > 0 && !(value_at(context, exit, &DisneyParameters::metallic) < 1));
+}
+
+/// The factor of a walk that leaves by the exit lobe, between parts of the surface that let different shares of light
+/// below: with the weight at the entry it counts by the lesser share, so that the exchange is reciprocal, and a part of
+/// the surface sends out no more than it lets in. `entered_by`: that weight; 0: the path began within.
+float weight_at_exit(const PathContext& context, const SubsurfaceExit& exit, float entered_by) {
+  if (!(entered_by > 0)) return 1;
+  return std::min(1.0f, value_at(context, exit, &DisneyParameters::subsurface_weight) / entered_by);
 }
 
 /// True where walks meet what stands in the body: a profile does not.
@@ -206,8 +215,8 @@ Rgb enter_by_lobe(const Vertex& entry, MediumStack* media) {
 
 /// The path has entered by a lobe, and is in the medium now.
 void enter_interior(const Vertex& entry, const SubsurfaceBody& body, Path* path) {
-  path->lobe_entries.push_back(
-      {&body, entry.triangle, entry.hit.ng, path->media, layers_entered(entry, path->ray.dir)});
+  path->lobe_entries.push_back({&body, entry.triangle, entry.hit.ng, path->media, layers_entered(entry, path->ray.dir),
+                                entry.material.subsurface_weight});
   path->throughput *= enter_by_lobe(entry, &path->media);
 }
 
@@ -266,7 +275,7 @@ Exit find_exit(const PathContext& context, const PixelSampler& sampler, Path* pa
                         entry.frame.n,  path->throughput,       entry.medium};
   if (is_within) start.within = path->ray;
   const bool has_twin = control && !is_black(control->light);
-  if (has_twin) DCHECK(entry.medium->medium.albedo == entry.material.base_color);
+  if (has_twin) DCHECK(entry.medium->medium.albedo == entry.material.medium_albedo());
   Rgb twin = has_twin ? path->throughput * control->albedo : Rgb(0.0f);
   SubsurfaceNumbers numbers(sampler, Dimension::subsurface, path->depth);
   std::optional<ContentsOfScene> contents;
@@ -292,7 +301,7 @@ Exit find_exit(const PathContext& context, const PixelSampler& sampler, Path* pa
 
   // Meet what stands in the body, in its medium.
   if (exit->is_content) prefer_own_wall(context, body, &*exit);
-  if (exit->is_content || (is_occupied(context, body) && is_opaque_at(context, *exit))) [[unlikely]] {
+  if (exit->is_content || (is_occupied(context, body) && is_opaque_at(context, *exit, body))) [[unlikely]] {
     if (!is_within) enter_interior(entry, body, path);
     path->meet_within(exit->direction);
     v->triangle = exit->hit;
@@ -342,13 +351,17 @@ Exit find_exit(const PathContext& context, const PixelSampler& sampler, Path* pa
   if (may_cross) path->throughput *= index_factor(index, path->media.indices());
 
   // A surface below which light does not walk is opaque from below, too.
-  if (is_opaque_at(context, *exit)) {
+  if (is_opaque_at(context, *exit, body)) {
     if (record) record->end("the light met an opaque surface from below");
     return Exit::none;
   }
 
   // Leave by the exit lobe: the lobes at the entry compensate for its albedo. In the medium it is normalised instead.
   if (is_within) path->throughput *= 1 / kMeanDiffuseTransmittance;
+  if (body.weighted) [[unlikely]] {
+    const float of_entry = is_within ? 0 : entry.material.subsurface_weight;
+    path->throughput *= weight_at_exit(context, *exit, entered ? entered->weight : of_entry);
+  }
   const bool has_layers = material.constants.has_dimming_layers();
   std::optional<DisneyLayers::Entered> passed;
   if (has_layers && (!is_within || entered)) [[unlikely]]
@@ -392,7 +405,7 @@ void make_vertex_within(const PathContext& context, const Path& path, Vertex* v)
   make_vertex(context, v->triangle, path, v);
   v->kind = Vertex::Kind::within;
   v->material.emission = Rgb(0.0f);  // it is not seen straight
-  if (v->material.scatters()) return;
+  if (v->has_medium()) return;
   for (const DisneyMaterial* material : v->instance->materials)
     if (material->scatters()) {
       material->evaluate({v->instance->prototype->mesh, v->triangle, v->hit.uv}, &v->material);
@@ -429,7 +442,7 @@ void drop_unresolved_distances(Vertex* v) {
 
 bool is_within_medium(const PathContext& context, const Vertex& v, const Path& path) {
   const SubsurfaceBody* body = v.instance->body;
-  if (!body || !v.material.scatters() || v.material.metallic == 1) return false;
+  if (!body || !v.has_medium() || v.material.metallic == 1) return false;
   if (body->is_union()) [[unlikely]] {
     // The first hit of a path may be where its ray enters the union.
     if (path.depth == 0) return body->contains(path.ray);

@@ -62,9 +62,11 @@ struct SubsurfaceBody {
   /// What stands in the body, by the scene's indices: walks end at its walls.
   std::vector<uint32_t> contents;
   /// Some walls end walks without letting them out, or walks meet lights: contents, lights within, and opaque faces of
-  /// a member. Such a body has a `scene`.
+  /// a member. Such a body has a `scene`; but one whose walls are opaque by their weight alone is traced as any other.
   bool occupied = false;
   bool lights_within = false, opaque_faces = false;
+  /// The subsurfaceWeight of its walls differs, or is 0 somewhere: then walls end walks there without letting them out.
+  bool weighted = false;
   /// Nothing within is nearer than the grid and the boxes say, in the body's space: for sphere steps.
   std::shared_ptr<const DistanceGrid> to_contents;
   Bounds grid_bounds;
