@@ -77,7 +77,8 @@ Interior interior_of(const Vertex& v) {
   Interior interior{v.triangle.instance, interior_priority(*v.instance, v.placement(), p.priority, v.triangle.instance),
                     p.ior};
   interior.index_matched = is_index_matched(v);
-  interior.scatters = p.scatters() && p.metallic < 1;
+  const bool has_medium = v.has_medium();
+  interior.scatters = has_medium && p.metallic < 1;
   const SubsurfaceBody* const body = v.instance->body;
   if (interior.scatters && body && body->occupied) [[unlikely]]
     interior.occupied = !(body->members[v.instance->member].shells->flags(v.triangle.triangle) &
@@ -85,7 +86,7 @@ Interior interior_of(const Vertex& v) {
   // KHR_materials_dispersion: blue's index less red's is (ior - 1) dispersion / 20.
   interior.spread = 0.025f * p.dispersion * (p.ior - 1);
   // Where light scatters inside, walks absorb it.
-  if (p.scatters() || !(p.attenuation_distance > 0)) return interior;
+  if (has_medium || !(p.attenuation_distance > 0)) return interior;
   constexpr float kBlackest = 1e-30f;
   for (int c = 0; c < 3; ++c)
     interior.sigma_a[c] = -std::log(std::max(p.attenuation_color[c], kBlackest)) / p.attenuation_distance;

@@ -70,6 +70,7 @@ struct LobeEntry {
   Vec3f normal;       // to the side that the path came from
   MediumStack media;  // there
   DisneyLayers::Entered layers;
+  float weight;  // subsurfaceWeight there
 };
 
 struct Path {

@@ -165,7 +165,7 @@ void follow_path(const PathContext& context, const PixelSampler& sampler, Path* 
     const VertexBsdf bsdf(context, v, *path);
     path->branches = path->depth == 0 ? bsdf.branches() : 1;
     if (bsdf.has_twins())
-      v.control.emplace(obtained_albedo(v.material.base_color, context.settings.inversion), v.u.light);
+      v.control.emplace(obtained_albedo(v.material.medium_albedo(), context.settings.inversion), v.u.light);
     if (path->may_bounce(context)) sample_lights(context, bsdf, &v, path);
 
     // BSDF sampling.

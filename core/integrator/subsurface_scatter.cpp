@@ -75,11 +75,20 @@ float value_at(const PathContext& context, const SubsurfaceExit& exit, float Dis
   return material.evaluate({instance.prototype->mesh, exit.hit, hit.uv}).*parameter;
 }
 
-/// True where light walks below no part of the surface.
-bool is_opaque_at(const PathContext& context, const SubsurfaceExit& exit) {
+/// True where light walks below no part of the surface, but for a clear share.
+bool is_opaque_at(const PathContext& context, const SubsurfaceExit& exit, const SubsurfaceBody& body) {
   const DisneyMaterial& material = context.scene.instance(exit.hit.instance).material(exit.hit.triangle);
-  return !material.constants.scatters() ||
+  return !material.scatters() ||
+         (body.weighted && value_at(context, exit, &DisneyParameters::subsurface_weight) == 0) ||
          (material.constants.metallic > 0 && !(value_at(context, exit, &DisneyParameters::metallic) < 1));
+}
+
+/// The factor of a walk that leaves by the exit lobe, between parts of the surface that let different shares of light
+/// below: with the weight at the entry it counts by the lesser share, so that the exchange is reciprocal, and a part of
+/// the surface sends out no more than it lets in. `entered_by`: that weight; 0: the path began within.
+float weight_at_exit(const PathContext& context, const SubsurfaceExit& exit, float entered_by) {
+  if (!(entered_by > 0)) return 1;
+  return std::min(1.0f, value_at(context, exit, &DisneyParameters::subsurface_weight) / entered_by);
 }
 
 /// True where walks meet what stands in the body: a profile does not.
@@ -217,8 +226,8 @@ void enter_interior(const PathContext& context, const Vertex& entry, Path* path)
     path->throughput *= enter_medium(entry, &path->media);
     return;
   }
-  path->lobe_entries.push_back(
-      {entry.instance->body, entry.triangle, entry.hit.ng, path->media, layers_entered(entry, path->ray.dir)});
+  path->lobe_entries.push_back({entry.instance->body, entry.triangle, entry.hit.ng, path->media,
+                                layers_entered(entry, path->ray.dir), entry.material.subsurface_weight});
   path->throughput *= enter_by_lobe(entry, &path->media);
 }
 
@@ -277,7 +286,7 @@ Exit find_exit(const PathContext& context, const PixelSampler& sampler, Path* pa
                         entry.frame.n,  path->throughput,       entry.medium};
   if (is_within) start.within = path->ray;
   const bool has_twin = control && !is_black(control->light);
-  if (has_twin) DCHECK(entry.medium->medium.albedo == entry.material.base_color);
+  if (has_twin) DCHECK(entry.medium->medium.albedo == entry.material.medium_albedo());
   Rgb twin = has_twin ? path->throughput * control->albedo : Rgb(0.0f);
   SubsurfaceNumbers numbers(sampler, Dimension::subsurface, path->depth);
   std::optional<ContentsOfScene> contents;
@@ -303,7 +312,7 @@ Exit find_exit(const PathContext& context, const PixelSampler& sampler, Path* pa
 
   // Meet what stands in the body, or an opaque face of its own, in its medium. A profile ends there.
   if (exit->is_content) prefer_own_wall(context, body, &*exit);
-  if (exit->is_content || is_opaque_at(context, *exit)) [[unlikely]] {
+  if (exit->is_content || is_opaque_at(context, *exit, body)) [[unlikely]] {
     if (context.mode() == SubsurfaceMode::diffusion) {
       if (record) record->end("the light met an opaque surface from below");
       return Exit::none;
@@ -358,6 +367,10 @@ Exit find_exit(const PathContext& context, const PixelSampler& sampler, Path* pa
 
   // Leave by the exit lobe: the lobes at the entry compensate for its albedo. In the medium it is normalised instead.
   if (is_within) path->throughput *= 1 / kMeanDiffuseTransmittance;
+  if (body.weighted) [[unlikely]] {
+    const float of_entry = is_within ? 0 : entry.material.subsurface_weight;
+    path->throughput *= weight_at_exit(context, *exit, entered ? entered->weight : of_entry);
+  }
   const bool has_layers = material.constants.has_dimming_layers();
   std::optional<DisneyLayers::Entered> passed;
   if (has_layers && (!is_within || entered)) [[unlikely]]
@@ -405,7 +418,7 @@ void make_vertex_within(const PathContext& context, const Path& path, Vertex* v)
 
 void set_within(Vertex* v) {
   v->kind = Vertex::Kind::within;
-  if (v->material.scatters()) return;
+  if (v->has_medium()) return;
   for (const DisneyMaterial* material : v->instance->materials)
     if (material->scatters()) {
       material->evaluate({v->instance->prototype->mesh, v->triangle, v->hit.uv}, &v->material);
@@ -453,7 +466,7 @@ bool is_opaque_face(const Vertex& v) {
 bool is_within_medium(const PathContext& context, const Vertex& v, const Path& path) {
   const SubsurfaceBody* body = v.instance->body;
   if (!body) return false;
-  const bool scatters = v.material.scatters() && v.material.metallic != 1;
+  const bool scatters = v.has_medium() && v.material.metallic != 1;
   if (!scatters && !is_opaque_face(v)) return false;
   if (body->is_union()) [[unlikely]] {
     // The first hit of a path may be where its ray enters the union.

@@ -53,12 +53,13 @@ void Vertex::find_medium(const IntegratorSettings& settings) {
   CHECK_LT(instance->member, instance->body->members.size());
   const auto& member = instance->body->members[instance->member];
   const size_t slot = instance->slot(triangle.triangle);
-  if (member.media[slot] && material.scatter_distance == instance->materials[slot]->constants.scatter_distance) {
-    medium = &(*member.media[slot])[settings.inversion];
+  const WalkMedium* const known = member.media[slot] ? &(*member.media[slot])[settings.inversion] : nullptr;
+  if (known && material.scatter_distance == known->medium.scatter_distance) {
+    medium = known;
     return;
   }
   medium = &made_medium_.emplace(
-      make_medium(material.base_color, material.scatter_distance, settings.inversion, material.scatter_anisotropy),
+      make_medium(material.medium_albedo(), material.scatter_distance, settings.inversion, material.scatter_anisotropy),
       possible_shortcuts(settings.walk, *instance->body, instance->member));
 }
 
@@ -109,11 +110,13 @@ void make_vertex(const PathContext& context, const TriangleHit& triangle, const 
   evaluate_surface(context, path.ray, triangle, context.settings.texture_filter * path.footprint.cone.width, v);
   if (context.settings.glossy_filter > 0 && path.depth > 0) [[unlikely]]
     v->material.least_roughness = std::sqrt(context.settings.glossy_filter * path.footprint.least_alpha());
-  if (context.sees_through() && is_in_air_within(context, *v, path)) [[unlikely]]
+  if (context.sees_through() && is_in_air_within(context, *v, path)) [[unlikely]] {
+    v->material.base_color = v->material.mixed_color();
     v->material.thin = true, v->material.flatness = 0;
+  }
   if (context.mode() == SubsurfaceMode::lambert)
     v->material.scatter_distance = Rgb(0.0f);
-  else if (v->material.scatters())
+  else if (v->material.has_medium())
     drop_unresolved_distances(v);
   v->kind = v->material.transmits() ? Vertex::Kind::interface : Vertex::Kind::surface;
 }

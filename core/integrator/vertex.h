@@ -64,6 +64,8 @@ struct Vertex {
   const WalkMedium* medium = nullptr;          // once find_medium() has been called
   std::optional<ControlVariate> control = {};  // of walks that enter here; empty: they have no twins
 
+  /// Light walks in the body below, whether or not it enters here.
+  bool has_medium() const { return material.has_medium() && instance->material(triangle.triangle).scatters(); }
   const Placement& placement() const { return moved ? *moved : *instance; }
   /// Interpolated, and bent towards the viewer.
   const Vec3f& smooth_normal() const { return origins[kFacet].horizon[1]; }

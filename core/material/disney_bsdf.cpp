@@ -23,14 +23,20 @@ const char* lobe_name(Lobe lobe) {
 }
 
 DisneyBsdf::DisneyBsdf(const DisneyParameters& p, const Vec3f& wo, EnergyModel energy)
-    : wo_(wo), base_color_(p.base_color), specular_(DisneySpecular::from(p)), energy_(energy) {
+    : wo_(wo),
+      base_color_(p.base_color),
+      walked_color_(p.base_color),
+      specular_(DisneySpecular::from(p)),
+      energy_(energy) {
   if (!(wo.z > 0)) return;
   nonmetal_ = 1 - p.metallic;
   dielectric_ = nonmetal_ * (1 - p.spec_trans);
   stays_ = 1 - 0.5f * p.diff_trans;
-  if (!p.thin) entry_channels_ = scattering_channels(p.scatter_distance);
+  if (!p.thin && p.subsurface_weight > 0) entry_channels_ = scattering_channels(p.scatter_distance);
   const Rgb color = p.base_color * (dielectric_ * stays_);
   diffuse_ = {color * (Rgb(1.0f) - entry_channels_), color, p.roughness, p.thin ? p.flatness : 0};
+  if (p.is_mixed()) [[unlikely]]
+    mix(p);
   if (p.has_dimming_layers()) [[unlikely]]
     layers_ = DisneyLayers::of(p);
   if (p.sheen > 0 && !fibrous()) sheen_.color = sheen_hue(p) * (p.sheen * dielectric_);
@@ -42,7 +48,17 @@ DisneyBsdf::DisneyBsdf(const DisneyParameters& p, const Vec3f& wo, EnergyModel e
 
   // Proportional to the estimated contribution. A walk also carries light straight through thin parts, even where the
   // albedo is zero: a dark medium is entered with a tenth of a white one's probability, not with none.
-  set_probabilities(subsurface_entry() * (p.base_color * 0.9f + Rgb(0.1f)));
+  set_probabilities(subsurface_entry() * (walked_color_ * 0.9f + Rgb(0.1f)));
+}
+
+void DisneyBsdf::mix(const DisneyParameters& p) {
+  const float w = p.subsurface_weight, share = dielectric_ * stays_;
+  walked_color_ = p.medium_albedo();
+  base_color_ = p.mixed_color();
+  const Rgb above = p.base_color * (1 - w), below = walked_color_ * w;
+  diffuse_.lambert_color = (above + below * (Rgb(1.0f) - entry_channels_)) * share;
+  diffuse_.retro_color = (above + below) * share;
+  entry_channels_ *= w;
 }
 
 void DisneyBsdf::set_probabilities(const Rgb& walked) {

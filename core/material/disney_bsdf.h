@@ -8,6 +8,7 @@
 //   (C/pi)(1-.5F_L)(1-.5F_V)  +  (C/pi) R_R (F_L + F_V + F_L F_V (R_R-1)),  R_R = 2 roughness cos^2(theta_d).
 // In each channel with scatter_distance > 0 the first term is absent from evaluate and sample: it is the subsurface
 // entry lobe, which the integrator walks. In a channel with scatter_distance = 0 it is exactly the 2015 diffuse.
+// With a weight w and an albedo A of the medium C is (1-w) C + w A, and the lobe is the part w of the first term.
 // This is all that stays on the viewer's side but for the clear share of the base: disney_transmissive_bsdf.h.
 #pragma once
 
@@ -62,7 +63,7 @@ class DisneyBsdf {
   /// evaluate(wi); `specular` is left alone for Lobe::subsurface.
   std::optional<BsdfSample> sample(float u_lobe, const Vec2f& u, Rgb* specular = nullptr) const;
 
-  /// Entry weight of the walk per channel: (1-metallic)(1-specTrans)(1-diffTrans/2)(1-.5F_V) where scatter_distance >
+  /// Entry weight of the walk per channel: w (1-metallic)(1-specTrans)(1-diffTrans/2)(1-.5F_V) where scatter_distance >
   /// 0, else 0. The colour is in the walk's throughput, never here.
   Rgb subsurface_entry() const;
 
@@ -116,6 +117,8 @@ class DisneyBsdf {
   /// The lobe of light that several facets reflect one after the other.
   Rgb several_facets(const Vec3f& wi) const;
 
+  /// The diffuse base and the walk of a mixture.
+  void mix(const DisneyParameters& p);
   template <bool kLayered, bool kBounded>
   BsdfValue evaluate_below_coat(const Vec3f& wi, Rgb* specular) const;
   /// Divides the samples among the lobes. `walked`: the light that subsurface is expected to carry.
@@ -125,10 +128,11 @@ class DisneyBsdf {
 
   Vec3f wo_;
   Rgb base_color_{0.0f};
+  Rgb walked_color_{0.0f};    // the medium's albedo
   float nonmetal_ = 0;        // 1 - metallic
   float dielectric_ = 0;      // the opaque share of the dielectric base
   float stays_ = 1;           // the share of diffuse light that does not leave on the other side
-  Rgb entry_channels_{0.0f};  // 1 in the channels that scatter
+  Rgb entry_channels_{0.0f};  // the walk's weight, 0 in channels that do not scatter
   DisneyDiffuse diffuse_;
   DisneySheen sheen_;
   DisneySpecular specular_;

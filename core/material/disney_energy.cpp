@@ -144,7 +144,7 @@ Rgb DisneyBsdf::room(const Vec3f& w) const {
   if (fibrous()) room = over(room - max_component(layers_->fibres.albedo(w)), layers_->fibres.passed(w.z));
   const float entry = dielectric_ * stays_ * DisneyDiffuse::lambert_albedo(w.z) *
                       (coated() ? lambert_under_coat(layers_->coat.weight) : 1);
-  return Rgb(room - clear_) - entry_channels_ * base_color_ * entry;
+  return Rgb(room - clear_) - entry_channels_ * walked_color_ * entry;
 }
 
 KeptShares DisneyBsdf::kept_along(const Vec3f& w) const {

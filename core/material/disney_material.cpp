@@ -4,6 +4,8 @@
 #include <cmath>
 #include <optional>
 
+#include "core/material/scatter_distance.h"
+
 namespace alabaster {
 namespace {
 
@@ -13,8 +15,8 @@ using P = DisneyParameters;
 // clang-format off
 constexpr auto kParameters = std::to_array<MaterialParameter>({
     {{"baseColor", &P::base_color, 0, 1, {},
-      "none", "Surface colour: the diffuse albedo, the colour of metals, and the multiple-scattering albedo of "
-      "subsurface scattering."}, Texels::colors},
+      "none", "Surface colour: the diffuse albedo, the colour of metals, and without subsurfaceColor the "
+      "multiple-scattering albedo of subsurface scattering."}, Texels::colors},
     {{"metallic", &P::metallic, 0, 1, {},
       "none", "0 is a dielectric, 1 a metal of colour baseColor."}},
     {{"roughness", &P::roughness, 0, 1, {},
@@ -57,6 +59,16 @@ constexpr auto kParameters = std::to_array<MaterialParameter>({
     {{"scatterAnisotropy", &P::scatter_anisotropy, -0.9, 0.9, {},
       "none", "Mean cosine of scattering below the surface (Henyey-Greenstein g): backward below 0, forward above 0. "
       "Colour and scatterDistance keep their meaning."}},
+    {{"meanFreePath", &P::mean_free_path, 0, kUnbounded, {},
+      "scene unit", "Mean free path below the surface, per channel: the mean way between two events of scattering, "
+      "whatever the colour and scatterAnisotropy. Above 0 it takes the place of scatterDistance."}},
+    {{"subsurfaceWeight", &P::subsurface_weight, 0, 1, {},
+      "none", "Share of the diffuse light that goes below the surface; the rest is reflected by baseColor. Light that "
+      "enters where it is lower or higher than where it leaves counts by the lower of the two, and where it is 0 the "
+      "surface is opaque from inside, too. Not of thin surfaces."}},
+    {{"subsurfaceColor", &P::subsurface_color, -1, 1, {},
+      "none", "Multiple-scattering albedo of subsurface scattering, and the colour of the share subsurfaceWeight where "
+      "a channel has no distance. Below 0 it is baseColor, with its textures."}, Texels::colors},
     {{"emission", &P::emission, 0, kUnbounded, {},
       "radiance", "Radiance that the surface emits on both sides."}, Texels::colors},
     {{"opacity", &P::opacity, 0, 1, {},
@@ -72,8 +84,8 @@ constexpr auto kParameters = std::to_array<MaterialParameter>({
       "both."}},
     {{"specTrans", &P::spec_trans, 0, 1, {},
       "none", "Share of the dielectric base that is clear: light is reflected and refracted by ior and roughness, "
-      "and takes the square root of baseColor at each of the two surfaces that it passes, but in a body that scatters, "
-      "whose medium has that colour."}},
+      "and takes the square root of baseColor at each of the two surfaces that it passes, but in a body that scatters "
+      "without subsurfaceColor, whose medium has that colour."}},
     {{"thin", &P::thin, -kUnbounded, kUnbounded, {},
       "none", "The surface is a sheet without an interior: light passes without refraction, takes baseColor once, "
       "and is spread by roughness (0.65 ior - 0.35). It has two faces, which reflect as those of a slab do."}},
@@ -157,11 +169,22 @@ bool any_use(const std::vector<MaterialTexture>& textures, Member member) {
 
 void DisneyMaterial::evaluate(const HitPrimvars& at, DisneyParameters* p) const {
   *p = constants;
-  if (textures.empty()) return;
-  for (const MaterialTexture& texture : textures) multiply(texture, at, p);
-  // After all of them: the product counts, not its steps.
-  for (const MaterialTexture& texture : textures)
-    for (const MaterialTexture::Use& use : texture.uses) clamp_member(*use.parameter, p);
+  if (!textures.empty()) {
+    for (const MaterialTexture& texture : textures) multiply(texture, at, p);
+    // After all of them: the product counts, not its steps.
+    for (const MaterialTexture& texture : textures)
+      for (const MaterialTexture::Use& use : texture.uses) clamp_member(*use.parameter, p);
+  }
+  if (max_component(p->mean_free_path) > 0) [[unlikely]]
+    p->take_mean_free_path();
+}
+
+void DisneyParameters::take_mean_free_path() {
+  const Rgb albedo = medium_albedo();
+  for (int c = 0; c < 3; ++c)
+    if (mean_free_path[c] > 0)
+      scatter_distance[c] = static_cast<float>(double(mean_free_path[c]) /
+                                               ((1 - double(scatter_anisotropy)) * distance_scale(double(albedo[c]))));
 }
 
 void convert_color(const MaterialParameter& row, const RgbMatrix& matrix, DisneyParameters* p) {
@@ -175,6 +198,15 @@ bool DisneyMaterial::varies(Rgb DisneyParameters::*parameter) const {
 }
 bool DisneyMaterial::varies(float DisneyParameters::*parameter) const {
   return any_use(textures, parameter);
+}
+
+bool DisneyMaterial::is_partly_closed() const {
+  const bool all_clear = constants.spec_trans == 1 && !varies(&P::spec_trans);
+  return scatters() && !all_clear && (constants.subsurface_weight == 0 || varies(&P::subsurface_weight));
+}
+
+bool DisneyMaterial::varies_albedo() const {
+  return varies(constants.has_own_albedo() ? &P::subsurface_color : &P::base_color);
 }
 
 bool DisneyMaterial::is_partly_opaque() const {

@@ -51,7 +51,7 @@ struct DisneyMaterial {
   std::optional<Displacement> displacement;  // meshes are displaced before a snapshot is compiled of them
 
   /// Reads each texture once. Products are clamped to the parameter's range; where one is not finite it becomes the
-  /// parameter's default.
+  /// parameter's default. A mean free path gives its scatter distance.
   void evaluate(const HitPrimvars& at, DisneyParameters* p) const;
   DisneyParameters evaluate(const HitPrimvars& at) const {
     DisneyParameters p;
@@ -61,8 +61,16 @@ struct DisneyMaterial {
   bool varies(Rgb DisneyParameters::*parameter) const;
   bool varies(float DisneyParameters::*parameter) const;
   std::vector<const Texture*> images() const;
-  /// False only if no texel can scatter.
-  bool scatters() const { return constants.scatters(); }
+  /// False only if no texel can scatter: a body of this material is no medium.
+  bool scatters() const {
+    const DisneyParameters& p = constants;
+    return !p.thin && (p.subsurface_weight > 0 || p.spec_trans > 0) &&
+           (max_component(p.scatter_distance) > 0 || max_component(p.mean_free_path) > 0);
+  }
+  /// Parts of a surface that scatters may have no subsurface lobe.
+  bool is_partly_closed() const;
+  /// A texture changes the medium's albedo.
+  bool varies_albedo() const;
   /// False only if no texel lets light through.
   bool transmits() const { return constants.transmits(); }
   bool emits() const { return !is_black(constants.emission); }

@@ -36,6 +36,9 @@ struct DisneyParameters {
   Vec3f coat_normal{0, 0, 1}, surface_normal{0, 0, 1};
   Rgb scatter_distance{0.0f};         // per channel, scene units; 0: Lambert in that channel
   float scatter_anisotropy = 0;       // Henyey-Greenstein g of the scattering below the surface
+  Rgb mean_free_path{0.0f};           // per channel, scene units; > 0: scatter_distance follows from it
+  float subsurface_weight = 1;        // of medium_albedo() in the opaque dielectric base; the rest is base_color
+  Rgb subsurface_color{-1.0f};        // the medium's albedo; below 0 in all channels: base_color
   Rgb emission{0.0f};                 // radiance
   float opacity = 1;                  // the share of the surface that is there
   float opacity_threshold = 0;        // > 0: present where opacity reaches it, nowhere else
@@ -56,7 +59,23 @@ struct DisneyParameters {
   /// sets it (IntegratorSettings::glossy_filter).
   float least_roughness = 0;
 
-  bool scatters() const { return !thin && max_component(scatter_distance) > 0; }
+  /// Once evaluated.
+  bool has_medium() const { return !thin && max_component(scatter_distance) > 0; }
+  /// Light enters a medium here: by the subsurface lobe, or through the clear share.
+  bool scatters() const { return has_medium() && (subsurface_weight > 0 || spec_trans > 0); }
+  bool has_own_albedo() const { return max_component(subsurface_color) >= 0; }
+  Rgb medium_albedo() const {
+    const Rgb& own = subsurface_color;
+    return has_own_albedo() ? Rgb(std::max(own.r, 0.0f), std::max(own.g, 0.0f), std::max(own.b, 0.0f)) : base_color;
+  }
+  /// The opaque dielectric base is a mixture of the two.
+  bool is_mixed() const { return !thin && subsurface_weight > 0 && (subsurface_weight < 1 || has_own_albedo()); }
+  /// The colour of the dielectric base; its clear share has base_color.
+  Rgb mixed_color() const {
+    return is_mixed() ? lerp(base_color, medium_albedo(), subsurface_weight * (1 - spec_trans)) : base_color;
+  }
+  /// scatter_distance of a walk with that mean free path, in the channels that have one.
+  void take_mean_free_path();
   bool is_widened() const { return least_roughness > roughness; }
   float specular_roughness() const { return std::max(roughness, least_roughness); }
 

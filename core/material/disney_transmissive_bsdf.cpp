@@ -51,8 +51,8 @@ DisneyTransmissiveBsdf::DisneyTransmissiveBsdf(const DisneyParameters& p, const 
     sheet_ = {DielectricBoundary::from(p, side.eta, p.base_color), ggx, disney_ggx(through, p.anisotropic)};
     sheet_.boundary.sheet = true;
   } else {
-    // The colour of a cloudy body is that of its medium.
-    const Rgb tint = p.scatters() ? Rgb(1.0f) : square_root(p.base_color);
+    // The colour of a cloudy body is that of its medium, unless that has its own.
+    const Rgb tint = p.scatters() && !p.has_own_albedo() ? Rgb(1.0f) : square_root(p.base_color);
     solid_ = {DielectricBoundary::from(p, side.eta, tint, side.inside), ggx};
     if (layered == Layered::far) solid_.boundary.layers_beyond = DisneyLayers::of(p);
   }

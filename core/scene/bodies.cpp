@@ -110,15 +110,17 @@ class BodyPlanner {
     auto body = std::make_shared<SubsurfaceBody>();
     const MeshShells& first = drawn_[indices.front()]->prototype->shells(cancel_);
     const ContentFinder::Contents contents = find_contents(indices, body.get());
-    if (indices.size() == 1 && is_simple(first) && body->contents.empty() && !body->lights_within)
-      add_alone(indices.front(), body.get());
-    else if (!unite(indices, contents, body.get()))
-      return false;
+    const bool meets_contents = body->lights_within || !body->contents.empty();
     std::vector<const InstanceDescription*> members;
     members.reserve(indices.size());
     for (const uint32_t i : indices) members.push_back(drawn_[i]);
+    body->occupied = weigh_walls(members, body.get()) || body->opaque_faces || meets_contents;
+    if (indices.size() == 1 && is_simple(first) && !meets_contents)
+      add_alone(indices.front(), body.get());
+    else if (!unite(indices, contents, body.get()))
+      return false;
     plan_walks(members, body.get());
-    if (body->occupied && body->bounds_distances()) {
+    if (meets_contents && body->bounds_distances()) {
       if (!bound_contents(contents, snapshot_, cancel_, body.get()))
         for (Member& member : body->members) member.distances = nullptr;
       if (body->to_contents) snapshot_.memory_bytes += body->to_contents->memory_bytes();
@@ -151,8 +153,23 @@ class BodyPlanner {
       for (uint32_t i = 0; i < array->placed->size(); ++i) body->contents.push_back(array->first + i);
     body->lights_within = !contents.lights.empty();
     body->opaque_faces = any(has_opaque_faces);
-    body->occupied = body->opaque_faces || body->lights_within || !body->contents.empty();
     return contents;
+  }
+
+  // True if some of its walls are opaque by their weight.
+  static bool weigh_walls(const std::vector<const InstanceDescription*>& members, SubsurfaceBody* body) {
+    float least = 1, most = 0;
+    bool closed = false;
+    for (const InstanceDescription* member : members)
+      for (const size_t slot : scattering_slots(*member)) {
+        const DisneyMaterial& material = *member->materials[slot];
+        const float weight = material.constants.subsurface_weight;
+        const bool varies = material.varies(&DisneyParameters::subsurface_weight);
+        least = varies ? 0 : std::min(least, weight), most = std::max(most, weight);
+        closed |= material.is_partly_closed();
+      }
+    body->weighted = closed || least < most;
+    return closed;
   }
 
   void add_alone(uint32_t index, SubsurfaceBody* body) {
@@ -176,7 +193,8 @@ class BodyPlanner {
     member.object = prototype.object.get();
     member.bounds = body->bounds = prototype.mesh.bounds;
     member.least_stretch = array->placed->plan.least_stretch();
-    body->opaque_faces = body->occupied = has_opaque_faces(look);
+    body->opaque_faces = has_opaque_faces(look);
+    body->occupied = weigh_walls({&look}, body.get()) || body->opaque_faces;
     plan_walks({&look}, body.get());
     body->touched = clear_.that_meet(array->placed->bounds(), {});
     snapshot_.bodies.push_back(std::move(body));
@@ -270,18 +288,20 @@ class BodyPlanner {
 
   // A texture may be white anywhere.
   static void extend(const DisneyMaterial& material, MeanFreePaths* paths) {
-    const DisneyParameters& p = material.constants;
-    const Rgb albedo = material.varies(&DisneyParameters::base_color) ? Rgb(1.0f) : p.base_color;
-    paths->extend(make_medium(albedo, p.scatter_distance, AlbedoInversion::exact, p.scatter_anisotropy));
+    DisneyParameters p = material.constants;
+    if (material.varies_albedo()) p.subsurface_color = Rgb(1.0f);
+    p.take_mean_free_path();
+    paths->extend(make_medium(p.medium_albedo(), p.scatter_distance, AlbedoInversion::exact, p.scatter_anisotropy));
   }
 
   std::shared_ptr<const MaterialMedia> media_of(const DisneyMaterial& material) {
-    if (material.varies(&DisneyParameters::base_color) || material.varies(&DisneyParameters::scatter_distance) ||
-        material.varies(&DisneyParameters::scatter_anisotropy))
+    if (material.varies_albedo() || material.varies(&DisneyParameters::scatter_distance) ||
+        material.varies(&DisneyParameters::mean_free_path) || material.varies(&DisneyParameters::scatter_anisotropy))
       return nullptr;
     auto& media = media_[&material];
-    const DisneyParameters& p = material.constants;
-    if (!media) media = std::make_shared<MaterialMedia>(p.base_color, p.scatter_distance, p.scatter_anisotropy);
+    DisneyParameters p = material.constants;
+    p.take_mean_free_path();
+    if (!media) media = std::make_shared<MaterialMedia>(p.medium_albedo(), p.scatter_distance, p.scatter_anisotropy);
     return media;
   }
 

@@ -2,9 +2,8 @@
 // Chiang, Kutz, Burley 2016, section 2.
 #pragma once
 
-#include <algorithm>
-
 #include "core/color/rgb.h"
+#include "core/material/scatter_distance.h"
 
 namespace alabaster {
 
@@ -18,10 +17,6 @@ enum class AlbedoInversion {
 /// g beyond this is clamped: the albedo inversion was fitted and measured up to here.
 inline constexpr double kMaxScatterAnisotropy = 0.9;
 
-inline double clamp_albedo(double albedo) {
-  return albedo > 0 ? std::min(albedo, 1.0) : 0;  // NaN too
-}
-
 /// 1 - alpha for A in [0,1] and Henyey-Greenstein g in [-0.9, 0.9] (both clamped; NaN -> 0). The complement is carried
 /// because alpha = 1 - 2e-9 has no float. Only `exact` covers g: chiang2016 is an inversion for
 /// isotropic scattering, which g turns into the medium alike by similarity, alpha' = alpha (1-g) / (1 - alpha g) (van
@@ -32,12 +27,6 @@ double one_minus_alpha(double albedo, AlbedoInversion inversion, double g = 0);
 /// Chandrasekhar's half-space (1960: A = 1 - 2 sqrt(1-alpha) Int_0^1 mu H(mu) dmu), and fast.
 float obtained_albedo(float albedo, AlbedoInversion inversion);
 Rgb obtained_albedo(const Rgb& albedo, AlbedoInversion inversion);
-
-/// Eq. 2: s = 1.9 - A + 3.5 (A - 0.8)^2.
-inline double distance_scale(double albedo) {
-  const double a = clamp_albedo(albedo);
-  return 1.9 - a + 3.5 * (a - 0.8) * (a - 0.8);
-}
 
 struct Medium {
   Rgb albedo{0.0f}, scatter_distance{0.0f};  // as asked: A and d, world

@@ -7,6 +7,7 @@
 
 #include "core/material/disney_material.h"
 #include "core/material/microfacet.h"
+#include "core/material/scatter_distance.h"
 #include "delegate/gltf/gltf_material_builder.h"
 #include "delegate/looks/formulas.h"
 #include "delegate/support/nearest_name.h"
@@ -166,12 +167,13 @@ void set_transmission(MaterialBuilder* material) {
     material->emit(kDiffuse);
     material->set("diffTrans", 2 * material->number(kDiffuse, "diffuseTransmissionFactor"));
   }
-  if ((!clear && !diffuse) || scattering) return;
-  if (!material->has_weight(kVolume)) return material->set("thin", true);
-  if (material->has_weight(kDispersion)) material->set("dispersion", material->number(kDispersion, "dispersion"));
+  if (!clear && !diffuse) return;
+  if (!scattering && !material->has_weight(kVolume)) return material->set("thin", true);
+  if (material->has_weight(kDispersion) && !scattering)
+    material->set("dispersion", material->number(kDispersion, "dispersion"));
   // A solid takes the square root of its colour at each surface (Burley 2015), the extension the colour itself.
   if (material->number_set("specTrans", 0) == 1 && !material->connected("specTrans")) material->square("baseColor");
-  if (!attenuates(*material)) return;
+  if (!attenuates(*material) || scattering) return;
   material->set("attenuationColor", material->color(kVolume, "attenuationColor"));
   material->set("attenuationDistance", material->number(kVolume, "attenuationDistance"));
 }
@@ -185,15 +187,7 @@ double set_scatter_anisotropy(MaterialBuilder* material) {
   return g;
 }
 
-// The scatterDistance of one channel; 0 (Lambert) where light is attenuated at once. An `attenuation_color` >= 1 (no
-// attenuation) counts as .999, because a walk must end.
-float scatter_distance(double attenuation_color, double attenuation_distance, double albedo, double g) {
-  if (attenuation_color <= 0 || attenuation_distance <= 0) return 0;
-  const double sigma_t = -std::log(std::min(attenuation_color, 0.999)) / attenuation_distance;
-  return float(looks::scatter_distance(sigma_t, albedo, g));
-}
-
-// Replaces the base colour by that of a scattering volume.
+// A volume of one colour behind an opaque wall becomes baseColor and scatterDistance, which users know to edit.
 void set_scatter(MaterialBuilder* material) {
   if (!material->has(kScatter)) return;
   const std::string place = "extensions.KHR_materials_volume_scatter";
@@ -207,20 +201,27 @@ void set_scatter(MaterialBuilder* material) {
   const bool later = material->layer(kScatter).contains("multiscatterColorFactor");
   const Vec3f albedo = material->color(kScatter, later ? "multiscatterColorFactor" : "multiscatterColor");
   const Vec3f attenuation = material->color(kVolume, "attenuationColor");
-  const double distance = material->number(kVolume, "attenuationDistance"), g = set_scatter_anisotropy(material);
-  Vec3f d;
-  for (int c = 0; c < 3; ++c) d[c] = scatter_distance(double(attenuation[c]), distance, double(albedo[c]), g);
-  material->set("scatterDistance", d);
+  const double distance = material->number(kVolume, "attenuationDistance");
+  const double g = set_scatter_anisotropy(material);
   const TextureUse texture = material->texture(kScatter, "multiscatterColorTexture");
-  if (material->connected("baseColor") && texture.index < 0)
-    material->say(Severity::warning, "material.scatter", "pbrMetallicRoughness.baseColorTexture",
-                  "is left out because the scattering volume has one colour");
-  if (texture.index >= 0)
-    material->say(Severity::info, "material.scatter", place + ".multiscatterColorTexture",
-                  "colours the medium; the scatter distance is that of the factor's colour everywhere");
-  material->set("baseColor", albedo);
-  material->disconnect("baseColor");
-  material->connect("baseColor", texture, color_reading());
+  const bool has_own_color = texture.index >= 0 || material->has_weight(kTransmission);
+  Vec3f lengths;
+  for (int c = 0; c < 3; ++c) {
+    const double path = looks::attenuation_path(double(attenuation[c]), distance);
+    lengths[c] = float(has_own_color ? path : path / ((1 - g) * distance_scale(double(albedo[c]))));
+  }
+  if (has_own_color) {
+    material->set("meanFreePath", lengths);
+    material->set("subsurfaceColor", albedo);
+    material->connect("subsurfaceColor", texture, color_reading());
+  } else {
+    if (material->connected("baseColor"))
+      material->say(Severity::warning, "material.scatter", "pbrMetallicRoughness.baseColorTexture",
+                    "is left out because the scattering volume has one colour");
+    material->set("scatterDistance", lengths);
+    material->set("baseColor", albedo);
+    material->disconnect("baseColor");
+  }
   if (!material->has(kDiffuse))
     material->say(Severity::info, "material.scatter", "",
                   "is drawn as a dense medium although it has no KHR_materials_diffuse_transmission");

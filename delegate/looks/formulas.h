@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/subsurface/medium.h"
 #include "delegate/api/scene_types.h"
 
 namespace alabaster::hd::looks {
@@ -15,11 +14,10 @@ inline constexpr float kSpecularColorOfOne = 25;
 /// AlabasterDisney's sheenRoughness 0 is another lobe, Burley's; that of fibres ends here.
 inline constexpr float kLeastSheenRoughness = 0.07f;
 
-/// The scatterDistance of AlabasterDisney whose walk has this extinction, one over its mean free path, below a surface
-/// of albedo A, at Henyey-Greenstein g: Chiang, Kutz, Burley 2016, eq. 2 and 3.
-inline double scatter_distance(double extinction, double albedo, double g) {
-  const double within = std::clamp(g, -kMaxScatterAnisotropy, kMaxScatterAnisotropy);
-  return 1 / (extinction * (1 - within) * distance_scale(albedo));
+/// The mean free path where white light has a colour, in a channel, after a distance > 0. Colour 0 has none, which is
+/// Lambert; 1 counts as .999, because a walk must end.
+inline double attenuation_path(double color, double distance) {
+  return color > 0 ? distance / -std::log(std::clamp(color, 1e-30, 0.999)) : 0;
 }
 
 /// Texture coordinates uv' = R (scale uv) + offset, with v up and R counter-clockwise.

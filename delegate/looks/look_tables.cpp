@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "core/material/disney_parameters.h"
 #include "core/material/microfacet.h"
 #include "delegate/looks/formulas.h"
 
@@ -169,27 +170,26 @@ struct Volume {
   const Signal& transmission;
 };
 
-// A walk has the colour of its medium. A clear solid takes the square root of its colour at each surface (Burley 2015),
-// the extension the colour itself.
+// A clear solid takes the square root of its colour at each surface (Burley 2015), the extension the colour itself.
 Signal gltf_base_color(const Terms& in) {
   const Volume volume(in, 1);
-  if (volume.scatters()) return affine(in[5], Vec4f(volume.strength), Vec4f(0)).value();
   const bool is_clear = volume.is_there && !volume.transmission.is_textured() && volume.transmission.constant.x >= 1;
   return is_clear ? product(in[0], in[0]).value_or(in[0]) : in[0];
 }
 
-Signal gltf_scatter_distance(const Terms& in) {
+Signal gltf_mean_free_path(const Terms& in) {
   const Volume volume(in, 0);
-  Vec3f distance(0);
-  if (!volume.scatters()) return signal_of(distance);
-  if (in[4].is_textured()) in.tell("the scatter distance is that of the colour's constant everywhere");
-  const Vec3f albedo = in[4].rgb() * volume.strength;
-  for (int i = 0; i < 3; ++i) {  // colour 0: none, which is Lambert; 1 counts as .999, because a walk must end
-    const double depth = -std::log(std::clamp(double(volume.color[i]), 1e-30, 0.999));
-    if (volume.color[i] > 0)
-      distance[i] = float(scatter_distance(depth / double(volume.distance), double(albedo[i]), double(in.number(6))));
-  }
-  return signal_of(distance);
+  Vec3f path(0);
+  for (int c = 0; volume.scatters() && c < 3; ++c)
+    path[c] = float(attenuation_path(double(volume.color[c]), double(volume.distance)));
+  return signal_of(path);
+}
+
+// A volume without scattering leaves the surface its own colour.
+Signal gltf_medium_color(const Terms& in) {
+  const Volume volume(in, 0);
+  if (volume.is_there && !volume.scatters()) return signal_of(DisneyParameters().subsurface_color.r);
+  return affine(in[4], Vec4f(volume.is_there ? volume.strength : 1), Vec4f(0)).value();
 }
 
 Signal gltf_attenuation_distance(const Terms& in) {
@@ -216,7 +216,7 @@ Signal gltf_clear_share(const Terms& in) {
 }
 Signal gltf_sheet_share(const Terms& in) {
   const Volume volume(in, 0);
-  if (volume.is_there || volume.strength <= 0) return signal_of(0.0f);
+  if (volume.is_there) return signal_of(1.0f);
   const float t = in.number(5), rest = 1 - t * (1 - volume.strength);
   return signal_of(rest > 0 ? t * volume.strength / rest : 0);
 }
@@ -234,9 +234,9 @@ Look standard_surface(const char* type, float base, float base_color) {
       {"specularColor", {{"specular_color", 1}}},
       {"anisotropic", {"specular_anisotropy"}, nullptr, product_of, 1 / 0.9f},
       {"anisotropicRotation", {"specular_rotation"}, "specular_anisotropy"},
-      {"subsurface", {"subsurface"}},
+      {"subsurfaceWeight", {"subsurface"}, below},
       {"subsurfaceColor", {{"subsurface_color", 1}}, below},
-      {"subsurfaceRadius", {{"subsurface_radius", 1}, {"subsurface_scale", 1}}, below},
+      {"meanFreePath", {{"subsurface_radius", 1}, {"subsurface_scale", 1}}, below},
       {"scatterAnisotropy", {"subsurface_anisotropy"}, below},
       {"thin", {"thin_walled"}},
       {"specTrans", {"transmission"}},
@@ -283,9 +283,9 @@ Look open_pbr(const char* type) {
       {"specular", {{"specular_weight", 1}}},
       {"specularColor", {{"specular_color", 1}}},
       {"anisotropic", {"specular_roughness_anisotropy"}, nullptr, product_of, 1 / 0.9f},
-      {"subsurface", {"subsurface_weight"}},
+      {"subsurfaceWeight", {"subsurface_weight"}, below},
       {"subsurfaceColor", {{"subsurface_color", 0.8f}}, below},
-      {"subsurfaceRadius", {{"subsurface_radius", 1}, {"subsurface_radius_scale", Vec3f(1, 0.5f, 0.25f)}}, below},
+      {"meanFreePath", {{"subsurface_radius", 1}, {"subsurface_radius_scale", Vec3f(1, 0.5f, 0.25f)}}, below},
       {"scatterAnisotropy", {"subsurface_scatter_anisotropy"}, below},
       {"thin", {"geometry_thin_walled"}},
       {"specTrans", {"transmission_weight"}},
@@ -350,9 +350,8 @@ Look disney_principled() {
       {"clearcoatGloss", {{"clearcoatGloss", 1}}},
       {"specTrans", {"specTrans"}},
       {"transmissionColor", {color}, "specTrans"},
-      {"subsurface", {"subsurface"}},
-      {"subsurfaceColor", {color}, "subsurface"},
-      {"subsurfaceRadius", {{"subsurfaceDistance", 1}}, "subsurface"},
+      {"subsurfaceWeight", {"subsurface"}, "subsurface"},
+      {"meanFreePath", {{"subsurfaceDistance", 1}}, "subsurface"},
   }, {}};
 }
 
@@ -370,9 +369,9 @@ Look gltf_pbr() {
       {"specularColor", {{"specular_color", 1}, {"ior", 1.5f}}, nullptr, gltf_specular_color},
       {"thin", with_volume({}, {"diffuse_transmission"}), nullptr, gltf_thin},
       {"specTrans", with_volume({}), "transmission", gltf_clear_share},
-      {"subsurface", with_volume({}), cloud, gltf_sheet_share},
-      {"subsurfaceColor", {{"multiscatter_color", 1}}, cloud},
-      {"scatterDistance", with_volume({}, {"scatter_anisotropy"}), cloud, gltf_scatter_distance},
+      {"subsurfaceWeight", with_volume({}), cloud, gltf_sheet_share},
+      {"subsurfaceColor", with_volume({}), cloud, gltf_medium_color},
+      {"meanFreePath", with_volume({}), cloud, gltf_mean_free_path},
       {"scatterAnisotropy", {"scatter_anisotropy"}, cloud},
       {"diffTrans", with_volume({}, {"diffuse_transmission"}), "diffuse_transmission", gltf_diffuse},
       {"diffTransColor", {{"diffuse_transmission_color", 1}}, "diffuse_transmission"},

@@ -53,8 +53,7 @@ Signal product_of(const Terms& in);
 Signal normals_of(const Terms& in);
 
 /// Targets are parameters of AlabasterDisney, or what ReadLook joins to some, because AlabasterDisney has no lobe for
-/// it: subsurface (the weight), subsurfaceColor (its albedo), subsurfaceRadius (its mean free path),
-/// transmissionColor, transmissionDepth, transmissionScatter, transmissionAnisotropy.
+/// it: transmissionColor, transmissionDepth, transmissionScatter, transmissionAnisotropy.
 struct LookRow {
   const char* target;
   std::vector<LookInput> inputs;

@@ -5,6 +5,7 @@
 #include <set>
 
 #include "core/material/disney_material.h"
+#include "core/subsurface/medium.h"
 #include "delegate/looks/formulas.h"
 #include "delegate/looks/look_tables.h"
 #include "delegate/looks/patterns.h"
@@ -47,10 +48,10 @@ class LookReader {
   MaterialNetwork run() {
     for (const LookRow& row : look_.rows)
       if (!row.when || is_used(row.when)) read_row(row);
-    if (got_.contains("subsurface") && take("subsurface").is_used()) number("thin") != 0 ? join_sheet() : join_walk();
+    if (number("thin") != 0 && got_.contains("subsurfaceWeight")) join_sheet();
     if (got_.contains("transmissionColor")) join_transmission();
-    for (const char* joined : {"subsurface", "subsurfaceColor", "subsurfaceRadius", "transmissionColor",
-                               "transmissionDepth", "transmissionScatter", "transmissionAnisotropy"})
+    for (const char* joined :
+         {"transmissionColor", "transmissionDepth", "transmissionScatter", "transmissionAnisotropy"})
       got_.erase(joined);
 
     MaterialNode disney{kOurs, {}, {}};
@@ -128,7 +129,7 @@ class LookReader {
 
   // Below a sheet 1 + g of two halves of the light leave on the far side; constants are mixed without an error.
   void join_sheet() {
-    const Signal weight = take("subsurface"), below = take("subsurfaceColor"), base = take("baseColor");
+    const Signal weight = take("subsurfaceWeight"), below = take("subsurfaceColor"), base = take("baseColor");
     const float g = number("scatterAnisotropy"), beyond = clamped((1 + g) / 2);
     float w = clamped(weight.constant.x);
     if (weight.is_textured()) w = 1, tell("a texture of the weight of subsurface is not read; it is 1");
@@ -137,36 +138,20 @@ class LookReader {
     const float rest = 1 - w * beyond, share = rest > 0 ? w * (1 - beyond) / rest : 1;
     got_["baseColor"] = mixed(base, below, share);
     got_.erase("scatterAnisotropy");
+    drop_subsurface();
     if (share > 0 && share < 1 && base.is_textured() && below.is_textured() && base.factors != below.factors)
       tell("two textures of colours are not mixed by the weight of subsurface; one of them is used");
   }
 
-  // A mixture of diffuse and subsurface light is one walk through a shorter distance.
-  void join_walk() {
-    const Signal weight = take("subsurface"), below = take("subsurfaceColor"), base = take("baseColor");
-    const Signal clear = take("specTrans");
-    if (got_.contains("specTrans") && !clear.is_textured() && clear.constant.x >= 1) return;  // nothing is below
-    const float w = weight.is_textured() ? 1 : clamped(weight.constant.x);
-    if (weight.is_textured() || w < 1)
-      tell("a weight of subsurface between 0 and 1 is drawn as one walk through a shorter distance");
-    const Signal color =
-        weight.is_textured() && base.is_textured() && !below.is_textured() ? base : mixed(base, below, w);
-    if (color.is_textured())
-      tell("the scatter distance is that of the albedo 0.5 everywhere, because the colour below has a texture");
-    const float g = number("scatterAnisotropy");
-    Vec3f scale;
-    for (int i = 0; i < 3; ++i)
-      scale[i] = w * float(scatter_distance(1, color.is_textured() ? 0.5 : double(color.constant[i]), double(g)));
-    const auto distance = product(take("subsurfaceRadius"), signal_of(scale));
-    const auto shared = weight.is_textured() && distance ? product(*distance, weight) : distance;
-    got_["baseColor"] = color;
-    got_["scatterDistance"] = shared.value_or(signal_of(scale));
+  void drop_subsurface() {
+    for (const char* below : {"subsurfaceWeight", "subsurfaceColor", "meanFreePath"}) got_.erase(below);
   }
 
   // With a depth the colour is that of the interior, else that of the light which passes.
   void join_transmission() {
     const Signal clear = take("specTrans");
     const float t = clear.is_textured() ? 1 : clamped(clear.constant.x);
+    if (t >= 1 && !clear.is_textured()) drop_subsurface();  // nothing is below
     Signal tint = take("transmissionColor");
     const float depth =
         got_.contains("transmissionDepth") ? color("transmissionDepth", "the transmission's depth").x : 0;
@@ -194,15 +179,15 @@ class LookReader {
       scattering[size_t(i)] = std::max(double(scatter[i]), 0.0) / double(depth);
       least = std::min(least, extinction[size_t(i)] - scattering[size_t(i)]);
     }
-    Vec3f albedo, distance;
+    Vec3f albedo, path;
     for (size_t i = 0; i < 3; ++i) {
       const double total = std::max(extinction[i] - least, 1e-3 / double(depth));  // a walk must end
-      const double a = albedo_of(1 - scattering[i] / total, g);
-      albedo[int(i)] = float(a);
-      distance[int(i)] = float(scatter_distance(total, a, g));
+      albedo[int(i)] = float(albedo_of(1 - scattering[i] / total, g));
+      path[int(i)] = float(1 / total);
     }
-    got_["baseColor"] = signal_of(albedo);
-    got_["scatterDistance"] = signal_of(distance);
+    got_["baseColor"] = signal_of(1.0f);
+    got_["subsurfaceColor"] = signal_of(albedo);
+    got_["meanFreePath"] = signal_of(path);
     got_["scatterAnisotropy"] = signal_of(float(g));
     got_["specTrans"] = signal_of(1.0f);
   }

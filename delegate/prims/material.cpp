@@ -117,7 +117,8 @@ class MaterialReader {
         for (const MaterialParameter* row : of_file) convert_color(*row, *to_rendering, &material->constants);
     }
     read_displacement(material.get());
-    if (!material->scatters()) drop_scatter_distance(material.get());
+    check_distances(*material);
+    if (!material->scatters()) drop_distances(material.get());
     return material;
   }
 
@@ -325,11 +326,20 @@ class MaterialReader {
           if (const auto node = texture_node(connection.upstreamNode)) of_alpha_.push_back(node->parameter("file"));
   }
 
+  void check_distances(const DisneyMaterial& material) const {
+    const Rgb &distance = material.constants.scatter_distance, &path = material.constants.mean_free_path;
+    if (max_component(distance) > 0 && std::min({path.r, path.g, path.b}) > 0)
+      warn(
+          "material.scatter",
+          "scatterDistance is not used, because meanFreePath is given, too; for scatterDistance set meanFreePath to 0");
+  }
+
   // Without a constant there is nothing to multiply.
-  static void drop_scatter_distance(DisneyMaterial* material) {
-    const MaterialParameter* const row = find_material_parameter("scatterDistance");
-    for (MaterialTexture& texture : material->textures)
-      std::erase_if(texture.uses, [row](const MaterialTexture::Use& use) { return use.parameter == row; });
+  static void drop_distances(DisneyMaterial* material) {
+    for (const char* name : {"scatterDistance", "meanFreePath"})
+      for (MaterialTexture& texture : material->textures)
+        std::erase_if(texture.uses,
+                      [row = find_material_parameter(name)](const auto& use) { return use.parameter == row; });
     std::erase_if(material->textures, [](const MaterialTexture& texture) { return texture.uses.empty(); });
   }
 

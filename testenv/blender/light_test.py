@@ -122,7 +122,7 @@ class Nodes(unittest.TestCase):
         material, (gloss, body), _ = self.surface("BsdfGlossy", "SubsurfaceScattering")
         gloss.inputs["Color"].default_value = (0.04, 0.02, 0.01, 1)
         surface = materials.translate(material, self.notes.append).nodes["surface"]
-        self.assertIn("scatterDistance", surface)
+        self.assertIn("meanFreePath", surface)
         for got, right in zip(surface["specularColor"], (1, 0.5, 0.25)):
             self.assertAlmostEqual(got, right, places=5)
         material, (stretched,), _ = self.surface("BsdfAnisotropic")

@@ -255,14 +255,14 @@ class Materials(unittest.TestCase):
         parameters = world.translate(bpy.context.scene, world_of, self.notes.append)[1]
         self.assertEqual((parameters["color"], "texture:file" in parameters), ([1.0, 0.0, 1.0], False))
 
-    def test_an_image_of_one_colour_scatters_as_the_constant(self):
-        """Distances take no texture: they are those of the mean, and an image of one colour is its mean."""
+    def test_what_is_below_the_surface_takes_textures_of_its_own(self):
         color, radius = (0.8, 0.5, 0.25), (0.5, 0.25, 0.125)
 
         def body(links=None):
             material = scenes.principled("body", Subsurface=1.0, Subsurface_Radius=radius, Base_Color=color)
             tree = material.node_tree
             node = tree.nodes["Principled BSDF"]
+            node.subsurface_method = "RANDOM_WALK" if scenes.MODERN else "RANDOM_WALK_FIXED_RADIUS"
             if scenes.MODERN:
                 node.inputs["Subsurface Scale"].default_value = 0.5
             else:
@@ -272,17 +272,20 @@ class Materials(unittest.TestCase):
                 texture.image = scenes.picture(name, 4, 4, pixel, True, "Non-Color")
                 tree.links.new(texture.outputs["Color"], node.inputs[name])
             self.notes.clear()
-            return self.translate(material).nodes["surface"]["scatterDistance"]
-        expected = body()
+            return self.translate(material).nodes
+        expected = body()["surface"]["meanFreePath"]
         colours = ["Base Color"] if scenes.MODERN else ["Base Color", "Subsurface Color"]
-        self.assertEqual(body(links={name: lambda u, v: color for name in colours}), expected)
-        self.assertEqual((body(links={"Subsurface Radius": lambda u, v: radius}), self.notes), (expected, []))
+        coloured = body(links={name: lambda u, v: (u, v, 0.5) for name in colours})["surface"]
+        self.assertEqual((coloured["meanFreePath"], isinstance(coloured["baseColor"], list), self.notes), (expected, True, []))
+        nodes = body(links={"Subsurface Radius": lambda u, v: (u, v, 0.5)})
+        (texture, output), = nodes["surface"]["meanFreePath"]
+        self.assertEqual((output, self.notes), ("rgb", []))
+        for scale, r, mfp in zip(nodes[texture]["scale"], radius, expected):
+            self.assertAlmostEqual(scale * r, mfp, places=6)
         if scenes.MODERN:
-            self.assertEqual((body(links={"Subsurface Scale": lambda u, v: (0.5,) * 3}), self.notes), (expected, []))
-        uneven = body(links={"Subsurface Radius": lambda u, v: tuple(r * (0.5 if u < 0.5 else 1.5) for r in radius)})
-        for a, b in zip(uneven, expected):
-            self.assertAlmostEqual(a, b, places=6)
-        self.assertEqual(["radius" in note for note in self.notes], [True])
+            self.assertEqual(body(links={"Subsurface Scale": lambda u, v: (0.5,) * 3})["surface"]["meanFreePath"], expected)
+            weighted = body(links={"Subsurface Weight": lambda u, v: (u,) * 3})["surface"]
+            self.assertEqual((weighted["meanFreePath"], isinstance(weighted["subsurfaceWeight"], list), self.notes), (expected, True, []))
 
     def test_subsurface_radius(self):
         """The rules by version and method; --widths measures that they are Cycles'."""
@@ -291,9 +294,8 @@ class Materials(unittest.TestCase):
         self.assertAlmostEqual(subsurface.mean_free_path(walk, 1.0, 0.8, 1.4), 1.0 if whole else 0.0795775, places=6)
         if whole:
             self.assertAlmostEqual(subsurface.mean_free_path("RANDOM_WALK_LEGACY", 1.0, 0.8, 1.4), 0.0795775, places=6)
-            self.assertAlmostEqual(subsurface.distances("RANDOM_WALK", [1.1] * 3, [0.8] * 3, 1.4, 0.5)[0], 2.0, places=6)
-        # A = 0.8 makes the factor of Chiang, Kutz and Burley 1.1.
-        self.assertAlmostEqual(subsurface.scatter_distance(1.1, 0.8), 1.0, places=6)
-        # Christensen and Burley's profile is as wide for every albedo.
-        burley = subsurface.distances("BURLEY", [1.0] * 3, [0.2, 0.5, 0.8], 1.4)
-        self.assertEqual([round(d, 6) for d in burley], [0.079577] * 3)
+            self.assertAlmostEqual(subsurface.path_factors("RANDOM_WALK", [0.8] * 3, 1.4, 0.5)[0], 1.0, places=6)
+        # Christensen and Burley's profile is as wide for every albedo; A = 0.8 makes the factor of Chiang, Kutz and Burley 1.1.
+        burley = subsurface.path_factors("BURLEY", [0.8, 0.5, 0.2], 1.4)
+        for found, scale in zip(burley, (1.1, 1.715, 2.96)):
+            self.assertAlmostEqual(found, 0.079577 * scale, places=5)

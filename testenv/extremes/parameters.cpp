@@ -57,7 +57,7 @@ struct Base {
 };
 
 std::vector<Base> bases() {
-  std::vector<Base> all(10);
+  std::vector<Base> all(11);
   all[0].name = "plastic";
   all[1].name = "rough white", all[1].parameters.base_color = Rgb(1.0f), all[1].parameters.roughness = 1;
   all[2].name = "smooth metal", all[2].parameters.metallic = 1, all[2].parameters.roughness = 0;
@@ -69,6 +69,8 @@ std::vector<Base> bases() {
   all[8].name = "soap film", all[8].parameters.iridescence = 1;
   all[9].name = "leaf", all[9].parameters.thin = true, all[9].parameters.diff_trans = 1,
   all[9].parameters.spec_trans = 0.5f;
+  all[10].name = "half skin", all[10].parameters.scatter_distance = {1, 0.35f, 0};
+  all[10].parameters.subsurface_weight = 0.5f, all[10].parameters.subsurface_color = {1, 0.5f, 0.9f};
   return all;
 }
 
@@ -121,7 +123,7 @@ Rgb furnace_sample(const Bsdf& bsdf, const DisneyParameters& p, float lobe, cons
   if (!s) return Rgb(0.0f);
   const bool discrete = s->lobe == Lobe::straight || s->lobe == Lobe::subsurface;
   Rgb share = s->weight();
-  if (s->lobe == Lobe::subsurface) share *= p.base_color * (41.0f / 42);  // what comes back of it at most
+  if (s->lobe == Lobe::subsurface) share *= p.medium_albedo() * (41.0f / 42);  // what comes back of it at most
   found->bad_numbers += !is_finite(share) || !(s->pdf > 0) || std::min({s->f_cos.r, s->f_cos.g, s->f_cos.b}) < 0;
   if (!discrete) {
     const BsdfValue value = bsdf.evaluate(s->wi);
@@ -184,7 +186,7 @@ void examine_all_sides(const DisneyParameters& p, const std::string& at, uint64_
 void print_material_parameters(Report& report) {
   Rows rows(
       report, "Materials: each parameter of schemas/disney_material.json",
-      "Each value (min, max, just inside and outside both, 1e-40, 1e-6, 1 + 1e-6, NaN, infinities) on each of ten\n"
+      "Each value (min, max, just inside and outside both, 1e-40, 1e-6, 1 + 1e-6, NaN, infinities) on each of eleven\n"
       "materials, seen at cosines .9, .1 and 1e-4, energy model `bounded`. Finite: f, pdf and weights of all samples,\n"
       "corners of the domain among them, pdf > 0. Agree: f and pdf of a sample are evaluate()'s, to the bit. The\n"
       "furnace: the brightest of all, found with few samples and measured with many.");

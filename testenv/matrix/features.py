@@ -35,7 +35,7 @@ class Body:
         self.place = np.eye(4) if place is None else place
         self.material = {} if material is None else material  # shared by bodies of one look
         self.shape, self.hollow, self.displaced, self.bumped, self.set = "ball", False, False, False, None
-        self.labelled = False
+        self.labelled = self.weighted = False
 
 
 class Draft:
@@ -194,6 +194,8 @@ FEATURES = {  # in the order of the issue
     "label": main_has("labelled"),  # some of the faces have a material of their own, which is opaque
     "pane": pane,
     "ball within": ball_within,
+    "weight": sets(subsurfaceWeight=0.4, subsurfaceColor=(1.0,) * 3),
+    "weight map": main_has("weighted"),  # of 0 and 1
 }
 LAYERS = ("coat", "fibre sheen", "clearcoat", "rough specular")
 
@@ -273,6 +275,7 @@ def images():
 
     (folder / "normals.png").write_bytes(png(32, 32, normal))
     (folder / "heights.png").write_bytes(png(32, 32, lambda x, y: (wave(x, y) * (0.5 + 0.5 * math.cos(x)),) * 3))
+    (folder / "weights.png").write_bytes(png(4, 4, lambda x, y: ((x + y) % 2,) * 3))
     return folder
 
 
@@ -305,6 +308,10 @@ def nodes_of(body, look):
         nodes["surface"]["normal"] = ("bumps", "rgb")
         nodes["bumps"] = {"type": "AlabasterTexture", "file": str(images() / "normals.png"), "sourceColorSpace": "raw",
                           "scale": (2.0, 2.0, 2.0, 1.0), "bias": (-1.0, -1.0, -1.0, 0.0)}
+    if body.weighted:
+        nodes["surface"]["subsurfaceWeight"] = ("weights", "r")
+        nodes["weights"] = {"type": "AlabasterTexture", "file": str(images() / "weights.png"), "sourceColorSpace": "raw",
+                            "filter": "nearest"}
     if body.displaced:
         nodes["relief"] = {"type": "AlabasterDisplacement", "displacement": ("heights", "r"), "scale": 0.12}
         nodes["heights"] = {"type": "AlabasterTexture", "file": str(images() / "heights.png"), "sourceColorSpace": "raw"}

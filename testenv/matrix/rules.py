@@ -67,6 +67,8 @@ QUICK = {
     "opaque body + union": ("furnace, viewer", "crops and threads", "limit of small distances"),
     "cloudy body + camera inside": ("furnace, viewer",),
     "cloudy body + ball within": ("furnace, viewer", "reciprocity", "AOVs add up", "crops and threads"),
+    "opaque body + weight": ("furnace, viewer", "limit of small distances", "walk and reference", "AOVs add up"),
+    "opaque body + weight map": ("furnace, viewer", "furnace, light", "reciprocity", "AOVs add up", "crops and threads"),
     "sheet + thin + diffTrans + coat": ("reciprocity", "furnace, viewer, bounded"),
     "sheet + thin + diffTrans + sheen": ("reciprocity", "furnace, light"),
     "sheet + diffTrans + coat": ("a feature that vanishes", "reciprocity"),

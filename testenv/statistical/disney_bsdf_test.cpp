@@ -113,7 +113,7 @@ struct NamedParameters {
 };
 
 std::vector<NamedParameters> materials() {
-  std::vector<NamedParameters> list(8);
+  std::vector<NamedParameters> list(9);
   list[0] = {"plastic", {}, 2};
   list[1].name = "skin";
   list[1].p.base_color = {0.9f, 0.6f, 0.45f};
@@ -152,6 +152,11 @@ std::vector<NamedParameters> materials() {
   list[7].p.sheen_roughness = 0.4f;
   list[7].p.sheen_color = {0.9f, 0.5f, 0.1f};
   list[7].exponent = 1;
+  list[8].name = "half skin";
+  list[8].p = list[1].p;
+  list[8].p.subsurface_weight = 0.4f;
+  list[8].p.subsurface_color = {0.3f, 0.9f, 0.2f};
+  list[8].exponent = 2;
   return list;
 }
 

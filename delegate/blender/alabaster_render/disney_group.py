@@ -10,7 +10,8 @@ KINDS = {"float": "NodeSocketFloat", "int": "NodeSocketInt", "bool": "NodeSocket
 # The Principled BSDF inside stands in for ours in other engines: an input of the group, and its inputs of both generations.
 PREVIEW = {"baseColor": ("Base Color",), "metallic": ("Metallic",), "roughness": ("Roughness",), "opacity": ("Alpha",),
            "specTrans": ("Transmission", "Transmission Weight"), "ior": ("IOR",), "emission": ("Emission", "Emission Color")}
-SOFT_MAXIMUM = {"scatterDistance": 1.0, "attenuationDistance": 10.0, "iridescenceThickness": 1000.0}
+VECTORS = {"scatterDistance", "meanFreePath", "subsurfaceColor"}  # sockets of colours have neither lengths nor values below 0
+SOFT_MAXIMUM = {"scatterDistance": 1.0, "meanFreePath": 1.0, "attenuationDistance": 10.0, "iridescenceThickness": 1000.0}
 LARGEST = 3.402823466e38
 
 
@@ -34,7 +35,7 @@ def _socket(made, name, kind, direction="INPUT", description=""):
 
 def _input(made, p):
     kind = "NodeSocketFloatFactor" if (p.kind, p.minimum, p.maximum) == ("float", 0, 1) and not MODERN else KINDS[p.kind]
-    if p.name == "scatterDistance":
+    if p.name in VECTORS:
         kind = "NodeSocketVector"
     socket = _socket(made, p.name, kind, description=p.description)
     if kind == "NodeSocketColor":

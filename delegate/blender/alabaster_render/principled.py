@@ -32,18 +32,17 @@ def translate(reader, source):
 def _base(reader, source, surface):
     color = reader.input(source, "Base Color")
     weight = reader.input(source, "Subsurface", "Subsurface Weight")
-    share = number_of(reader, weight, "subsurface weight")
+    share = 1.0 if MODERN and weight.textures else number_of(reader, weight, "subsurface weight")
     if share <= 0:
         surface["baseColor"] = reader.color(_glass_color(reader, source, color))
         return
-    scale = share if not MODERN else share * number_of(reader, reader.input(source, "Subsurface Scale"), "subsurface scale")
+    scale = share if not MODERN else number_of(reader, reader.input(source, "Subsurface Scale"), "subsurface scale")
     if not MODERN:
         color = reader.mixed(color, reader.input(source, "Subsurface Color"), weight)
     body = {name: reader.input(source, f"Subsurface {name}") for name in ("Radius", "IOR", "Anisotropy")}
     scatter(reader, surface, color, body, scale, source.node.subsurface_method)
-    if MODERN and share < 1:
-        # Disney's material has no such mixture. The mean distance that light travels stays that of Cycles.
-        reader.note("a subsurface weight below 1 shortens the scatter distance instead of mixing with diffuse")
+    if MODERN and (share < 1 or weight.textures):
+        surface["subsurfaceWeight"] = reader.number(weight)
 
 
 def number_of(reader, value, what):
@@ -51,13 +50,14 @@ def number_of(reader, value, what):
 
 
 def scatter(reader, surface, color, body, scale, method):
-    """baseColor and what scatters below it. body: values of Radius, IOR and Anisotropy. Distances are those of the means of images."""
-    radii = [scale * r for r in reader.mean(body["Radius"], "subsurface radius")]
+    """baseColor and what scatters below it. body: values of Radius, IOR and Anisotropy."""
     asked = number_of(reader, body["Anisotropy"], "subsurface anisotropy") if body["Anisotropy"] else 0.0
     ior = number_of(reader, body["IOR"], "subsurface IOR") if body["IOR"] else 1.4
-    albedo = reader.mean(color, "scatter distance, which depends on the colour,")
+    depends = subsurface.depends_on_color(method)
+    albedo = reader.mean(color, "mean free path, which depends on the colour,") if depends else (0.8,) * 3
+    factors = tuple(scale * f for f in subsurface.path_factors(method, albedo, ior, asked))
     surface["baseColor"] = reader.color(color)
-    surface["scatterDistance"] = subsurface.distances(method, radii, albedo, ior, asked)
+    surface["meanFreePath"] = reader.color(reader.changed(body["Radius"], factors, (0.0, 0.0, 0.0)))
     surface["scatterAnisotropy"] = subsurface.anisotropy(method, asked)
 
 

@@ -1,4 +1,4 @@
-"""Blender's subsurface radius as scatterDistance, so that both walk with the same mean free path."""
+"""Blender's subsurface radius as a mean free path, so that both walk with the same."""
 import bpy
 import math
 
@@ -46,20 +46,19 @@ def distance_scale(albedo):
     return 1.9 - albedo + 3.5 * (albedo - 0.8) ** 2
 
 
-def scatter_distance(mfp, albedo):
-    return mfp / distance_scale(albedo)
-
-
 def anisotropy(method, asked):
     """scatterAnisotropy. Cycles' limits; Christensen and Burley's profile has none."""
     lowest = -LARGEST_ANISOTROPY if SIGNED else 0.0
     return 0.0 if method == "BURLEY" else min(max(asked, lowest), LARGEST_ANISOTROPY)
 
 
-def distances(method, radii, albedos, ior, asked=0.0):
-    """scatterDistance by channel. asked: the anisotropy. scatterDistance is about the reduced mean free path, which it leaves alone;
-    Cycles' own is the whole one where it inverts albedos by van de Hulst's formula."""
+def depends_on_color(method):
+    return method in ("BURLEY", SKIN)
+
+
+def path_factors(method, albedos, ior, asked=0.0):
+    """The mean free path over the radius, by channel. asked: the anisotropy. Cycles' own is the reduced one, which it leaves alone, but
+    where it inverts albedos by van de Hulst's formula."""
     whole = method == MEAN_FREE_PATH or (SIGNED and method != "BURLEY" and asked < 0)
-    stretch = 1 / (1 - anisotropy(method, asked)) if whole else 1.0
-    return tuple(stretch * scatter_distance(mean_free_path(method, max(r, 0.0), a, ior), a)
-                 for r, a in zip(radii, (min(max(a, 0.0), 1.0) for a in albedos)))
+    shorter = 1.0 if whole else 1 - anisotropy(method, asked)
+    return tuple(shorter * mean_free_path(method, 1.0, min(max(a, 0.0), 1.0), ior) for a in albedos)

@@ -35,6 +35,8 @@ DisneyParameters lacquer() {
   p.base_color = {0.8f, 0.6f, 0.3f};
   p.clearcoat = p.sheen = 1;
   p.scatter_distance = {0.3f, 0.1f, 0};
+  p.subsurface_weight = 0.7f;
+  p.subsurface_color = {0.9f, 0.4f, 0.5f};
   p.emission = Rgb(0.1f);
   return p;
 }

@@ -70,7 +70,6 @@ const std::map<std::string, Named>& formulas() {
       {"ND_gltf_pbr_surfaceshader",
        {{"baseColor",
          [](const Inputs& in) {  // with a volume
-           if (in.at("scatter_strength").x > 0) return in.at("multiscatter_color") * in.at("scatter_strength").x;
            return in.at("base_color") * (in.at("transmission").x >= 1 ? in.at("base_color") : Vec3f(1));
          }},
         {"roughness",
@@ -95,17 +94,22 @@ const std::map<std::string, Named>& formulas() {
          [](const Inputs& in) {
            return in.at("transmission") * (in.at("thickness").x > 0 ? 1 : 1 - in.at("scatter_strength").x);
          }},
-        {"scatterDistance",
+        {"subsurfaceWeight",
+         [](const Inputs& in) { return Vec3f(in.at("thickness").x > 0 || in.at("transmission").x > 0 ? 1.0f : 0.0f); }},
+        {"subsurfaceColor",
          [](const Inputs& in) {
-           Vec3f d(0);
-           for (int i = 0; i < 3 && in.at("scatter_strength").x > 0; ++i) {
-             const double a = double(in.at("multiscatter_color")[i]) * double(in.at("scatter_strength").x);
-             const double sigma =
-                 -std::log(double(in.at("attenuation_color")[i])) / double(in.at("attenuation_distance").x);
-             d[i] = float(
-                 1 / (sigma * (1 - double(in.at("scatter_anisotropy").x)) * (1.9 - a + 3.5 * (a - .8) * (a - .8))));
-           }
-           return d;
+           const bool attenuates = in.at("attenuation_distance").x > 0 && in.at("attenuation_color") != Vec3f(1);
+           if (in.at("thickness").x > 0)
+             return attenuates ? in.at("multiscatter_color") * in.at("scatter_strength").x : Vec3f(-1);
+           return in.at("transmission").x > 0 ? Vec3f(-1) : in.at("multiscatter_color");
+         }},
+        {"meanFreePath",
+         [](const Inputs& in) {
+           Vec3f path(0);
+           for (int i = 0; i < 3 && in.at("thickness").x > 0 && in.at("attenuation_color") != Vec3f(1); ++i)
+             path[i] =
+                 float(double(in.at("attenuation_distance").x) / -std::log(double(in.at("attenuation_color")[i])));
+           return path;
          }},
         {"diffTrans",
          [](const Inputs& in) {
@@ -228,10 +232,6 @@ TEST(LookRows, AreSilentAtTheDefaultsAndTellWhatCannotBeDrawn) {
 
 // Joined rows ------------------------------------------------------------------------------------------
 
-double s_of(double a) {
-  return 1.9 - a + 3.5 * (a - 0.8) * (a - 0.8);
-}
-
 struct Names {
   const char *type, *weight, *color, *radius, *scale, *g, *thin, *base, *clear, *tint, *depth, *scatter, *cloud_g;
 };
@@ -247,30 +247,23 @@ void expect_near(const Vec3f& found, const Vec3f& expected, double within = 1e-5
   for (int i = 0; i < 3; ++i) EXPECT_NEAR(found[i], expected[i], within * (1 + double(expected[i])));
 }
 
-TEST(LookJoins, SubsurfaceIsAWalkOfItsMeanFreePath) {
+TEST(LookJoins, SubsurfaceHasItsAnisotropy) {
   const Vec3f a(0.8f, 0.6f, 0.3f), r(1, 0.4f, 0.2f);
   for (const Names& n : kNames) {
     SCOPED_TRACE(n.type);
     const Read read(n.type,
                     {{n.weight, Vec3f(1)}, {n.color, a}, {n.radius, r}, {n.scale, Vec3f(0.5f)}, {n.g, Vec3f(0.4f)}});
     EXPECT_TRUE(read.warnings.empty());
-    expect_near(read.value("baseColor"), a);
     expect_near(read.value("scatterAnisotropy"), Vec3f(0.4f));
-    for (int i = 0; i < 3; ++i)
-      EXPECT_NEAR(read.value("scatterDistance")[i], double(r[i]) * 0.5 / (0.6 * s_of(double(a[i]))), 1e-5);
   }
-  const Read disney("ND_disney_principled", {{"subsurface", Vec3f(1)}, {"baseColor", a}, {"subsurfaceDistance", r}});
-  expect_near(disney.value("baseColor"), a);
-  for (int i = 0; i < 3; ++i) EXPECT_NEAR(disney.value("scatterDistance")[i], double(r[i]) / s_of(double(a[i])), 1e-5);
 }
 
-TEST(LookJoins, AWeightBelowOneIsToldAndShortensTheWalk) {
+TEST(LookJoins, TheBaseOfAMixtureKeepsItsColour) {
   for (const Names& n : kNames) {
     const Read read(
         n.type, {{n.weight, Vec3f(0.25f)}, {n.color, Vec3f(1, 0, 0)}, {n.base, Vec3f(0, 0, 1)}, {n.radius, Vec3f(1)}});
-    EXPECT_EQ(read.warnings.size(), 1u);
-    expect_near(read.value("baseColor"), Vec3f(0.25f, 0, 0.75f));
-    EXPECT_NEAR(read.value("scatterDistance").x, 0.25 / s_of(0.25), 1e-5);
+    EXPECT_TRUE(read.warnings.empty());
+    expect_near(read.value("baseColor"), Vec3f(0, 0, 1));
   }
 }
 
@@ -284,7 +277,7 @@ TEST(LookJoins, AThinSheetReflectsAndPassesBothPartsByTheirWeights) {
                         {{n.weight, Vec3f(w)}, {n.color, a}, {n.base, base}, {n.g, Vec3f(g)}, {n.thin, Vec3f(1)}});
         EXPECT_TRUE(read.warnings.empty());
         EXPECT_TRUE(read.value("thin").x == 1);
-        EXPECT_EQ(read.value("scatterDistance"), Vec3f(0));
+        EXPECT_EQ(read.value("meanFreePath"), Vec3f(0));
         const float half = read.value("diffTrans").x / 2;
         expect_near(read.value("baseColor") * (1 - half), base * (1 - w) + a * (w * (1 - g) / 2));
         expect_near(read.value("diffTransColor") * half, a * (w * (1 + g) / 2));
@@ -301,7 +294,7 @@ TEST(LookJoins, AClearBodyHasItsColourAtItsDepth) {
     EXPECT_EQ(body.value("attenuationDistance").x, 2);
     expect_near(body.value("baseColor"), Vec3f(1));
     const Read covered(n.type, {{n.clear, Vec3f(1)}, {n.weight, Vec3f(1)}});
-    EXPECT_EQ(covered.value("scatterDistance"), Vec3f(0)) << "nothing is below a clear surface";
+    EXPECT_EQ(covered.value("meanFreePath"), Vec3f(0)) << "nothing is below a clear surface";
   }
 }
 
@@ -315,14 +308,15 @@ TEST(LookJoins, ACloudyBodyHasTheExtinctionAndTheScatteringAskedFor) {
         const Read read(
             n.type,
             {{n.clear, Vec3f(1)}, {n.tint, c}, {n.depth, Vec3f(2)}, {n.scatter, scatter}, {n.cloud_g, Vec3f(g)}});
-        const Vec3f a = read.value("baseColor"), d = read.value("scatterDistance");
-        const Medium medium = make_medium({a.x, a.y, a.z}, {d.x, d.y, d.z}, AlbedoInversion::exact, g);
+        const Vec3f a = read.value("subsurfaceColor"), path = read.value("meanFreePath");
+        expect_near(read.value("baseColor"), Vec3f(1));
         double least = 0;
         for (int i = 0; i < 3; ++i) least = std::min(least, (-std::log(double(c[i])) - double(scatter[i])) / 2);
         for (int i = 0; i < 3; ++i) {
           const double total = -std::log(double(c[i])) / 2 - least;
-          EXPECT_NEAR(medium.sigma_t[i], total, 1e-4 * total);
-          EXPECT_NEAR(double(medium.sigma_t[i]) * double(medium.alpha[i]), double(scatter[i]) / 2, 2e-4);
+          const double alpha = 1 - one_minus_alpha(double(a[i]), AlbedoInversion::exact, double(g));
+          EXPECT_NEAR(1 / double(path[i]), total, 1e-4 * total);
+          EXPECT_NEAR(alpha / double(path[i]), double(scatter[i]) / 2, 2e-4);
         }
       }
 }

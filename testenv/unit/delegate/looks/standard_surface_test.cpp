@@ -60,33 +60,6 @@ TEST(StandardSurface, WeightsMultiplyTheirColours) {
   EXPECT_EQ(t.color("emission"), Vec3f(2, 0, 1));
 }
 
-TEST(StandardSurface, SubsurfaceWalksWithTheRadiusAsMeanFreePath) {
-  const Vec3f color(0.8f, 0.6f, 0.4f);
-  const StandardRead t(standard({{"subsurface", 1.0f},
-                                 {"subsurface_color", color},
-                                 {"base_color", Vec3f(0)},
-                                 {"subsurface_radius", Vec3f(1, 0.5f, 0.25f)},
-                                 {"subsurface_scale", 0.5f},
-                                 {"subsurface_anisotropy", 0.3f}}));
-  EXPECT_EQ(t.color("baseColor"), color);
-  EXPECT_EQ(t.parameter("scatterAnisotropy"), Value(0.3f));
-  const Vec3f d = t.color("scatterDistance");
-  EXPECT_NEAR(d.x, 0.5 / 0.7 / (1.9 - 0.8), 1e-6) << "eq. 2 and 3 of Chiang, Kutz, Burley 2016";
-  EXPECT_NEAR(d.z, 0.125 / 0.7 / (1.9 - 0.4 + 3.5 * 0.16), 1e-6);
-}
-
-TEST(StandardSurface, AShareOfSubsurfaceMixesColoursAndShortensTheDistance) {
-  const std::map<Token, Value> half{{"subsurface", 0.5f},
-                                    {"subsurface_color", Vec3f(1, 0, 0)},
-                                    {"base_color", Vec3f(0, 0, 1)},
-                                    {"subsurface_radius", Vec3f(1)}};
-  const StandardRead t(standard(half));
-  EXPECT_EQ(t.color("baseColor"), Vec3f(0.5f, 0, 0.5f));
-  EXPECT_NEAR(t.color("scatterDistance").x, 0.5 / (1.9 - 0.5 + 3.5 * 0.09), 1e-6);
-  EXPECT_NEAR(t.color("scatterDistance").y, 0.5 / (1.9 + 3.5 * 0.64), 1e-6);
-  EXPECT_EQ(t.warnings.size(), 1u);
-}
-
 TEST(StandardSurface, TransmissionTintsTheSurfaceOrWithADepthTheInterior) {
   const StandardRead surface(standard({{"transmission", 1.0f}, {"transmission_color", Vec3f(1, 0.5f, 0)}}));
   EXPECT_EQ(surface.parameter("specTrans"), Value(1.0f));

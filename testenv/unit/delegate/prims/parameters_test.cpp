@@ -275,6 +275,14 @@ TEST(Parameters, RenderSettingsAreTheSchemas) {
   EXPECT_EQ(described.size(), schema.size());
 }
 
+TEST(Parameters, AScatterDistanceBesideAMeanFreePathIsTold) {
+  Stage stage;
+  stage.scene.SetMaterial("/m", disney({{"scatterDistance", Vec3f(1)}, {"meanFreePath", Vec3f(1)}}));
+  stage.scene.SetMaterial("/part", disney({{"scatterDistance", Vec3f(1)}, {"meanFreePath", Vec3f(1, 0, 1)}}));
+  stage.index->SyncAll();
+  EXPECT_EQ(stage.count("material.scatter"), 1u) << "the other one has a channel of each";
+}
+
 TEST(Parameters, WrongOnesAreReportedWithARemedy) {
   Stage stage;
   stage.scene.SetMaterial("/m", disney({{"rouhgness", 0.1f}, {"metallic", 7.0f}, {"sheen", "much"}}));
