@@ -110,17 +110,15 @@ class BodyPlanner {
     auto body = std::make_shared<SubsurfaceBody>();
     const MeshShells& first = drawn_[indices.front()]->prototype->shells(cancel_);
     const ContentFinder::Contents contents = find_contents(indices, body.get());
-    const bool meets_contents = body->lights_within || !body->contents.empty();
-    std::vector<const InstanceDescription*> members;
-    members.reserve(indices.size());
-    for (const uint32_t i : indices) members.push_back(drawn_[i]);
-    body->occupied = weigh_walls(members, body.get()) || body->opaque_faces || meets_contents;
-    if (indices.size() == 1 && is_simple(first) && !meets_contents)
+    if (indices.size() == 1 && is_simple(first) && body->contents.empty() && !body->lights_within)
       add_alone(indices.front(), body.get());
     else if (!unite(indices, contents, body.get()))
       return false;
+    std::vector<const InstanceDescription*> members;
+    members.reserve(indices.size());
+    for (const uint32_t i : indices) members.push_back(drawn_[i]);
     plan_walks(members, body.get());
-    if (meets_contents && body->bounds_distances()) {
+    if (body->occupied && body->bounds_distances()) {
       if (!bound_contents(contents, snapshot_, cancel_, body.get()))
         for (Member& member : body->members) member.distances = nullptr;
       if (body->to_contents) snapshot_.memory_bytes += body->to_contents->memory_bytes();
@@ -153,23 +151,8 @@ class BodyPlanner {
       for (uint32_t i = 0; i < array->placed->size(); ++i) body->contents.push_back(array->first + i);
     body->lights_within = !contents.lights.empty();
     body->opaque_faces = any(has_opaque_faces);
+    body->occupied = body->opaque_faces || body->lights_within || !body->contents.empty();
     return contents;
-  }
-
-  // True if some of its walls are opaque by their weight.
-  static bool weigh_walls(const std::vector<const InstanceDescription*>& members, SubsurfaceBody* body) {
-    float least = 1, most = 0;
-    bool closed = false;
-    for (const InstanceDescription* member : members)
-      for (const size_t slot : scattering_slots(*member)) {
-        const DisneyMaterial& material = *member->materials[slot];
-        const float weight = material.constants.subsurface_weight;
-        const bool varies = material.varies(&DisneyParameters::subsurface_weight);
-        least = varies ? 0 : std::min(least, weight), most = std::max(most, weight);
-        closed |= material.is_partly_closed();
-      }
-    body->weighted = closed || least < most;
-    return closed;
   }
 
   void add_alone(uint32_t index, SubsurfaceBody* body) {
@@ -193,8 +176,7 @@ class BodyPlanner {
     member.object = prototype.object.get();
     member.bounds = body->bounds = prototype.mesh.bounds;
     member.least_stretch = array->placed->plan.least_stretch();
-    body->opaque_faces = has_opaque_faces(look);
-    body->occupied = weigh_walls({&look}, body.get()) || body->opaque_faces;
+    body->opaque_faces = body->occupied = has_opaque_faces(look);
     plan_walks({&look}, body.get());
     body->touched = clear_.that_meet(array->placed->bounds(), {});
     snapshot_.bodies.push_back(std::move(body));
@@ -273,6 +255,7 @@ class BodyPlanner {
   void plan_walks(const std::vector<const InstanceDescription*>& members, SubsurfaceBody* body) {
     std::vector<MeanFreePaths> paths(members.size());
     std::vector<const MeshInterior*> interiors;
+    float least = 1, most = 0;
     for (size_t i = 0; i < members.size(); ++i) {
       interiors.push_back(&members[i]->prototype->interior);
       const auto& materials = members[i]->materials;
@@ -281,8 +264,12 @@ class BodyPlanner {
         extend(*materials[slot], &paths[i]);
         body->has_holes |= materials[slot]->is_partly_opaque();
         body->members[i].media[slot] = media_of(*materials[slot]);
+        const float weight = materials[slot]->constants.subsurface_weight;
+        least = std::min(least, weight), most = std::max(most, weight);
+        body->weighted |= materials[slot]->is_partly_closed();
       }
     }
+    body->weighted |= least < most;
     plan_shortcuts(paths, interiors, body, cancel_);
   }
 

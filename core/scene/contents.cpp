@@ -76,7 +76,8 @@ bool is_cloudy(const InstanceDescription& instance) {
 bool has_opaque_faces(const InstanceDescription& instance) {
   const auto may_be_opaque = [](const DisneyMaterial& m) {
     const float metallic = m.constants.metallic;
-    return !m.scatters() || metallic == 1 || (metallic > 0 && m.varies(&DisneyParameters::metallic));
+    return !m.scatters() || m.is_partly_closed() || metallic == 1 ||
+           (metallic > 0 && m.varies(&DisneyParameters::metallic));
   };
   return !used_slots(instance, may_be_opaque).empty();
 }

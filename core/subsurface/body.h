@@ -62,10 +62,10 @@ struct SubsurfaceBody {
   /// What stands in the body, by the scene's indices: walks end at its walls.
   std::vector<uint32_t> contents;
   /// Some walls end walks without letting them out, or walks meet lights: contents, lights within, and opaque faces of
-  /// a member. With contents and lights it has a `scene`.
+  /// a member. With the first two it has a `scene`.
   bool occupied = false;
   bool lights_within = false, opaque_faces = false;
-  /// The subsurfaceWeight of its walls differs, or is 0 somewhere: then walls end walks there without letting them out.
+  /// The subsurfaceWeight of its walls differs, or is 0 somewhere.
   bool weighted = false;
   /// Nothing within is nearer than the grid and the boxes say, in the body's space: for sphere steps.
   std::shared_ptr<const DistanceGrid> to_contents;
