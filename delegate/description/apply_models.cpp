@@ -116,6 +116,8 @@ SourceFault read_model(LoadState& load, const nlohmann::json& entry, const Asset
   if (usd::is_stage(support::lower_extension(file.resolved))) {
     if (model->shutter.close > model->shutter.open) options.stage.shutter = {model->shutter.open, model->shutter.close};
     model->shutter = {};
+    if (const nlohmann::json* camera = load.part("camera"); camera && camera->contains("use"))
+      options.stage.camera = camera->value("use", "");
   }
   options.keep_going = load.options.keep_going;
   if (load.options.complexity) options.refine_level = *load.options.complexity;

@@ -98,7 +98,8 @@ SceneFile OpenScene::Load(const std::string& file, host::RetainedSceneDelegate* 
 
 LoadCause OpenScene::pose(const LoadOptions& at, const DiagnosticSink& sink) {
   const DiagnosticSink errors = [&sink](const Diagnostic& diagnostic) {
-    if (diagnostic.severity == Severity::error && sink) sink(diagnostic);
+    // A stage's reader tells each kind of thing once, also what a later time has first.
+    if ((diagnostic.severity == Severity::error || diagnostic.code == "usd.unread") && sink) sink(diagnostic);
   };
   return open_ ? open_->run_guarded(errors, [&] { return open_->pose(at); }) : LoadCause::input;
 }
