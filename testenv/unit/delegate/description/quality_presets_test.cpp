@@ -23,20 +23,6 @@ class QualityPresetsTest : public SceneFiles {
   }
 };
 
-TEST_F(QualityPresetsTest, AreNamedInTheOrderOfTheSchema) {
-  const json schema = json::parse(SchemaText("render_description"));
-  std::vector<std::string> names;
-  for (const QualityPreset& preset : QualityPresets()) {
-    names.push_back(preset.name);
-    EXPECT_EQ(FindQualityPreset(preset.name), &preset);
-    EXPECT_FALSE(preset.description.empty());
-    EXPECT_EQ(preset.description.find('\n'), std::string::npos);
-  }
-  EXPECT_EQ(json(names), schema.at("properties").at("settings").at("properties").at("quality").at("enum"));
-  EXPECT_EQ(FindQualityPreset("final"), nullptr);
-  EXPECT_EQ(FindQualityPreset(""), nullptr);
-}
-
 TEST_F(QualityPresetsTest, AreAcceptedByTheSchema) {
   for (const json& preset : presets_file()["presets"]) {
     ASSERT_TRUE(describe(json{{"gltf", {{{"file", "lit.gltf"}}}}, {"settings", preset["settings"]}}.dump()).ok)
@@ -92,11 +78,6 @@ TEST_F(QualityPresetsTest, StandInASceneAndGiveWayToWhatIsBesideThem) {
   expected["samples"] = loaded(file).at("samples");
   EXPECT_EQ(loaded(file), expected);
   EXPECT_EQ(loaded(file).at("samples").number_or(-1), 9);
-}
-
-TEST_F(QualityPresetsTest, AWrongNameIsAnError) {
-  EXPECT_FALSE(describe(R"({"gltf": [{"file": "lit.gltf"}], "settings": {"quality": "prodction"}})").ok);
-  EXPECT_NE(errors().find("production"), std::string::npos) << errors();
 }
 
 // The measurement may have fewer samples or bounces than the preset, but the same target.

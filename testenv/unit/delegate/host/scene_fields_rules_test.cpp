@@ -4,15 +4,6 @@
 namespace alabaster::hd::host {
 namespace {
 
-TEST(SceneFields, InstancersMarkTheirPrototypes) {
-  DrawnScene s;
-  s.set("/quad", Token("mesh"), {{"instancer", Path("/many")}});
-  s.set("/many", Token("instancer"), {});
-  const SetResult result = EditPrim(&s.scene, "/many", {{"prototypes:/quad", kInts}});
-  EXPECT_EQ(result.fault, "");
-  EXPECT_EQ(s.index.GetChangeTracker().Get("/quad"), dirty::kInstanceIndex);
-}
-
 TEST(SceneFields, CategoriesAreOfInstances) {
   using Categories = std::vector<std::vector<Token>>;
   DrawnScene s;
