@@ -148,6 +148,46 @@ colorspaces:
         - !<ExponentWithLinearTransform> {gamma: 2.4, offset: 0.055, direction: inverse}
 
   - !<ColorSpace>
+    name: g22_rec709
+    family: Texture
+    encoding: sdr-video
+    isdata: false
+    to_scene_reference: !<GroupTransform>
+      children:
+        - !<ExponentTransform> {value: [2.2, 2.2, 2.2, 1]}
+        - !<ColorSpaceTransform> {src: Linear Rec.709, dst: ACES2065-1}
+
+  - !<ColorSpace>
+    name: g18_rec709
+    family: Texture
+    encoding: sdr-video
+    isdata: false
+    to_scene_reference: !<GroupTransform>
+      children:
+        - !<ExponentTransform> {value: [1.8, 1.8, 1.8, 1]}
+        - !<ColorSpaceTransform> {src: Linear Rec.709, dst: ACES2065-1}
+
+  - !<ColorSpace>
+    name: lin_displayp3
+    family: Scene
+    encoding: scene-linear
+    isdata: false
+    to_scene_reference: !<GroupTransform>
+      children:
+        - !<MatrixTransform> {matrix: [1.22494018, -0.22494018, 0, 0, -0.04205695, 1.04205695, 0, 0, -0.01963755, -0.07863605, 1.0982736, 0, 0, 0, 0, 1]}
+        - !<ColorSpaceTransform> {src: Linear Rec.709, dst: ACES2065-1}
+
+  - !<ColorSpace>
+    name: srgb_displayp3
+    family: Texture
+    encoding: sdr-video
+    isdata: false
+    to_scene_reference: !<GroupTransform>
+      children:
+        - !<ExponentWithLinearTransform> {gamma: 2.4, offset: 0.055}
+        - !<ColorSpaceTransform> {src: lin_displayp3, dst: ACES2065-1}
+
+  - !<ColorSpace>
     name: Raw
     family: Utility
     encoding: data

@@ -18,6 +18,7 @@ inline constexpr int kMaxSamplesWithTargetError = 65536;
 struct PictureArguments {
   std::vector<std::string> outputs, aovs;
   std::string display, view, look;
+  std::string color_space;  // of `outputs` but .exr, in the place of a display
   std::optional<float> exposure;
   bool denoise = false;
 };
@@ -25,7 +26,7 @@ struct PictureArguments {
 /// Empty: not given.
 struct RenderArguments : SceneArguments, PictureArguments {
   std::vector<hd::description::Override> settings;  // of the flags that name a render setting
-  std::vector<uint32_t> frames;
+  std::vector<double> frames;
   std::optional<double> fps;
   std::optional<std::pair<double, double>> shutter;  // open and close, in frames
   std::optional<hd::Vec2i> size;
@@ -40,6 +41,16 @@ struct RenderArguments : SceneArguments, PictureArguments {
   bool quiet = false, keep_going = false, resume = false;
 };
 int run_render(const RenderArguments& arguments);
+
+/// As usdrecord has them.
+struct UsdrecordArguments {
+  RenderArguments render;
+  std::string output, mask, purposes = "proxy", camera, renderer, color_correction = "sRGB";
+  std::optional<TimeCodes> frames;
+  int width = 960;
+  bool default_time = false, without_camera_light = false, shows_domes = false;
+};
+int run_usdrecord(UsdrecordArguments arguments);
 
 struct InfoArguments : SceneArguments {
   std::optional<double> predict;  // a relative RMSE

@@ -34,6 +34,7 @@ std::optional<double> parse_number(const std::string& text, double low, double h
   return fits ? std::optional(numbers[0]) : std::nullopt;
 }
 
+constexpr uint64_t kMostFrames = 100'000;
 constexpr double kLeast = std::numeric_limits<double>::denorm_min(), kMost = std::numeric_limits<double>::max();
 
 }  // namespace
@@ -122,15 +123,40 @@ std::optional<std::pair<uint32_t, uint32_t>> parse_samples(const std::string& te
   return std::pair(numbers[0], numbers[1]);
 }
 
-std::optional<std::vector<uint32_t>> parse_frames(const std::string& text) {
-  constexpr uint64_t kMostFrames = 100'000;
+std::optional<std::vector<double>> parse_frames(const std::string& text) {
   std::vector<uint32_t> range = parse_numbers<uint32_t>(text, ":");
   if (range.size() == 2) range.push_back(1);
   if (range.size() != 3 || range[2] == 0 || range[0] > range[1] || (range[1] - range[0]) / range[2] >= kMostFrames)
     return std::nullopt;
-  std::vector<uint32_t> frames;
-  for (uint64_t frame = range[0]; frame <= range[1]; frame += range[2]) frames.push_back(uint32_t(frame));
+  std::vector<double> frames;
+  for (uint64_t frame = range[0]; frame <= range[1]; frame += range[2]) frames.push_back(double(frame));
   return frames;
+}
+
+std::optional<TimeCodes> parse_time_codes(const std::string& text) {
+  TimeCodes all;
+  std::istringstream specs(text + ",");
+  for (std::string spec; std::getline(specs, spec, ',');) {
+    const size_t by = spec.find('x');
+    std::vector<double> range = parse_numbers<double>(spec.substr(0, by), ":");
+    const bool has_step = by != std::string::npos, is_one = range.size() == 1;
+    if (range.empty() || range.size() > 2 || (has_step && is_one)) return std::nullopt;
+    const double first = range.front(), last = range.back();
+    double step = last < first ? -1 : 1;
+    if (has_step) {
+      const std::string word = spec.substr(by + 1);
+      const auto number = parse_number(word, -kMost, kMost);
+      if (!number) return std::nullopt;
+      step = *number;
+      if (const size_t point = word.find('.'); point != std::string::npos)
+        all.digits = std::max(all.digits, word.size() - point - 1);
+    }
+    const double steps = (last - first) / step;
+    if (!(steps >= 0 && steps < double(kMostFrames))) return std::nullopt;
+    for (double i = 0; i <= std::floor(steps + 1e-6); ++i) all.codes.push_back(first + i * step);
+    if (all.codes.size() > kMostFrames) return std::nullopt;
+  }
+  return all.codes.empty() ? std::nullopt : std::optional(all);
 }
 
 std::optional<uint32_t> parse_tasks(const std::string& text) {

@@ -105,6 +105,23 @@ void add_frames(CLI::App* c, RenderArguments* a) {
              "0:0.5 or -0.25:0.25. Default: the camera's own, else closed at once");
 }
 
+void add_setting_flags(CLI::App* c, RenderArguments* a) {
+  for (const SettingFlag& flag : kSettingFlags)
+    c->add_option_function<std::string>(
+         flag.flag,
+         [a, &flag](const std::string& text) {
+           a->settings.emplace_back(std::string(flag.flag) + " " + text, flag.setting, text);
+         },
+         flag.help)
+        ->type_name(flag.type);
+}
+
+void add_keep_going(CLI::App* c, bool* keep_going) {
+  c->add_flag("--keep-going", *keep_going,
+              "Render although an image is missing or damaged, or an object or light cannot be built: without it. The "
+              "files are marked (alabaster/sceneFaults), --stats lists what is missing, and the exit code is 6");
+}
+
 /// The options of render but for those of checkpoints.
 void add_render_options(CLI::App* c, RenderArguments* a) {
   add_scene_options(c, a);
@@ -116,14 +133,7 @@ void add_render_options(CLI::App* c, RenderArguments* a) {
   add_parsed(c, "--crop", &a->crop, parse_crop,
              "is not a rectangle: write four whole numbers, x0,y0,x1,y1, each from -2147483648 to 2147483647.",
              "X0,Y0,X1,Y1", "Region to render, in pixels from the upper left corner");
-  for (const SettingFlag& flag : kSettingFlags)
-    c->add_option_function<std::string>(
-         flag.flag,
-         [a, &flag](const std::string& text) {
-           a->settings.emplace_back(std::string(flag.flag) + " " + text, flag.setting, text);
-         },
-         flag.help)
-        ->type_name(flag.type);
+  add_setting_flags(c, a);
   c->add_flag(
       "--denoise", a->denoise,
       "Denoise the picture after its last sample (Open Image Denoise 2, if installed): .png, .tif and .jpg show "
@@ -135,9 +145,7 @@ void add_render_options(CLI::App* c, RenderArguments* a) {
              "has them. Without SAMPLE, list the samples that the pixel has without adaptive sampling, and follow "
              "the brightest");
   c->add_option("--stats", a->stats, "Write the render's statistics as JSON")->type_name("FILE.json");
-  c->add_flag("--keep-going", a->keep_going,
-              "Render although an image is missing or damaged, or an object or light cannot be built: without it. The "
-              "files are marked (alabaster/sceneFaults), --stats lists what is missing, and the exit code is 6");
+  add_keep_going(c, &a->keep_going);
   c->add_flag("--quiet", a->quiet, "Print errors and warnings only");
   c->footer(kExitCodes);
 }
@@ -311,6 +319,75 @@ CLI::App* add_usd(CLI::App& app, UsdArguments* a) {
   return c;
 }
 
+/// usdrecord's flags of several letters behind one dash, which CLI11 does not have.
+const char* long_flag(const std::string& word) {
+  constexpr const char* kFlags[][2] = {{"-cam", "--camera"},
+                                       {"-color", "--colorCorrectionMode"},
+                                       {"-rp", "--renderPassPrimPath"},
+                                       {"-rs", "--renderSettingsPrimPath"}};
+  for (const auto& [given, flag] : kFlags)
+    if (word == given) return flag;
+  return nullptr;
+}
+
+CLI::App* add_usdrecord(CLI::App& app, UsdrecordArguments* u) {
+  CLI::App* c = app.add_subcommand(
+      "usdrecord", "Renders a stage by the options, lines and defaults of OpenUSD's program usdrecord.");
+  RenderArguments* a = &u->render;
+  hd::host::StageOptions* stage = &a->stage;
+  c->add_option("usdFilePath", a->scene, "Stage to record")->required()->type_name("STAGE");
+  c->add_option("outputImagePath", u->output,
+                "File to write, with ### or ###.### for the time codes of --frames. Where the settings of the stage "
+                "have products, these are written in its place")
+      ->required()
+      ->type_name("FILE");
+  c->add_option("--mask", u->mask, "Prims to read, with those above and below them; between commas or spaces")
+      ->type_name("PATH,...");
+  c->add_option("--purposes", u->purposes, "Purposes to draw besides default; default: proxy")->type_name("LIST");
+  c->add_option("--sessionLayer", stage->session_layer, "Layer over the stage")->type_name("FILE");
+  c->add_option(
+       "--camera", u->camera,
+       "Camera, by name or path (-cam). Default: that of the settings, else main_cam; without one the stage is "
+       "framed")
+      ->type_name("NAME");
+  c->add_flag("-d,--defaultTime", u->default_time, "The stage's default values; default: its start");
+  add_parsed(c, "-f,--frames", &u->frames, parse_time_codes,
+             "are no time codes, at most 100000: write 101, 101:105, 105:101, 101:109x2 or 101:104x0.5, several "
+             "between commas.",
+             "SPEC,...", "Time codes: 101, 101:105, 105:101, 101:109x2, 101:104x0.5");
+  add_parsed(c, "-c,--complexity", &a->complexity, parse_complexity, "is not low, medium, high or veryhigh.", "LEVEL",
+             "low (the default: subdivision surfaces are not refined), medium, high or veryhigh");
+  c->add_option("--colorCorrectionMode", u->color_correction,
+                "sRGB (the default), openColorIO (the display of --ocio) or disabled, for .png, .tif and .jpg (-color)")
+      ->check(CLI::IsMember({"disabled", "sRGB", "openColorIO"}))
+      ->type_name("MODE");
+  c->add_option("-r,--renderer", u->renderer, "Alabaster, whatever is asked")->type_name("NAME");
+  c->add_option("-w,--imageWidth", u->width, "Width in pixels, 960 by default; the height is that of the camera's film")
+      ->type_name("N");
+  c->add_flag("--enableDomeLightVisibility", u->shows_domes, "The camera sees domes");
+  c->add_option("--renderPassPrimPath", stage->pass, "RenderPass prim (-rp)")->type_name("PATH");
+  c->add_option("--renderSettingsPrimPath", stage->settings,
+                "RenderSettings prim (-rs); default: the one that the stage names")
+      ->type_name("PATH");
+  c->add_flag("--disableCameraLight", u->without_camera_light, "There is none in any case");
+  for (const char* flag : {"--disableGpu", "--disableDrawMode", "--memstats"})
+    c->add_flag(flag)->description("No effect");
+  for (const char* flag : {"--resolver", "--traceToFile", "--traceFormat"})
+    c->add_option(flag, "No effect")->type_name("WORD")->expected(1);
+  add_setting_flags(c, a);
+  add_repeated(c, "--set", &a->overrides, "KEY=VALUE", "Override a value, as in render");
+  c->add_option("--variant", a->variant, "/PRIM{SET=CHOICE}, several one after the other")->type_name("NAME");
+  add_repeated(c, "--aov", &a->aovs, "NAME", "Extra layer for .exr, as in render");
+  add_ocio(c, a);
+  c->add_flag("--denoise", a->denoise, "Denoise the picture, as in render");
+  c->add_option("--stats", a->stats, "Write the render's statistics as JSON")->type_name("FILE.json");
+  add_stage_reading(c, a);
+  add_keep_going(c, &a->keep_going);
+  c->add_flag("--quiet", a->quiet, "Print errors and warnings only, and usdrecord's lines");
+  c->footer(kExitCodes);
+  return c;
+}
+
 CLI::App* add_schema(CLI::App& app, SchemaArguments* a) {
   CLI::App* c = app.add_subcommand("schema", "Prints a JSON schema, which lists every parameter.");
   c->add_option("name", a->name,
@@ -344,6 +421,7 @@ struct Arguments {
   ConvertArguments convert;
   OcioArguments ocio;
   UsdArguments usd;
+  UsdrecordArguments usdrecord;
   TradeoffArguments tradeoff;
   MergeArguments merge;
   FarmArguments farm;
@@ -388,12 +466,17 @@ int parse_and_run(int argc, char** argv) {
   add(add_convert, &a.convert, run_convert);
   add_view(app);
   add(add_usd, &a.usd, run_usd);
+  add(add_usdrecord, &a.usdrecord, run_usdrecord);
   add(add_schema, &a.schema, run_schema);
   add(add_ocio, &a.ocio, run_ocio);
   add(add_completion, &a.shell, [&app](const std::string& shell) { return run_completion(app, shell); });
   add(add_man, &a, [&app](const Arguments&) { return run_man(app); });
+  Words read(words.rbegin(), words.rend());  // as CLI11 wants them
+  if (words[0] == "usdrecord")
+    for (std::string& word : read)
+      if (const char* const flag = long_flag(word)) word = flag;
   try {
-    app.parse(argc, argv);
+    app.parse(std::move(read));
   } catch (const CLI::ParseError& e) {
     return parse_fault(e, app, word_fault(app, words, e));
   }

@@ -5,6 +5,7 @@
 #include <map>
 
 #include "delegate/cli/command_words.h"
+#include "delegate/cli/console.h"
 #include "delegate/support/extension.h"
 #include "delegate/support/nearest_name.h"
 
@@ -56,6 +57,7 @@ std::vector<hd::RenderProduct> make_products(const PictureArguments& a, const st
                         "written; EXR stays scene-linear.");
   for (hd::RenderProduct& product : products) {
     if (a.denoise) product.denoise = true;
+    if (!a.color_space.empty() && !a.outputs.empty() && !is_exr(product)) product.colorSpace = a.color_space;
     if (is_exr(product)) {
       if (!a.aovs.empty()) add_layers(a.aovs, &product);
       continue;
@@ -69,14 +71,14 @@ std::vector<hd::RenderProduct> make_products(const PictureArguments& a, const st
   return products;
 }
 
-std::string frame_file(const std::string& file, uint32_t frame) {
+std::string frame_file(const std::string& file, double frame) {
   const size_t last = file.rfind('#'), slash = file.rfind('/');
   if (last == std::string::npos || (slash != std::string::npos && last < slash)) return {};
-  const size_t before = file.find_last_not_of('#', last), first = before == std::string::npos ? 0 : before + 1;
-  const std::string number = std::to_string(frame);
-  const size_t digits = last + 1 - first;
-  const std::string zeros(digits > number.size() ? digits - number.size() : 0, '0');
-  return file.substr(0, first) + zeros + number + file.substr(last + 1);
+  const auto begin_of = [&](size_t end) { return file.find_last_not_of('#', end) + 1; };
+  size_t first = begin_of(last), digits = 0;
+  if (first >= 2 && file[first - 1] == '.' && file[first - 2] == '#')
+    digits = last + 1 - first, first = begin_of(first - 2);
+  return file.substr(0, first) + formatted("%0*.*f", int(last + 1 - first), int(digits), frame) + file.substr(last + 1);
 }
 
 std::string same_file_twice(const std::vector<std::string>& files) {

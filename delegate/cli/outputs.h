@@ -13,7 +13,7 @@ std::vector<hd::RenderProduct> make_products(const PictureArguments& arguments,
                                              Console& console);
 /// `file` with the last '#'s of its name replaced by the frame's number, which has leading zeros to their count. Empty
 /// if the name has none.
-std::string frame_file(const std::string& file, uint32_t frame);
+std::string frame_file(const std::string& file, double frame);
 
 /// The error message if two of `files` are the same file, however they are spelt; else empty.
 std::string same_file_twice(const std::vector<std::string>& files);

@@ -13,7 +13,8 @@ namespace alabaster::cli {
 namespace {
 
 constexpr const char* kTitle = "alabaster farm inputs 1";
-constexpr std::array<const char*, 5> kInputKinds{"version", "variable", "colors", "lut", "file"};  // by InputKind
+constexpr std::array<const char*, 6> kInputKinds{"version", "variable", "colors",
+                                                 "lut",     "file",     "reader"};  // by InputKind
 
 PictureInputs::key_type denoiser_key() {
   return {InputKind::version, "Open Image Denoise"};
@@ -54,6 +55,7 @@ InputDifference describe(InputKind kind, const std::string& name, const std::str
   const auto version = [](const std::string* of) { return of ? *of : "none"; };
   switch (kind) {
     case InputKind::version:
+    case InputKind::reader:
       return {name, "this machine has version " + version(here) + ", and the farm's jobs were written with " +
                         version(farm) + ": install that version here, " + again};
     case InputKind::colors:
@@ -99,6 +101,8 @@ void add_denoiser(PictureInputs* inputs) {
 void add_files(const SceneSession& session, const std::string& scene, PictureInputs* inputs) {
   for (const std::string& file : scene_files(session, scene))
     (*inputs)[{InputKind::file, file}] = hd::host::FileDigest(file);
+  for (const auto& model : session.file.models)
+    for (const auto& [name, version] : model.libraries) (*inputs)[{InputKind::reader, name}] = version;
 }
 
 std::string to_text(const PictureInputs& inputs) {
@@ -130,7 +134,7 @@ InputDifference input_difference(const PictureInputs& farm, const PictureInputs&
   PictureInputs both = farm;
   both.insert(here.begin(), here.end());
   for (const auto& [key, unused] : both) {
-    if (key.first == InputKind::file && !with_files) continue;
+    if ((key.first == InputKind::file || key.first == InputKind::reader) && !with_files) continue;
     const std::string *const theirs = hd::support::find_in(farm, key), *const ours = hd::support::find_in(here, key);
     if (!theirs || !ours || *theirs != *ours) return describe(key.first, key.second, theirs, ours);
   }

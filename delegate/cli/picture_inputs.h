@@ -11,7 +11,7 @@
 
 namespace alabaster::cli {
 
-enum class InputKind { version, variable, colors, lut, file };
+enum class InputKind { version, variable, colors, lut, file, reader };
 
 /// Values by kind and name. A value is a version, a digest (empty: the file cannot be read), or "=" and the text of a
 /// variable (empty: not set).
@@ -21,7 +21,7 @@ using PictureInputs = std::map<std::pair<InputKind, std::string>, std::string>;
 void add_colors(const hd::host::ColorInputs& colors, PictureInputs* inputs);
 /// Open Image Denoise, with which a merge denoises the frame; nothing is added where there is none.
 void add_denoiser(PictureInputs* inputs);
-/// The files that a loaded scene was read from.
+/// The files that a loaded scene was read from, and the versions of the libraries that read them.
 void add_files(const SceneSession& session, const std::string& scene, PictureInputs* inputs);
 
 /// A line each, in ASCII.

@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <cmath>
 #include <cstdio>
 #include <filesystem>
 
@@ -28,6 +29,7 @@ class RenderCommand {
     check_combinations();
     check_outputs();
     load();
+    if (a_.stage.recorded_width) begin_record();
     require_inputs(a_.inputs, session_, a_.scene, &console_);
     if (!a_.pixel) set_products();
     session_.start(console_.sink());
@@ -91,6 +93,23 @@ class RenderCommand {
     timed_load([&] { open_scene(a_, load_options(a_), console_, console_.sink(), &session_); });
   }
 
+  // Products that the stage's settings name are written in the place of the file that usdrecord is given.
+  void begin_record() {
+    const hd::Path camera = session_.scene.GetRenderSettings(session_.file.settings).camera;
+    std::printf("Camera: %s\nRenderer plugin: HdAlabasterRendererPlugin\n",
+                session_.file.framed ? "" : printable(camera.str()).c_str());
+    if (!session_.scene.GetRenderSettings(session_.file.settings).products.empty())
+      a_.outputs.clear(), products_.clear();
+    const auto& range = session_.file.info.range;
+    if (a_.frames.empty()) say_time_code(a_.stage.at_default_time ? NAN : range ? (*range)[0] : 0);
+  }
+
+  void say_time_code(double code) const {
+    if (!a_.stage.recorded_width) return;
+    std::printf("Recording time code: %f\n", code);
+    std::fflush(stdout);
+  }
+
   std::vector<hd::Path> settings_paths() const {
     std::vector<hd::Path> paths{session_.file.settings};
     if (a_.outputs.empty())
@@ -138,7 +157,7 @@ class RenderCommand {
     if (!a_.frames.empty()) {
       check_frame_names(files);
       files.clear();
-      for (const uint32_t frame : a_.frames)
+      for (const double frame : a_.frames)
         for (const hd::RenderProduct& product : products) {
           files.push_back(frame_file(product.file, frame));
           // A description's file lies in its folder once it has its number, too. Its writer judges that again.
@@ -173,17 +192,18 @@ class RenderCommand {
     int code = kDone;
     for (size_t i = 0; i < a_.frames.size(); ++i) {
       if (interrupted()) return kInterrupted;
-      const uint32_t frame = a_.frames[i];
+      const double frame = a_.frames[i];
       if (i > 0) timed_load([&] { session_.pose(frame, console_.sink()); });
       for (const hd::Path& path : settings_paths()) {
         hd::RenderSettingsDescription settings = described.at(path);
-        settings.frame = frame;
+        settings.frame = std::floor(std::abs(frame));  // of its noise
         for (hd::RenderProduct& product : settings.products) product.file = frame_file(product.file, frame);
         session_.scene.SetRenderSettings(path, std::move(settings));
       }
       const double codes = session_.file.info.timeCodesPerSecond;
       const double seconds = frame / a_.fps.value_or(codes > 0 ? codes : 24);
-      console_.note(formatted("frame %u at %.4g s (%zu of %zu)", frame, seconds, i + 1, a_.frames.size()));
+      say_time_code(frame);
+      console_.note(formatted("frame %g at %.4g s (%zu of %zu)", frame, seconds, i + 1, a_.frames.size()));
       const int one = render_frame();
       if (one != kDone) code = one;
       if (one != kDone && one != kDegraded) break;
@@ -328,7 +348,7 @@ class RenderCommand {
     }
   }
 
-  const RenderArguments& a_;
+  RenderArguments a_;
   Console console_;
   SceneSession session_{!a_.frames.empty()};
   RenderMessages messages_{a_, session_, &console_};

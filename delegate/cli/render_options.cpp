@@ -36,7 +36,7 @@ int most_samples(const Overrides& settings) {
                 : kMaxSamplesWithTargetError;
 }
 
-std::string checkpoint_file(const RenderArguments& a, uint32_t frame) {
+std::string checkpoint_file(const RenderArguments& a, double frame) {
   return a.frames.empty() || a.checkpoint.empty() ? a.checkpoint : frame_file(a.checkpoint, frame);
 }
 
@@ -120,7 +120,7 @@ std::vector<std::string> checkpoint_files(const RenderArguments& a) {
   if (a.checkpoint.empty()) return {};
   if (a.frames.empty()) return {a.checkpoint};
   std::vector<std::string> files;
-  for (const uint32_t frame : a.frames) files.push_back(frame_file(a.checkpoint, frame));
+  for (const double frame : a.frames) files.push_back(frame_file(a.checkpoint, frame));
   return files;
 }
 

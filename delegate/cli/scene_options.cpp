@@ -29,13 +29,16 @@ void add_allow_outside(CLI::App* command, SceneArguments* a) {
                     "Let scene files name files that lie outside their own folders, for reading and for writing");
 }
 
-/// usdrecord's words, and those of its levels.
+}  // namespace
+
 std::optional<int> parse_complexity(const std::string& text) {
   constexpr const char* kWords[] = {"low", "medium", "high", "veryhigh"};
   for (int level = 0; level < 4; ++level)
     if (text == kWords[level]) return level;
   return std::nullopt;
 }
+
+namespace {
 
 // Of stages of OpenUSD.
 void add_stage_options(CLI::App* command, SceneArguments* a) {
@@ -52,24 +55,33 @@ void add_stage_options(CLI::App* command, SceneArguments* a) {
   command
       ->add_option("--render-settings", stage->settings, "RenderSettings prim of a stage; default: the stage's choice")
       ->type_name("PATH");
+  command
+      ->add_option("--pass", stage->pass,
+                   "RenderPass prim of a stage: its settings, and what it prunes, shows and holds out")
+      ->type_name("PATH");
   add_parsed(command, "--complexity", &a->complexity, parse_complexity, "is not low, medium, high or veryhigh.",
              "LEVEL",
              "Refinement of a stage's subdivision surfaces: low (none), medium, high (the default) or veryhigh");
+  add_stage_reading(command, a);
+}
+
+}  // namespace
+
+void add_stage_reading(CLI::App* command, SceneArguments* a) {
+  hd::host::StageOptions* stage = &a->stage;
   add_repeated(command, "--search-path", &stage->search_paths, "FOLDER",
                "Search path of a stage's assets, which may be read, too; may be repeated");
   add_repeated(command, "--allow", &stage->allowed_folders, "FOLDER",
                "Folder besides its own that a stage may read files of; may be repeated");
   add_parsed(command, "--usd-limit", &stage->seconds, parse_positive, "is not a number of seconds above 0.", "S",
              "CPU time that opening or reading a stage may take; default: 30");
+  add_allow_outside(command, a);
 }
-
-}  // namespace
 
 void add_scene_file(CLI::App* command, SceneArguments* a) {
   command->add_option("file", a->scene, "Scene file")->required()->type_name("SCENE");
   add_repeated(command, "--set", &a->overrides, "KEY=VALUE", "Override a value, as in render");
   command->add_option("--variant", a->variant, "Variant of the model, as in render")->type_name("NAME");
-  add_allow_outside(command, a);
   add_stage_options(command, a);
 }
 
@@ -93,7 +105,6 @@ void add_scene_options(CLI::App* command, SceneArguments* a) {
   add_repeated(command, "--set", &a->overrides, "KEY=VALUE",
                "Override a value: samples=16, materials/NAME.roughness=0.3, lights/NAME.intensity=2, "
                "meshes/NAME.refineLevel=3, camera.fStop=2.8; may be repeated");
-  add_allow_outside(command, a);
   add_stage_options(command, a);
 }
 

@@ -27,6 +27,10 @@ struct SceneArguments {
 
 /// Adds SCENE, --set, --allow-outside and the options of stages.
 void add_scene_file(CLI::App* command, SceneArguments* arguments);
+/// What reading a stage may take and reach.
+void add_stage_reading(CLI::App* command, SceneArguments* arguments);
+/// usdrecord's words, and those of its levels.
+std::optional<int> parse_complexity(const std::string& text);
 void add_ocio(CLI::App* command, SceneArguments* arguments);
 /// Adds SCENE, --camera, --time, --scene, --animation, --variant, --dome, --ocio, --set, --allow-outside and
 /// the options of stages.

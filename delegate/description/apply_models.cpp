@@ -1,9 +1,8 @@
 #include <algorithm>
 #include <memory>
 
-#include "delegate/description/apply_motion.h"
 #include "delegate/description/load_state.h"
-#include "delegate/description/placement.h"
+#include "delegate/description/places.h"
 #include "delegate/support/extension.h"
 #include "delegate/support/lookup.h"
 #include "delegate/usd/usd_source.h"
@@ -100,23 +99,6 @@ FrameShutter shutter_of(const LoadState& load) {
   return {camera ? camera->value("shutterOpen", 0.0) : 0, camera ? camera->value("shutterClose", 0.0) : 0};
 }
 
-Placement placement_of(LoadState& load, const std::string& pointer, const nlohmann::json& model) {
-  Placement placement;
-  if (model.contains("transform")) {
-    placement.transform = to_transform(model["transform"]);
-    if (!placement.transform)
-      load.fail(pointer + "/transform",
-                "The transform cannot be inverted or is not affine: the last column must be 0, 0, 0, 1, and no scale "
-                "may be 0.");
-  }
-  if (!model.contains("motion")) return placement;
-  if (model.contains("transform"))
-    load.fail(pointer, "Give either a transform or a motion, which has one for each of its times.");
-  placement.motion = to_motion(load, pointer + "/motion", model["motion"]);
-  placement.transform = transform_at(placement.motion, 0);
-  return placement;
-}
-
 // Opens a model, and has it say its prims.
 SourceFault read_model(LoadState& load, const nlohmann::json& entry, const AssetPath& file, OpenModel* model,
                        host::SceneEdits* edits) {
@@ -134,6 +116,8 @@ SourceFault read_model(LoadState& load, const nlohmann::json& entry, const Asset
   if (usd::is_stage(support::lower_extension(file.resolved))) {
     if (model->shutter.close > model->shutter.open) options.stage.shutter = {model->shutter.open, model->shutter.close};
     model->shutter = {};
+    if (const nlohmann::json* camera = load.part("camera"); camera && camera->contains("use"))
+      options.stage.camera = camera->value("use", "");
   }
   options.keep_going = load.options.keep_going;
   if (load.options.complexity) options.refine_level = *load.options.complexity;
@@ -190,6 +174,7 @@ bool add_model(LoadState& load, const std::string& pointer, const nlohmann::json
   std::erase_if(edits.prims,
                 [](const auto& prim) { return std::holds_alternative<RenderSettingsDescription>(prim.second); });
   if (model->apply(std::move(edits), *load.sink, load.scene) != SourceFault::none) throw LoadFailed();
+  model->shown();
   load.models.push_back(std::move(model));
   return true;
 }

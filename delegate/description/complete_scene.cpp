@@ -38,7 +38,7 @@ Path first_camera(const LoadState& state) {
 
 Path base_camera(const LoadState& state) {
   const CameraPlan& plan = state.camera;
-  return plan.use.empty() && !plan.transform ? first_camera(state) : Path(plan.use);
+  return plan.use.empty() && !plan.placement.transform ? first_camera(state) : Path(plan.use);
 }
 
 // The camera `base`, or a new one if it is empty, with the plan's changes.
@@ -51,17 +51,18 @@ host::CameraDescription planned_camera(const CameraPlan& plan, const Path& base,
     camera = scene.GetCameras().at(base);
   }
   for (const auto& [name, value] : plan.parameters) camera.parameters[name] = value;
-  if (plan.transform) camera.transform = *plan.transform, camera.transformSamples = plan.motion;
-  if (plan.target_distance > 0 && !plan.parameters.contains("focusDistance") &&
+  const Placement& placed = plan.placement;
+  if (placed.transform) camera.transform = *placed.transform, camera.transformSamples = placed.motion;
+  if (placed.target_distance > 0 && !plan.parameters.contains("focusDistance") &&
       number_in(camera.parameters, "focusDistance") == 0)
-    camera.parameters["focusDistance"] = static_cast<float>(plan.target_distance);
+    camera.parameters["focusDistance"] = static_cast<float>(placed.target_distance);
   return camera;
 }
 
 void complete_camera(LoadState* state) {
   const CameraPlan& plan = state->camera;
   const Path base = base_camera(*state);
-  if (!base.empty() && !plan.transform && plan.parameters.empty()) {
+  if (!base.empty() && !plan.placement.transform && plan.parameters.empty()) {
     state->settings.camera = base;
     return;
   }
@@ -69,7 +70,7 @@ void complete_camera(LoadState* state) {
   if (number_in(camera.parameters, "shutterClose", 0) < number_in(camera.parameters, "shutterOpen", 0))
     state->fail("/camera/shutterClose",
                 "The shutter closes before it opens: shutterClose must not be less than shutterOpen.");
-  if (base.empty() && !plan.transform) {
+  if (base.empty() && !plan.placement.transform) {
     if (support::text_in(camera.parameters, "projection") == "orthographic")
       state->fail("/camera/projection",
                   "An orthographic camera cannot frame the scene by itself; add a lookAt or a transform.");
@@ -101,31 +102,19 @@ bool any_emission(const host::RetainedSceneDelegate& scene) {
   return std::any_of(all.begin(), all.end(), [](const auto& material) { return gives_light(material.second); });
 }
 
-bool is_dome(const host::LightDescription& light) {
-  return light.type == Token("domeLight");
-}
-
-// Returns how many there were.
-size_t remove_lights_but_domes(host::RetainedSceneDelegate* scene) {
-  std::vector<Path> own;
-  for (const auto& [path, light] : scene->GetLights())
-    if (!is_dome(light)) own.push_back(path);
-  for (const Path& path : own) scene->Remove(path);
-  return own.size();
-}
-
 void add_studio(LoadState* state, const StudioPlan& plan, bool backdrop) {
   host::RetainedSceneDelegate* scene = state->scene;
-  const size_t replaced = remove_lights_but_domes(scene);
-  const auto& lights = scene->GetLights();
-  const bool dome = std::any_of(lights.begin(), lights.end(), [](const auto& l) { return is_dome(l.second); });
-  add_studio_lights(plan, !dome, scene);
+  const size_t all = scene->GetLights().size();
+  remove_lights(scene, false);
+  const size_t domes = scene->GetLights().size();
+  add_studio_lights(plan, domes == 0, scene);
   if (backdrop) add_studio_backdrop(plan, scene);
   const std::string added = backdrop ? "added a studio, lights and a backdrop" : "added the lights of a studio";
   const std::string on = option_text(state->options, "studio", "on");
   const std::string off = option_text(state->options, "studio", "off");
-  if (state->studio == StudioChoice::on)
-    return state->result->notes.push_back(on + ": " + added + (replaced > 0 ? " in place of the scene's lights" : ""));
+  state->studio_is_alone = state->studio == StudioChoice::on;
+  if (state->studio_is_alone)
+    return state->result->notes.push_back(on + ": " + added + (all > domes ? " in place of the scene's lights" : ""));
   const std::string others = backdrop ? off : on + ": with a backdrop; " + off;
   state->result->notes.push_back("no light: " + added + " (" + others + ": a soft dome)");
 }
@@ -228,7 +217,7 @@ void pose_camera(LoadState* state) {
 }
 
 void complete_scene(LoadState* state) {
-  const bool own_camera = state->camera.transform || !base_camera(*state).empty();
+  const bool own_camera = state->camera.placement.transform || !base_camera(*state).empty();
   complete_camera(state);
   complete_lights(state, own_camera);
   complete_settings(state);

@@ -76,9 +76,11 @@ class LineRecorder : public nlohmann::json_sax<json> {
     return true;
   }
   bool parse_error(size_t, const std::string& token, const nlohmann::detail::exception& e) override {
+    const std::string line = "line " + std::to_string(progress_.before_last()) + ": ";
+    if (e.id == 406) return error_ = line + token + " is larger than any number; write a smaller one", false;
     std::string what = e.what();
     if (const size_t dash = what.find(": "); dash != std::string::npos) what = what.substr(dash + 2);
-    error_ = "line " + std::to_string(progress_.before_last()) + ": not valid JSON: " + what;
+    error_ = line + "not valid JSON: " + what;
     if (what.find("last read") == std::string::npos && !token.empty()) error_ += " near '" + token + "'";
     return false;
   }

@@ -6,6 +6,7 @@
 #include <sstream>
 
 #include "delegate/description/document_keys.h"
+#include "delegate/description/places.h"
 #include "delegate/description/quality_presets.h"
 #include "delegate/support/extension.h"
 #include "delegate/support/json_values.h"
@@ -90,39 +91,46 @@ constexpr const char* kLists[] = {"materials", "meshes", "lights"};
 bool is_list(const std::string& part) {
   return std::find(std::begin(kLists), std::end(kLists), part) != std::end(kLists);
 }
-// Keys of which a description has one only.
-constexpr const char* kPlacements[] = {"transform", "lookAt", "motion"};
+/// Sets a key of the camera or the settings.
+void set_key(const std::string& part, const std::string& key, json value, const std::string& origin,
+             JsonDocument* document) {
+  json& keys = *document->value.emplace(part, json::object()).first;
+  if (part == "camera" && std::count(std::begin(kPlacements), std::end(kPlacements), key) > 0)
+    for (const char* other : kPlacements) keys.erase(other);
+  document->set(pointer_append("/" + part, key), std::move(value), origin);
+}
+/// Adds an entry to a list.
+void add_entry(const std::string& list, json entry, const std::string& origin, JsonDocument* document) {
+  const auto found = document->value.find(list);
+  const size_t size = found == document->value.end() ? 0 : found->size();
+  document->set("/" + list + "/" + std::to_string(size), std::move(entry), origin);
+}
 
-/// Reads options as edits.
+/// Reads options as a description.
 class OptionReader {
  public:
-  OptionReader(const LoadOptions& options, const DiagnosticSink& sink) : options_(options), sink_(sink) {}
+  OptionReader(const LoadOptions& options, const DiagnosticSink& sink, JsonDocument* given)
+      : options_(options), sink_(sink), given_(given) {}
 
   bool read() {
     for (const auto& [name, number] : {std::pair{"time", options_.time.value_or(0)},
                                        {"shutter", options_.shutter ? options_.shutter->open : 0},
                                        {"shutter", options_.shutter ? options_.shutter->close : 0}})
       if (!std::isfinite(number)) return fail("option", option(name), "It is not a finite number.");
-    if (!options_.camera.empty())
-      add({"camera", {}, {}, {{"use", options_.camera}}, option("camera", options_.camera)});
+    if (!options_.camera.empty()) set("camera", "use", options_.camera, option("camera", options_.camera));
     if (const auto& shutter = options_.shutter) {
-      add({"camera", {}, "shutterOpen", shutter->open, option("shutter")});
-      add({"camera", {}, "shutterClose", shutter->close, option("shutter")});
+      set("camera", "shutterOpen", shutter->open, option("shutter"));
+      set("camera", "shutterClose", shutter->close, option("shutter"));
     }
-    for (const auto& [key, choice] :
-         {std::pair{"scene", options_.scene}, {"animation", options_.animation}, {"variant", options_.variant}})
-      if (!choice.empty()) add({"models", {}, key, choice, option(key, choice)});
     for (const Override& one : options_.overrides)
       if (const std::string fault = read_override(one); !fault.empty()) return fail("override", one.origin, fault);
-    if (const auto& size = options_.size) add({"settings", {}, "resolution", {size->x, size->y}, option("size")});
-    if (const auto& c = options_.crop)
-      add({"settings", {}, "crop", {c->minX, c->minY, c->maxX, c->maxY}, option("crop")});
+    if (const auto& size = options_.size) set("settings", "resolution", {size->x, size->y}, option("size"));
+    if (const auto& c = options_.crop) set("settings", "crop", {c->minX, c->minY, c->maxX, c->maxY}, option("crop"));
     const std::string dome = option("dome", options_.dome);
     if (!is_utf8(options_.dome)) return fail("dome", dome, "It is not UTF-8, as names of files in a scene are.");
-    if (!options_.dome.empty()) add({"lights", {}, {}, dome_light(options_.dome), dome});
+    if (!options_.dome.empty()) add_entry("lights", dome_light(options_.dome), dome, given_);
     return true;
   }
-  Edits edits;
 
  private:
   std::string option(const std::string& name, const std::string& value = {}) const {
@@ -132,7 +140,9 @@ class OptionReader {
     if (sink_) sink_({Severity::error, code, where, text});
     return false;
   }
-  void add(Edit edit) { edits.push_back(std::move(edit)); }
+  void set(const char* part, const std::string& key, json value, const std::string& origin) {
+    set_key(part, key, std::move(value), origin, given_);
+  }
 
   /// The fault, or "".
   std::string read_override(const Override& one) {
@@ -155,10 +165,13 @@ class OptionReader {
       return end < place.size() ? unknown_place(place) : no_parameter(place);
     if (dot == std::string::npos || dot + 1 == place.size() || (is_of_list && dot < end + 2))
       return no_parameter(place);
-    if (is_of_list)
-      add({kind, place.substr(end + 1, dot - end - 1), place.substr(dot + 1), std::move(value), origin});
-    else
-      add({kind, {}, place.substr(end + 1), std::move(value), origin});
+    if (!is_of_list) {
+      set("camera", place.substr(end + 1), std::move(value), origin);
+      return {};
+    }
+    json entry{{"match", place.substr(end + 1, dot - end - 1)}};
+    (kind == "materials" ? entry["set"] : entry)[place.substr(dot + 1)] = std::move(value);
+    add_entry(kind, std::move(entry), origin, given_);
     return {};
   }
 
@@ -166,8 +179,8 @@ class OptionReader {
   void add_setting(const std::string& name, json value, const std::string& origin) {
     if (name == "quality" && value.is_string())
       if (const QualityPreset* preset = FindQualityPreset(value.get<std::string>()))
-        for (const auto& [key, own] : preset->settings) add({"settings", {}, key, support::json_of(own), origin});
-    add({"settings", {}, name, std::move(value), origin});
+        for (const auto& [key, own] : preset->settings) set("settings", key, support::json_of(own), origin);
+    set("settings", name, std::move(value), origin);
   }
 
   // "--set camera=1" and the like. A place begins with the kind.
@@ -197,50 +210,8 @@ class OptionReader {
 
   const LoadOptions& options_;
   const DiagnosticSink& sink_;
+  JsonDocument* const given_;
 };
-
-// The file's camera is called "camera", if it makes one. Its changes are meant for that one, and not for another.
-bool is_own_camera(const Edit& edit, const JsonDocument& document) {
-  const auto own = document.value.find("camera");
-  return edit.value["use"] == "camera" && own != document.value.end() && own->size() > size_t(own->contains("use"));
-}
-
-/// False after a report.
-bool add_edit(const Edit& edit, const DiagnosticSink& sink, JsonDocument* document) {
-  json& all = document->value;
-  if (edit.part == "camera" && edit.name.empty()) {
-    if (is_own_camera(edit, *document)) return true;
-    document->set("/camera", json::object(), edit.origin);
-    document->set("/camera/use", edit.value["use"], edit.origin);
-  } else if (edit.part == "models") {
-    const char* const list = all.contains("gltf") ? "gltf" : "models";
-    const auto models = all.find(list);
-    const std::string pointer = std::string("/") + list;
-    if (models == all.end()) return true;
-    if (models->size() > 1) {
-      if (sink)
-        sink({Severity::error, "gltf.choice", document->place(pointer),
-              "There are several models: write scene, animation or variant beside each one's file."});
-      return false;
-    }
-    document->set(pointer_append(pointer + "/0", edit.name), edit.value, edit.origin);
-  } else if (is_list(edit.part)) {
-    json entry = edit.value;
-    if (!edit.name.empty()) {
-      entry = {{"match", edit.pattern}};
-      (edit.part == "materials" ? entry["set"] : entry)[edit.name] = edit.value;
-    }
-    const auto found = all.find(edit.part);
-    const size_t size = found == all.end() ? 0 : found->size();
-    document->set("/" + edit.part + "/" + std::to_string(size), std::move(entry), edit.origin);
-  } else {
-    const auto part = all.emplace(edit.part, json::object()).first;
-    if (edit.part == "camera" && std::count(std::begin(kPlacements), std::end(kPlacements), edit.name) > 0)
-      for (const char* other : kPlacements) part->erase(other);
-    document->set(pointer_append("/" + edit.part, edit.name), edit.value, edit.origin);
-  }
-  return true;
-}
 
 /// Calls visit(pointer, &name) for each name of a file to read. The names of products are those of files to write.
 void for_each_input_name(const std::string& pointer, json* value,
@@ -287,13 +258,41 @@ std::string option_text(const LoadOptions& options, const std::string& name, con
   return value.empty() ? text : text + (options.are_flags ? " " : "=") + value;
 }
 
-std::optional<Edits> edits_of(const LoadOptions& options, const DiagnosticSink& sink) {
-  OptionReader reader(options, sink);
-  return reader.read() ? std::optional(std::move(reader.edits)) : std::nullopt;
+bool read_options(const LoadOptions& options, const DiagnosticSink& sink, JsonDocument* given) {
+  given->value = json::object();
+  return OptionReader(options, sink, given).read();
 }
 
-bool add_edits(const Edits& edits, const DiagnosticSink& sink, JsonDocument* document) {
-  return std::all_of(edits.begin(), edits.end(), [&](const Edit& edit) { return add_edit(edit, sink, document); });
+bool lay_over(const JsonDocument& given, const LoadOptions& options, const DiagnosticSink& sink,
+              JsonDocument* document) {
+  json& all = document->value;
+  // The file's camera is called "camera", if it makes one. Its changes are meant for that one, and not for another.
+  const auto own = all.find("camera");
+  const bool keeps_own = options.camera == "camera" && own != all.end() && own->size() > size_t(own->contains("use"));
+  if (!options.camera.empty() && !keeps_own)
+    document->set("/camera", json::object(), option_text(options, "camera", options.camera));
+  for (const auto& [part, content] : given.value.items())
+    for (const auto& [key, value] : content.items()) {
+      const std::string& origin = given.options.at(pointer_append("/" + part, key));
+      if (content.is_array())
+        add_entry(part, value, origin, document);
+      else if (!(keeps_own && part == "camera" && key == "use" && value == options.camera))
+        set_key(part, key, value, origin, document);
+    }
+
+  const char* const list = all.contains("gltf") ? "gltf" : "models";
+  const auto models = all.find(list);
+  for (const auto& [key, choice] :
+       {std::pair{"scene", options.scene}, {"animation", options.animation}, {"variant", options.variant}}) {
+    if (choice.empty() || models == all.end()) continue;
+    const std::string pointer = std::string("/") + list;
+    if (models->size() > 1 && sink)
+      sink({Severity::error, "gltf.choice", document->place(pointer),
+            "There are several models: write scene, animation or variant beside each one's file."});
+    if (models->size() > 1) return false;
+    document->set(pointer + "/0/" + key, choice, option_text(options, key, choice));
+  }
+  return true;
 }
 
 std::string WithOptions(const std::string& text, const LoadOptions& options,
@@ -305,7 +304,7 @@ std::string WithOptions(const std::string& text, const LoadOptions& options,
     LoadOptions no_dome = options;
     no_dome.dome.clear();
     expand_preset(&document.value);
-    add_edits(edits_of(no_dome, {}).value_or(Edits()), {}, &document);
+    if (JsonDocument given; read_options(no_dome, {}, &given)) lay_over(given, no_dome, {}, &document);
     for (const char* list : {"gltf", "models"})
       if (const auto models = document.value.find(list); options.time && models != document.value.end())
         for (json& model : *models)

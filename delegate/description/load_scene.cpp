@@ -41,16 +41,12 @@ class Loader {
     const DiagnosticSink& sink = *state_.sink;
     // Check the options alone: their faults are those of usage, and their memory limit counts while the file is read.
     JsonDocument given;
-    given.value = nlohmann::json::object();
-    const std::optional<Edits> edits = edits_of(state_.options, sink);
-    require(edits && add_edits(*edits, sink, &given) && check_description(given, sink), LoadCause::option);
+    require(read_options(state_.options, sink, &given) && check_description(given, sink), LoadCause::option);
     limit_memory(given);
     read_file(file);
-    require(add_edits(*edits, sink, &state_.document), LoadCause::option);
+    require(lay_over(given, state_.options, sink, &state_.document), LoadCause::option);
     apply_models(state_);
-    apply_materials(state_);
-    apply_meshes(state_);
-    apply_lights(state_);
+    edit_prims(state_);
     apply_camera(state_);
     apply_settings(state_);
     apply_products(state_);

@@ -18,10 +18,19 @@ namespace alabaster::hd::description {
 /// The camera as the description and the options over it have it.
 struct CameraPlan {
   std::string use;  // path of an existing camera
-  std::optional<Matrix4d> transform;
-  TimeSamples<Matrix4d> motion;       // in place of the transform, or empty
-  double target_distance = 0;         // from the eye to the target of lookAt; 0: it has none
+  Placement placement;
   std::map<Token, Value> parameters;  // in the contract's units
+};
+
+/// What an entry of a list says of one prim.
+struct PrimEdit {
+  const std::string& pointer;
+  const nlohmann::json& entry;
+  const Path& path;
+  bool is_new = false;
+  Token kind = {};           // of a new prim
+  host::Fields fields = {};  // that it sets, in this order
+  bool may_wait = false;     // until other fields of the prim are set: nothing that follows reads them
 };
 
 /// Resolution and crop that a product asks for.
@@ -65,6 +74,7 @@ struct LoadState {
   std::set<Path> model_names;         // "/gltf/head": paths of a model whose prims have a root begin so
   bool is_complete = false;           // the first model is: no light is added, and a camera only if there is none
   std::map<std::string, int> copies;  // the last number that a path was given in order to differ, by that path
+  bool studio_is_alone = false;       // it was asked for, in place of the scene's lights
   /// Categories of lights: the meshes that a pattern matches have them.
   std::map<Token, std::vector<std::string>> links;
   std::map<std::string_view, NameIndex> names;  // of the scene's prims, by kind; made when they are first asked for
@@ -120,12 +130,18 @@ bool is_of_model(const LoadState& state, const std::string& path);
 Path free_path(LoadState* state, const std::string& wanted);
 
 void apply_models(LoadState& load);
-void apply_materials(LoadState& load);
-void apply_meshes(LoadState& load);
-void apply_lights(LoadState& load);
+/// Makes the edits of materials, meshes and lights. Of a scene that is posed, those of the prims that it has.
+void edit_prims(LoadState& load);
 void apply_camera(LoadState& load);
 void apply_settings(LoadState& load);
 void apply_products(LoadState& load);
+
+// Each reads an entry as fields of a prim.
+void read_material(LoadState& load, PrimEdit* edit);
+void read_mesh(LoadState& load, PrimEdit* edit);
+void read_light(LoadState& load, PrimEdit* edit);
+/// A value of a field whose numbers are floats and never integers.
+Value field_value(const nlohmann::json& value);
 
 /// True if a material lights a scene, which then needs no light of its own.
 bool gives_light(const MaterialNetwork& material);
@@ -133,8 +149,8 @@ bool gives_light(const MaterialNetwork& material);
 /// Makes the camera, default lights and RenderSettings prims, after everything else has been applied.
 void complete_scene(LoadState* state);
 
-/// Places the lights that move where the document has them.
-void place_lights(LoadState& load);
+/// Removes all domes, or all other lights.
+void remove_lights(host::RetainedSceneDelegate* scene, bool domes);
 /// Puts the meshes of the scene in the categories of lights, or takes them out.
 void apply_links(LoadState& load);
 /// Makes the camera again from that of a model, once this one is posed.

@@ -6,7 +6,7 @@
 #include <utility>
 
 #include "delegate/archive/archive.h"
-#include "delegate/description/apply_motion.h"
+#include "delegate/description/places.h"
 #include "delegate/gltf/gltf_scene.h"
 #include "delegate/support/extension.h"
 #include "delegate/support/lookup.h"
@@ -171,14 +171,6 @@ class Rerooted {
 
   const std::string root_;
 };
-
-host::Fields light_changes(const host::LightDescription& before, const host::LightDescription& now) {
-  host::Fields fields = {{"transform", now.transform}};
-  if (now.visible != before.visible) fields.emplace_back("visible", now.visible);
-  for (const auto& [name, value] : now.parameters)
-    if (!(support::value_in(before.parameters, name) == value)) fields.emplace_back(name.str(), value);
-  return fields;
-}
 
 }  // namespace
 
@@ -352,20 +344,13 @@ SourceFault OpenModel::pose(std::optional<double> at, const DiagnosticSink& sink
       sink({Severity::warning, "model.motion", source->Facts().files.front() + ": " + path.str(),
             "It is not there, or not by itself, at all times of the shutter; it is drawn without motion blur."});
   for (auto& [path, drawn] : drawn_) {
-    const auto* light = drawn ? std::get_if<host::LightDescription>(&*drawn) : nullptr;
-    const auto before = lights_.find(path);
     if (!drawn) {
       edits->removed.push_back(path);
-      lights_.erase(path);
-    } else if (light && before != lights_.end()) {
-      edits->changes[path] = light_changes(std::exchange(before->second, *light), *light);
-    } else {
-      if (light) lights_.emplace(path, *light);
-      sampler.give_samples(path, &*drawn);
-      edits->set(path, std::move(*drawn), support::value_in(now_.GetNames(), path));
+      continue;
     }
+    sampler.give_samples(path, &*drawn);
+    edits->set(path, std::move(*drawn), support::value_in(now_.GetNames(), path));
   }
-  due_.clear();
   return SourceFault::none;
 }
 
@@ -374,19 +359,12 @@ void OpenModel::place(host::SceneEdits* edits) const {
     if (placement.transform) place_prim(*placement.transform, &prim);
     if (!placement.motion.values.empty()) move_prim(placement.motion, &prim);
   }
-  for (auto& [path, fields] : edits->changes)  // of lights, which no instancer places
-    for (auto& [name, value] : fields)
-      if (const auto* own = value.get<Matrix4d>(); own && placement.transform) value = *own * *placement.transform;
   if (root.empty()) return;
   const Rerooted rerooted(root);
   host::SceneEdits all;
   for (auto& [path, prim] : edits->prims) {
     rerooted.apply(&prim);
     all.prims.emplace(rerooted.path(path), std::move(prim));
-  }
-  for (auto& [path, fields] : edits->changes) {
-    rerooted.change(&fields);
-    all.changes.emplace(rerooted.path(path), std::move(fields));
   }
   for (const Path& path : edits->removed) all.removed.push_back(rerooted.path(path));
   for (auto& [path, name] : edits->names) all.names.emplace(rerooted.path(path), std::move(name));

@@ -12,10 +12,11 @@ namespace alabaster::hd::description {
 /// The reader of a file by its extension; null if there is none.
 std::unique_ptr<host::SceneSource> source_of(const std::string& file);
 
-/// Where a description puts a model. A motion has its first place at time 0.
+/// Where a description puts a model or the camera.
 struct Placement {
-  std::optional<Matrix4d> transform;
+  std::optional<Matrix4d> transform;  // of a motion that at time 0; empty: nothing is said
   TimeSamples<Matrix4d> motion;
+  double target_distance = 0;  // from the eye to the target of lookAt; 0: it has none
 };
 
 /// Over what a model is sampled, in frames relative to the one that is drawn; nothing unless it is open for some time.
@@ -35,15 +36,17 @@ class ALABASTER_API OpenModel {
 
   /// The time that options ask for, in the unit of the source. Empty: that in which it is authored.
   std::optional<double> time_of(const LoadOptions& options) const;
-  /// What the model has at `time` over its pose before, as its file says it. What moves or deforms gets samples over
-  /// the shutter: five, and where it turns by more than 5 degrees from one to the next, as many as that needs, up to
-  /// 129, of points 33 (the turns of the five are seen up to half a turn from one to the next). Lights get none, and
-  /// where they were posed before, they are changed alone. Throws MemoryRefused.
+  /// What the model has at `time` over the pose that was shown before, as its file says it: prims that are set, and
+  /// prims that are removed. What moves or deforms gets samples over the shutter: five, and where it turns by more than
+  /// 5 degrees from one to the next, as many as that needs, up to 129, of points 33 (the turns of the five are seen up
+  /// to half a turn from one to the next). Lights get none. Throws MemoryRefused.
   host::SourceFault pose(std::optional<double> at, const DiagnosticSink& sink, host::SceneEdits* edits);
   /// Gives edits the model's root and place.
   void place(host::SceneEdits* edits) const;
   /// Makes the edits. A change that is refused is reported, and none is made.
   host::SourceFault apply(host::SceneEdits edits, const DiagnosticSink& sink, host::RetainedSceneDelegate* scene) const;
+  /// The last pose is in the scene. What is not, because something else failed, is said again with the next one.
+  void shown() { due_.clear(); }
 
  private:
   struct Sampler;
@@ -54,8 +57,7 @@ class ALABASTER_API OpenModel {
   host::RetainedSceneDelegate now_ = {};                             // as the file says it, in the last pose
   std::map<Path, std::optional<host::PrimDescription>> drawn_ = {};  // what is set or removed, as it is drawn
   std::set<Path> stirred_ = {};                                      // by the last shutter, so that they may differ
-  std::set<Path> due_ = {};                                          // posed, and not said yet: a pose may fail
-  std::map<Path, host::LightDescription> lights_ = {};               // that were drawn
+  std::set<Path> due_ = {};                                          // posed, and not shown yet: a pose may fail
   MemoryReservation held_ = {};                                      // of samples
 };
 

@@ -17,8 +17,8 @@ struct OpenScene::State {
   LoadCause run_guarded(const DiagnosticSink& sink, const std::function<void()>& work) {
     const FloatEnvironment environment;
     std::string fault, code = "scene.memory";
-    state.sink = &sink;
-    state.cause = LoadCause::none;
+    state.sink = &sink, state.cause = LoadCause::none;
+    state.scene = scene, state.posing = false, state.names.clear();
     try {
       work();
       return LoadCause::none;
@@ -37,7 +37,8 @@ struct OpenScene::State {
   }
 
   void pose(const LoadOptions& at) {
-    host::RetainedSceneDelegate posed;  // what moves
+    // What the models have now is edited as a scene of its own, and shown once nothing can fail any more.
+    host::RetainedSceneDelegate posed;
     std::vector<Path> removed;
     for (const auto& model : state.models) {
       host::SceneEdits edits;
@@ -50,38 +51,19 @@ struct OpenScene::State {
                     [](const auto& prim) { return std::holds_alternative<RenderSettingsDescription>(prim.second); });
       removed.insert(removed.end(), edits.removed.begin(), edits.removed.end());
       edits.removed.clear();
-      // Changes are of prims as the description has changed them; one that it removed is not there.
-      for (const auto& [path, fields] : edits.changes)
-        if (const auto* shown = support::find_in(scene->GetPrims(), path);
-            shown && !std::holds_alternative<RenderSettingsDescription>(*shown)) {
-          posed.Set(path, *shown);
-          posed.SetName(path, support::value_in(scene->GetNames(), path));
-        }
       if (model->apply(std::move(edits), *state.sink, &posed) != host::SourceFault::none) throw LoadFailed();
     }
-    change(&posed);
-    show(posed, removed);
-  }
+    state.scene = &posed, state.posing = true;
+    edit_prims(state);
+    if (state.studio_is_alone) remove_lights(&posed, false);
 
- private:
-  void change(host::RetainedSceneDelegate* posed) {
-    state.scene = posed;
-    state.names.clear();
-    state.posing = true;
-    apply_meshes(state);
-    place_lights(state);
-    apply_links(state);
-    state.names.clear();
-    state.posing = false;
-    state.scene = scene;
-  }
-
-  void show(const host::RetainedSceneDelegate& posed, const std::vector<Path>& removed) {
+    state.scene = scene, state.posing = false;
     for (const auto& [path, prim] : posed.GetPrims()) {
       scene->Set(path, prim);
       scene->SetName(path, support::value_in(posed.GetNames(), path));
     }
     for (const Path& path : removed) scene->Remove(path);
+    for (const auto& model : state.models) model->shown();
     pose_camera(&state);
   }
 };
@@ -106,7 +88,7 @@ SceneFile OpenScene::Load(const std::string& file, host::RetainedSceneDelegate* 
   LoadState& state = open_->state;
   state.options = options;
   state.result = &open_->result;
-  state.scene = open_->scene = scene;
+  open_->scene = scene;
   open_->result.cause = open_->run_guarded(sink, [&] { return load_scene(file, &state); });
   open_->result.ok = open_->result.cause == LoadCause::none;
   result = open_->result;
@@ -116,7 +98,8 @@ SceneFile OpenScene::Load(const std::string& file, host::RetainedSceneDelegate* 
 
 LoadCause OpenScene::pose(const LoadOptions& at, const DiagnosticSink& sink) {
   const DiagnosticSink errors = [&sink](const Diagnostic& diagnostic) {
-    if (diagnostic.severity == Severity::error && sink) sink(diagnostic);
+    // A stage's reader tells each kind of thing once, also what a later time has first.
+    if ((diagnostic.severity == Severity::error || diagnostic.code == "usd.unread") && sink) sink(diagnostic);
   };
   return open_ ? open_->run_guarded(errors, [&] { return open_->pose(at); }) : LoadCause::input;
 }

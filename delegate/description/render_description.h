@@ -104,9 +104,9 @@ class ALABASTER_API OpenScene {
                  const LoadOptions& options = {});
   /// Gives the models of the scene the pose at `time`, in place of LoadOptions::time, or that of a frame, in place of
   /// LoadOptions::frame, with the changes that the description and the options make: their prims are those that a load
-  /// for it makes. Only what the animations move or deform is set again, and prims that the pose lacks are removed. A
-  /// camera that was framed, and the lights of a studio, stay as they were loaded. Warnings are not given again.
-  /// `none`, or the cause of a reported error.
+  /// for it makes. Only what the animations move or deform is set again, without what others changed of it, and prims
+  /// that the pose lacks are removed. A camera that was framed, and the lights of a studio, stay as they were loaded.
+  /// Warnings are not given again. `none`, or the cause of a reported error, after which the scene is as it was.
   LoadCause Pose(double time, const DiagnosticSink& sink);
   LoadCause PoseFrame(double frame, const DiagnosticSink& sink);
 

@@ -28,11 +28,18 @@ struct SceneEdits {
 
 /// Of stages of OpenUSD alone.
 struct StageOptions {
-  std::string session_layer, settings;      // a file; the path of a RenderSettings prim. Empty: none, the stage's
-  std::vector<std::string> mask, purposes;  // paths of prims to read; empty: all, and default and render
+  std::string session_layer;   // a file
+  std::string settings, pass;  // paths of prims; empty: the stage's own choice, and none
+  std::string camera;          // a path or a name: whose shutter and film count; empty: that of the settings
+  std::vector<std::string> mask, purposes;                 // paths of prims to read; empty: all, and default and render
   std::vector<std::string> search_paths, allowed_folders;  // of the default resolver; that may be read, too
   std::optional<std::array<double, 2>> shutter = {};  // in time codes relative to the pose, in place of the camera's
   double seconds = 30;                                // CPU time of a request to the reader
+  /// usdrecord's rules: settings count that the stage names, and a picture is this wide and as high as the camera's
+  /// film asks. Empty: the only settings there are count, too.
+  std::optional<int> recorded_width = {};
+  bool hides_domes = false;      // from the camera
+  bool at_default_time = false;  // poses without a time are of the stage's default values
 };
 
 struct SourceOptions {
@@ -69,11 +76,12 @@ struct SceneFacts : SceneInfo {
   Path root = {};                                       // below which all its prims lie; empty: anywhere
   std::vector<std::string> scenes = {}, variants = {};  // names, empty where the file gives none
   std::vector<SceneAnimation> animations = {};
-  bool is_complete = false;              // it is drawn as it is: no light is added to it
-  bool varies = false;                   // poses at other times differ
-  std::vector<std::string> unread = {};  // kinds of what it has and the reader leaves out, as warned of
-  std::vector<std::string> faults = {};  // what it lacks, by SourceOptions::keep_going
-  size_t memory_bytes = 0;               // of what was read for the first pose, as long as its prims are held
+  bool is_complete = false;                           // it is drawn as it is: no light is added to it
+  bool varies = false;                                // poses at other times differ
+  std::vector<std::string> unread = {};               // kinds of what it has and the reader leaves out, as warned of
+  std::vector<std::string> faults = {};               // what it lacks, by SourceOptions::keep_going
+  std::map<std::string, std::string> libraries = {};  // versions of those that read it, and are not the program's own
+  size_t memory_bytes = 0;  // of what was read for the first pose, as long as its prims are held
 };
 
 /// `choice`: the file lacks the scene, animation or variant that the options name.

@@ -147,7 +147,7 @@ class LookReader {
     for (const char* below : {"subsurfaceWeight", "subsurfaceColor", "meanFreePath"}) got_.erase(below);
   }
 
-  // With a depth the colour is that of the interior, else that of the light which passes.
+  // With a depth the colour is that of the interior, else that of the light at each crossing.
   void join_transmission() {
     const Signal clear = take("specTrans");
     const float t = clear.is_textured() ? 1 : clamped(clear.constant.x);
@@ -166,7 +166,13 @@ class LookReader {
       got_["attenuationColor"] = signal_of(through);
       got_["attenuationDistance"] = signal_of(depth);
     }
-    got_["baseColor"] = mixed(take("baseColor"), tint, t);
+    // A clear solid takes the square root of its colour at each surface (Burley 2015), these looks the colour itself.
+    if (number("thin") == 0) tint = product(tint, tint).value_or(tint);
+    const Signal base = take("baseColor");
+    const bool is_partly_clear = clear.is_textured() || (t > 0 && t < 1);
+    if (is_partly_clear && (base.rgb() != tint.rgb() || base.factors != tint.factors))
+      tell("the colours of a partly clear surface are mixed: its base and the light through it have one");
+    got_["baseColor"] = mixed(base, tint, t);
   }
 
   // sigma_s = scatter / depth, sigma_t = -ln(color) / depth, both shifted by the least absorption if that is below 0.

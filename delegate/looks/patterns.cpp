@@ -33,15 +33,27 @@ Pattern signal_or(std::optional<Signal> signal, const Path& id, const MaterialNo
 // Colours ---------------------------------------------------------------------------------------------
 
 struct ColorSpace {
-  const char* name;
+  std::array<const char*, 3> names;  // the first is the one that configurations of OpenColorIO have
   Chromaticities chromaticities;
   float gamma;  // 0: sRGB's curve
 };
 constexpr Chromaticities kAp1{0.713f, 0.293f, 0.165f, 0.83f, 0.128f, 0.044f, 0.32168f, 0.33767f};
 constexpr Chromaticities kP3{0.68f, 0.32f, 0.265f, 0.69f, 0.15f, 0.06f, 0.3127f, 0.329f};
-constexpr ColorSpace kColorSpaces[] = {
-    {"srgb_texture", kRec709, 0}, {"sRGB", kRec709, 0}, {"g22_rec709", kRec709, 2.2f}, {"g18_rec709", kRec709, 1.8f},
-    {"acescg", kAp1, 1},          {"lin_ap1", kAp1, 1}, {"srgb_displayp3", kP3, 0},    {"lin_displayp3", kP3, 1}};
+// MaterialX's names, and those of OpenUSD's ColorSpaceAPI.
+constexpr ColorSpace kColorSpaces[] = {{{"linear", "lin_rec709", "lin_rec709_scene"}, kRec709, 1},
+                                       {{"srgb_texture", "sRGB", "srgb_rec709_scene"}, kRec709, 0},
+                                       {{"g22_rec709", "g22_rec709_scene"}, kRec709, 2.2f},
+                                       {{"g18_rec709", "g18_rec709_scene"}, kRec709, 1.8f},
+                                       {{"acescg", "lin_ap1", "lin_ap1_scene"}, kAp1, 1},
+                                       {{"srgb_displayp3", "srgb_p3d65_scene"}, kP3, 0},
+                                       {{"lin_displayp3", "lin_p3d65_scene"}, kP3, 1}};
+
+const ColorSpace* color_space_of(const std::string& name) {
+  const auto* const found = std::find_if(std::begin(kColorSpaces), std::end(kColorSpaces), [&](const auto& one) {
+    return std::any_of(one.names.begin(), one.names.end(), [&](const char* known) { return known && name == known; });
+  });
+  return found == std::end(kColorSpaces) ? nullptr : found;
+}
 
 float decoded(float value, float gamma) {
   if (gamma == 1 || value <= 0) return value;
@@ -56,10 +68,9 @@ std::string space_of(const MaterialNode& node, const std::string& name) {
 }
 
 bool to_rec709(const std::string& space, Vec4f* color) {
-  if (space.empty() || space == "lin_rec709" || space == "raw" || space == "data" || space == "linear") return true;
-  const auto* const found = std::find_if(std::begin(kColorSpaces), std::end(kColorSpaces),
-                                         [&](const auto& one) { return space == one.name; });
-  if (found == std::end(kColorSpaces)) return false;
+  if (space.empty() || space == "raw" || space == "data") return true;
+  const ColorSpace* const found = color_space_of(space);
+  if (!found) return false;
   Vec4f& c = *color;
   for (int i = 0; i < 3; ++i) c[i] = decoded(c[i], found->gamma);
   if (found->chromaticities == kRec709) return true;
@@ -73,8 +84,9 @@ bool to_rec709(const std::string& space, Vec4f* color) {
 // auto reads these as linear and files of 8 or 16 bits as sRGB. Without a space MaterialX converts nothing.
 std::string space_of_file(const MaterialNode& node, const char* file) {
   const std::string space = space_of(node, file);
-  if (space == "srgb_texture" || space == "sRGB") return "auto";
-  return space.empty() ? "raw" : space == "lin_rec709" ? "linear" : space;
+  const ColorSpace* const found = color_space_of(space);
+  const std::string name = found ? found->names.front() : space;
+  return name.empty() ? "raw" : name == "srgb_texture" ? "auto" : name;
 }
 
 // Images ----------------------------------------------------------------------------------------------
@@ -250,11 +262,11 @@ Pattern Patterns::read_node(const Path& id, const MaterialNode& node, const std:
   if (node.nodeTypeId == Token("AlabasterTexture") || node.nodeTypeId == Token("AlabasterPrimvar"))
     return {Signal{Vec4f(1), {{id, node, output.empty() ? "rgb" : output}}}, ""};
   if (packs_normals(node)) return unpack_normals(id, node, depth);
-  if (image_type_of(node)) return read_image(id, node, output);
+  if (image_type_of(node)) return read_image(id, node, output, depth);
   if (is_a(node, "UsdPrimvarReader_") || is_a(node, "ND_UsdPrimvarReader_"))
-    return read_primvar(text_in(node.parameters, "varname"));
-  if (is_a(node, "ND_geompropvalue_")) return read_primvar(text_in(node.parameters, "geomprop"));
-  if (is_a(node, "ND_geomcolor_")) return read_primvar("displayColor");
+    return read_primvar(node, text_in(node.parameters, "varname"), "fallback");
+  if (is_a(node, "ND_geompropvalue_")) return read_primvar(node, text_in(node.parameters, "geomprop"), "default");
+  if (is_a(node, "ND_geomcolor_")) return read_primvar(node, "displayColor", "");
   if (is_a(node, "ND_constant_")) return input(node, "value", 0, depth);
   if (is_a(node, "ND_convert_") || is_a(node, "ND_dot_")) return input(node, "in", 0, depth);
   if (is_a(node, "ND_combine")) return combine(node, depth);
@@ -327,7 +339,7 @@ Pattern Patterns::combine(const MaterialNode& node, int depth) {
 // Texels from 0 to 1 are normals from -1 to 1; `scale` steepens what lies in the plane.
 Pattern Patterns::unpack_normals(const Path& id, const MaterialNode& node, int depth) {
   const bool is_image = image_type_of(node) != nullptr, arnold = is_a(node, "arnold:");
-  Pattern in = is_image ? read_image(id, node, "") : input(node, arnold ? "input" : "in", 0.5f, depth);
+  Pattern in = is_image ? read_image(id, node, "", depth) : input(node, arnold ? "input" : "in", 0.5f, depth);
   if (!in.signal || !in.signal->is_textured()) return in;
   // An image's own scale places it.
   const Vec2f s = is_image ? Vec2f(1) : pair_of(node, arnold ? "strength" : "scale", 1);
@@ -337,13 +349,16 @@ Pattern Patterns::unpack_normals(const Path& id, const MaterialNode& node, int d
   return in;
 }
 
-Pattern Patterns::read_primvar(const std::string& name) const {
+Pattern Patterns::read_primvar(const MaterialNode& node, const std::string& name, const char* fallback) const {
   if (name != "displayColor" && name != "displayOpacity")
     return {std::nullopt, "primvar '" + name + "', but surfaces read displayColor and displayOpacity alone"};
+  const Vec4f missing = constant(node, fallback).value_or(Vec4f(1));
+  if (missing.x != 1 || missing.y != 1 || missing.z != 1)
+    warn_("material.node", std::string("the ") + fallback + " of " + name + " is not read: meshes without it have 1");
   return {Signal{Vec4f(1), {{name, {"AlabasterPrimvar", {}, {}}, name == "displayColor" ? "rgb" : "a"}}}, ""};
 }
 
-Pattern Patterns::read_image(const Path& id, const MaterialNode& node, const std::string& output) {
+Pattern Patterns::read_image(const Path& id, const MaterialNode& node, const std::string& output, int depth) {
   const ImageType& type = *image_type_of(node);
   const bool usd = is_a(node, "UsdUVTexture") || is_a(node, "ND_UsdUVTexture");
   const std::string& name = node.nodeTypeId.str();
@@ -371,9 +386,13 @@ Pattern Patterns::read_image(const Path& id, const MaterialNode& node, const std
   if (usd && !output.empty() && output != "rgba") channel = output;
   if (!usd && name.find("_float") != std::string::npos) channel = "r";
   Signal read{Vec4f(1), {{id, std::move(texture), channel}}};
-  for (const char* multiplied : {"factor", "color", "multiply"}) {
-    const auto by = is_a(node, "ND_gltf_") || name == "arnold:image" ? constant(node, multiplied) : std::nullopt;
-    if (by) read.constant *= channel == "a" ? Vec4f(by->w) : *by;
+  if (!is_a(node, "ND_gltf_") && name != "arnold:image") return {std::move(read), ""};
+  for (const char* multiplied : {"factor", "color", "geomcolor", "multiply"}) {
+    const Pattern by = input(node, multiplied, 1, depth);
+    if (!by.signal) return by;
+    const auto both = product(std::move(read), channel == "a" ? channel_of(*by.signal, 3) : *by.signal);
+    if (!both) return signal_or(std::nullopt, id, node);
+    read = *both;
   }
   return {std::move(read), ""};
 }
@@ -396,11 +415,13 @@ void Patterns::read_coordinates(const Path& id, const MaterialNode& image, Mater
   Placement placed;
   for (auto step = steps.rbegin(); step != steps.rend(); ++step)
     if (!apply(**step, &placed)) unread = "a node of type '" + (*step)->nodeTypeId.str() + "', which is not read";
-  if (!unread.empty()) warn_("material.texture.st", "the coordinates of " + id.str() + " pass " + unread);
   if (is_a(image, "ND_tiledimage_")) {
-    placed.multiply(pair_of(image, "uvtiling", 1));
+    const bool tiled = placed.multiply(pair_of(image, "uvtiling", 1));
     placed.offset -= pair_of(image, "uvoffset", 0);
+    const Vec2f size = pair_of(image, "realworldtilesize", 1) / pair_of(image, "realworldimagesize", 1);
+    if (!placed.multiply(size) || !tiled) unread = "a rotation and uneven tiles, which are not read";
   }
+  if (!unread.empty()) warn_("material.texture.st", "the coordinates of " + id.str() + " pass " + unread);
   // ND_gltf_*: place2d with all of it inverted, v of the offset twice.
   if (is_a(image, "ND_gltf_")) {
     const Vec2f offset = pair_of(image, "offset", 0);

@@ -31,8 +31,8 @@ class Patterns {
   Pattern read(const MaterialConnection& connection, int depth);
   Pattern read_node(const Path& id, const MaterialNode& node, const std::string& output, int depth);
   Pattern input(const MaterialNode& node, const char* name, float otherwise, int depth);
-  Pattern read_image(const Path& id, const MaterialNode& node, const std::string& output);
-  Pattern read_primvar(const std::string& name) const;
+  Pattern read_image(const Path& id, const MaterialNode& node, const std::string& output, int depth);
+  Pattern read_primvar(const MaterialNode& node, const std::string& name, const char* fallback) const;
   Pattern combine(const MaterialNode& node, int depth);
   Pattern unpack_normals(const Path& id, const MaterialNode& node, int depth);
   void read_coordinates(const Path& id, const MaterialNode& image, MaterialNode* texture) const;

@@ -15,6 +15,7 @@
 #include <array>
 #include <cerrno>
 #include <cmath>
+#include <cstdio>
 #include <cstdlib>
 #include <cstring>
 #include <filesystem>
@@ -63,9 +64,11 @@ std::string reader_script() {
 }
 
 std::string ending(int status, double seconds) {
-  if (WIFSIGNALED(status) && WTERMSIG(status) == SIGXCPU)
-    return "it took more than " + std::to_string(std::lround(seconds)) +
-           " s of CPU time. Allow more with --usd-limit SECONDS";
+  if (WIFSIGNALED(status) && WTERMSIG(status) == SIGXCPU) {
+    std::array<char, 32> number{};
+    std::snprintf(number.data(), number.size(), "%g", seconds);
+    return std::string("it took more than ") + number.data() + " s of CPU time. Allow more with --usd-limit SECONDS";
+  }
   if (WIFSIGNALED(status)) return std::string("OpenUSD ended by the signal ") + strsignal(WTERMSIG(status));
   return "OpenUSD ended with code " + std::to_string(WEXITSTATUS(status));
 }
@@ -220,6 +223,7 @@ Child::Answer Child::ask(const json& request) {
     throw Fault("a request to OpenUSD is too long: give fewer folders, masks and variants");
   allow_time();
   if (send(socket_.get(), text.data(), text.size(), MSG_NOSIGNAL) < 0) fail_ended();
+  json parts = json::object();  // of the answer, which come before it
   for (;;) {
     std::array<pollfd, 2> wait = {{{socket_.get(), POLLIN, 0}, {errors_.get(), POLLIN, 0}}};
     if (poll(wait.data(), wait.size(), -1) < 0 && errno != EINTR) fail_ended();
@@ -245,8 +249,17 @@ Child::Answer Child::ask(const json& request) {
       if ((fcntl(fd, F_GET_SEALS) & kSeals) != kSeals) throw Fault("the reader's answer is not sealed");
     }
     answer.text = json::parse(got.begin(), got.begin() + size, nullptr, false);
-    if (!answer.text.is_object()) throw Fault("the reader's answer is no JSON object");
+    if (!answer.text.is_object() || (message.msg_flags & MSG_TRUNC))
+      throw Fault("the reader's answer is no JSON object, or too long");
     if (answer.text.contains("progress")) continue;
+    if (answer.text.contains("part")) {
+      for (const auto& [name, list] : answer.text["part"].items())
+        for (const json& one : list) parts[name].push_back(one);
+      continue;
+    }
+    for (const auto& [name, list] : parts.items())
+      for (const json& one : answer.text[name]) parts[name].push_back(one);
+    answer.text.update(parts);
     if (answer.text.contains("fault")) throw fault_of(answer.text["fault"]);
     return answer;
   }

@@ -1,7 +1,7 @@
 #include "delegate/usd/usd_source.h"
 
+#include <algorithm>
 #include <filesystem>
-#include <set>
 
 #include "core/files/real_path.h"
 #include "delegate/archive/archive.h"
@@ -52,6 +52,9 @@ class StageSource : public host::SceneSource {
   void open(const std::string& file, const host::SourceOptions& options, const DiagnosticSink& sink) {
     file_ = file, options_ = options;
     const host::StageOptions& stage = options.stage;
+    for (const auto* choice : {&options.scene, &options.animation})
+      if (!choice->empty())
+        throw Fault("A stage has no scenes and animations of which '" + *choice + "' could be chosen: leave it out.");
     const std::string real = real_path(file);
     if (!options.within.empty() && !is_within(real, options.within)) throw Fault(outside_text(real));
     const std::string folder = std::filesystem::path(real).parent_path().string();
@@ -59,7 +62,12 @@ class StageSource : public host::SceneSource {
     ChildOptions child;
     child.folders = {allowed_folder(folder)};
     for (const auto* more : {&stage.search_paths, &stage.allowed_folders})
-      for (const std::string& one : *more) child.folders.push_back(allowed_folder(one));
+      for (const std::string& one : *more) {
+        if (!std::filesystem::is_directory(one)) throw Fault("There is no folder '" + one + "' that it could use.");
+        child.folders.push_back(allowed_folder(one));
+      }
+    if (!stage.session_layer.empty())
+      child.folders.push_back(std::filesystem::path(real_path(stage.session_layer)).parent_path().string());
     child.everywhere = options.allow_outside;
     child.memory = memory_ + kOpenUsdBytes;
     if (stage.seconds > 0) child.seconds = stage.seconds;
@@ -70,6 +78,10 @@ class StageSource : public host::SceneSource {
     if (child_->about().value("landlock", json()).is_null() && sink)
       sink({Severity::info, "usd.landlock", file_,
             "This kernel has no Landlock: files outside of the stage's folder are refused after they were opened."});
+    const json& version = child_->about()["usd"];
+    facts_.libraries["OpenUSD"] = std::to_string(version[1].get<int>()) + "." + std::to_string(version[2].get<int>());
+    if (const json& mtlx = child_->about()["mtlx"]; mtlx.is_string())
+      facts_.libraries["MaterialX"] = mtlx.get<std::string>();
     const Child::Answer opened =
         child_->ask({{"do", "open"},
                      {"file", real},
@@ -92,43 +104,48 @@ class StageSource : public host::SceneSource {
     constexpr size_t kMost = 50;
     for (size_t i = 0; i < faults.size(); ++i) {
       const Fault fault = fault_of(faults[i]);
+      std::string said = fault.where + ": " + fault.what();
+      if (std::find(facts_.faults.begin(), facts_.faults.end(), said) != facts_.faults.end()) continue;
       if (i < kMost && sink) sink({Severity::error, "usd.composition", fault.where, fault.what()});
-      facts_.faults.push_back(fault.where + ": " + fault.what());
+      facts_.faults.push_back(std::move(said));
     }
     if (!facts_.faults.empty() && !options_.keep_going) fault_ = host::SourceFault::input;
   }
 
+  // The first pose is the scene; each later one is what differs from the one before.
   void pose(std::optional<double> time, const DiagnosticSink& sink, host::SceneEdits* edits) {
     if (is_posed_ && !facts_.varies) return;
-    const host::StageOptions& stage = options_.stage;
-    json request = {{"do", "scene"}, {"time", nullptr}, {"refine", options_.refine_level}};
-    if (time) request["time"] = *time;
-    request["aovs"] = host::ProductAovs();
-    if (!stage.settings.empty()) request["settings"] = stage.settings;
-    if (stage.shutter) request["shutter"] = *stage.shutter;
-    if (!stage.purposes.empty()) request["purposes"] = stage.purposes;
-    const Child::Answer answer = child_->ask(request);
-    if (!is_posed_) {
-      take_faults(answer.text["faults"], sink);
-      for (const json& warning : answer.text["warnings"]) warn(warning, sink);
-    }
+    json at = nullptr;
+    if (time) at = *time;
+    if (!time && options_.stage.at_default_time) at = "default";
+    const Child::Answer answer = child_->ask(is_posed_ ? json{{"do", "time"}, {"time", at}} : scene_request(at));
+    take_faults(answer.text["faults"], sink);
+    for (const json& warning : answer.text["warnings"]) warn(warning, sink);
     archive::ReadOptions read;
     read.allow_outside = options_.allow_outside;
     read.folders = folders_;
     read.memory_limit = memory_;
+    read.is_answer = is_posed_;
     const archive::ReadResult result = archive::ReadSealedArchive(answer.file.get(), file_, edits, sink, read);
     if (!result.ok) {
       fault_ = result.out_of_memory ? host::SourceFault::out_of_memory : host::SourceFault::input;
       return;
     }
-    facts_.settings = result.info.settings;
-    facts_.memory_bytes = result.memory_bytes;
-    std::set<Path> paths;
-    for (const auto& [path, prim] : edits->prims) paths.insert(path);
-    for (const Path& path : paths_)
-      if (!paths.contains(path)) edits->removed.push_back(path);
-    paths_ = std::move(paths);
+    if (!is_posed_) facts_.settings = result.info.settings, facts_.memory_bytes = result.memory_bytes;
     is_posed_ = true;
+  }
+
+  json scene_request(const json& at) const {
+    const host::StageOptions& stage = options_.stage;
+    json request = {{"do", "scene"}, {"time", at}, {"refine", options_.refine_level}, {"aovs", host::ProductAovs()}};
+    if (!stage.settings.empty()) request["settings"] = stage.settings;
+    if (!stage.pass.empty()) request["pass"] = stage.pass;
+    if (!stage.camera.empty()) request["camera"] = stage.camera;
+    if (stage.hides_domes) request["hides_domes"] = true;
+    if (stage.recorded_width) request["record"] = true, request["width"] = *stage.recorded_width;
+    if (stage.shutter) request["shutter"] = *stage.shutter;
+    if (!stage.purposes.empty()) request["purposes"] = stage.purposes;
+    return request;
   }
 
   void warn(const json& warning, const DiagnosticSink& sink) {
@@ -146,7 +163,6 @@ class StageSource : public host::SceneSource {
   std::vector<std::string> folders_;
   size_t memory_ = 0;
   std::unique_ptr<Child> child_;
-  std::set<Path> paths_;  // of the last pose
   bool is_posed_ = false;
 };
 

@@ -33,10 +33,10 @@ bool is_orthographic(const hd::CameraDescription& camera) {
 
 }  // namespace
 
-Matrix4d orbited(const Matrix4d& camera, const Vec3d& pivot, double yaw, double pitch) {
-  const Matrix4d turned = rotated_about(camera, pivot, {0, 1, 0}, yaw);
+Matrix4d orbited(const Matrix4d& camera, const Vec3d& pivot, double yaw, double pitch, const Vec3d& up) {
+  const Matrix4d turned = rotated_about(camera, pivot, up, yaw);
   const Vec3d right = axis(turned, 0).normalized(), back = axis(turned, 2).normalized();
-  const double elevation = std::asin(std::clamp(back.y, -1.0, 1.0));
+  const double elevation = std::asin(std::clamp(back.dot(up), -1.0, 1.0));
   const double most = std::max(kHighestElevation, std::abs(elevation));
   const double wanted = std::clamp(elevation + pitch, -most, most);
   return rotated_about(turned, pivot, right, elevation - wanted);

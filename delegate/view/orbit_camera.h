@@ -1,13 +1,14 @@
-// How a camera follows a mouse. World space; y is up, and no horizon is tilted that was level.
+// How a camera follows a mouse. World space; no horizon is tilted that was level.
 #pragma once
 
 #include "delegate/api/scene_types.h"
 
 namespace alabaster::view {
 
-/// Rotates the camera about `pivot`: by `yaw` around the world's y axis, then by `pitch` around its own x axis,
+/// Rotates the camera about `pivot`: by `yaw` around the axis that points up, then by `pitch` around its own x axis,
 /// radians. Positive ones move the camera to the right and upwards. It ends short of the poles.
-hd::Matrix4d orbited(const hd::Matrix4d& camera, const hd::Vec3d& pivot, double yaw, double pitch);
+hd::Matrix4d orbited(const hd::Matrix4d& camera, const hd::Vec3d& pivot, double yaw, double pitch,
+                     const hd::Vec3d& up = {0, 1, 0});
 
 /// Moves the camera along its own x and y axes, in scene units.
 hd::Matrix4d panned(const hd::Matrix4d& camera, double right, double up);

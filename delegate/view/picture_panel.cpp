@@ -130,7 +130,7 @@ void PicturePanel::move() {
       divider_ = std::clamp(float(to.x), 0.0f, 1.0f);
       return;
     case Drag::orbit:  // half a turn across the picture
-      camera.transform = orbited(camera.transform, pivot_, -way.x * kTurn / 2, way.y * kTurn / 4);
+      camera.transform = orbited(camera.transform, pivot_, -way.x * kTurn / 2, way.y * kTurn / 4, session_->up());
       break;
     case Drag::pan:
       camera.transform = panned(camera.transform, -way.x * sight.width * scale, way.y * sight.height * scale);

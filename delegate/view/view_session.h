@@ -65,6 +65,8 @@ class ViewSession {
 
   /// Width over height of the frame as a screen shows it.
   double aspect() const;
+  /// The axis of the scene that points up.
+  hd::Vec3d up() const { return loaded_->file.info.up == hd::Token("Z") ? hd::Vec3d(0, 0, 1) : hd::Vec3d(0, 1, 0); }
   void set_size(hd::Vec2i size);
   hd::Vec2i size() const { return size_; }
 

@@ -28,9 +28,14 @@ def sealed(write):
 
 class Child:
     def __init__(self, sock):
-        self.socket, self.stage = sock, None
+        self.socket, self.stage, self.reader = sock, None, None
 
     def answer(self, message, fd=None):
+        """Lists go before the answer, in parts, where they are long."""
+        for key in [k for k in message if isinstance(message[k], list)]:
+            while len(json.dumps(message[key])) > MOST // 4:
+                self.socket.sendmsg([json.dumps({"part": {key: message[key][:10]}}).encode()])
+                message[key] = message[key][10:]
         text = json.dumps(message).encode()
         rights = [(socket.SOL_SOCKET, socket.SCM_RIGHTS, array.array("i", [fd]))] if fd is not None else []
         self.socket.sendmsg([text], rights)
@@ -45,6 +50,7 @@ class Child:
             asked = json.loads(message)
             if asked["do"] == "quit":
                 return
+            self.end_with_parent(True)
             try:
                 made = getattr(self, "do_" + asked["do"])(asked)
                 made = made if isinstance(made, tuple) else (made, None)
@@ -61,7 +67,14 @@ class Child:
                     traceback.print_exc()
                     said = {"text": "the reader failed: %s: %s" % (type(e).__name__, str(e).strip()[:400])}
                 made = {"fault": said}, None
+            self.end_with_parent(False)
             self.answer(*made)
+
+    def end_with_parent(self, ends):
+        """While it works, the parent says nothing: what comes is its end, and ends the work, too."""
+        fcntl.fcntl(self.socket, fcntl.F_SETOWN, os.getpid())
+        flags = fcntl.fcntl(self.socket, fcntl.F_GETFL)
+        fcntl.fcntl(self.socket, fcntl.F_SETFL, flags | os.O_ASYNC if ends else flags & ~os.O_ASYNC)
 
     def do_hello(self, asked):
         if asked["protocol"] != PROTOCOL:
@@ -75,7 +88,7 @@ class Child:
             return {"missing": str(e)[:300]}
         try:
             import MaterialX
-            mtlx = "MaterialX " + MaterialX.__version__
+            mtlx = MaterialX.__version__
         except ImportError:
             mtlx = None
         return {"usd": list(Usd.GetVersion()), "python": "%d.%d.%d" % sys.version_info[:3], "mtlx": mtlx, "landlock": version}
@@ -84,17 +97,26 @@ class Child:
         from alabaster_usd import opening
         self.stage, opened = opening.open_stage(asked, self.folders, self.everywhere)
         text = json.dumps(opened).encode()
-        return {"opened": True}, sealed(lambda fd: os.write(fd, text) == len(text) or opening.fail())
+        return {}, sealed(lambda fd: os.write(fd, text) == len(text) or opening.fail())
 
     def do_scene(self, asked):
         from alabaster_usd import notes, opening, scene, values
         told, sink = notes.Notes(), values.Archive()
         values.may_read = lambda file: self.everywhere or opening.is_within(file, self.folders)
         asked["may_write"] = lambda file: self.everywhere or opening.is_within(file, self.folders[:1])
-        reader = scene.Reader(self.stage, sink, told, asked.get("time"), asked)
-        stands_beside = reader.run()
-        answer = {"warnings": told.warnings()[:200], "faults": told.faults[:100]}
-        return answer, sealed(lambda fd: sink.write(fd, stands_beside))
+        self.reader = scene.Reader(self.stage, sink, told, asked.get("time"), asked)
+        stands_beside = self.reader.run()
+        self.told = set(told.kinds)
+        return {"warnings": told.warnings(), "faults": told.faults}, sealed(lambda fd: sink.write(fd, stands_beside))
+
+    def do_time(self, asked):
+        """After a scene: the prims that differ from the last answer, and what was not told before."""
+        from alabaster_usd import notes, values
+        sink, told = values.Archive(), notes.Notes()
+        gone = self.reader.advance(asked["time"], sink, told)
+        new = [w for w in told.warnings() if w[0] not in self.told]
+        self.told.update(told.kinds)
+        return {"warnings": new, "faults": told.faults}, sealed(lambda fd: sink.write(fd, {"removed": gone}))
 
 
 if __name__ == "__main__":

@@ -3,7 +3,7 @@ import math
 
 from pxr import Gf, Usd, UsdGeom, UsdSkel, Vt
 
-from .values import Samples, V, array, token, value_of
+from .values import Samples, V, array, color_space_of, to_rec709, token, value_of
 
 SCHEMES = ("none", "catmullClark", "loop", "bilinear")
 UNREAD = {"BasisCurves": "curves", "NurbsCurves": "curves", "HermiteCurves": "curves", "Points": "points", "Volume": "volumes",
@@ -25,7 +25,9 @@ def mesh_fields(prim, time, refine, notes):
         return None
     fields = {"faceVertexCounts": V("int[]", counts), "faceVertexIndices": V("int[]", indices), "primvars:points": V("float3[]", points)}
     scheme = mesh.GetSubdivisionSchemeAttr().Get(time)
-    scheme = scheme if scheme in SCHEMES else "none"
+    if scheme not in SCHEMES:
+        notes.tell("a subdivision scheme is not known: %s" % scheme, prim.GetPath())
+        scheme = "none"
     fields["scheme"] = token(scheme)
     if scheme == "none":
         _add_normals(mesh, fields, time)
@@ -122,6 +124,12 @@ def _primvar(primvar, time, notes, gprim):
         return None
     interpolation = primvar.GetInterpolation()
     role = ROLES.get(str(primvar.GetTypeName().role), "")
+    space = color_space_of(primvar.GetAttr()) if role == "lin_rec709" else ""
+    if space:
+        converted = to_rec709(made, space)
+        if converted is None:
+            notes.tell("colours in the space %s are taken as linear Rec. 709" % space, gprim.GetPath())
+        made = converted or made
     if not role and made.type.replace("[]", "") in PLAIN:
         role = "textureCoordinate"
     indices = primvar.GetIndices(time) if primvar.IsIndexed() and made.type.endswith("[]") else None
@@ -158,12 +166,16 @@ def add_velocities(attribute, name, points, fields, shutter, time, stage):
 
 # Implicit surfaces as closed meshes. The points are shared by all that have the same sizes.
 
-def implicit_fields(prim, time, cache):
+def implicit_fields(prim, time, cache, notes):
+    """None (told): it has no axis."""
     kind = prim.GetTypeName()
     sizes = tuple(prim.GetAttribute(n).Get(time) for n in
                   {"Cube": ("size",), "Sphere": ("radius",), "Cylinder": ("radius", "height", "axis"), "Cone": ("radius", "height", "axis"),
                    "Cylinder_1": ("radiusBottom", "radiusTop", "height", "axis"), "Capsule": ("radius", "height", "axis"),
                    "Capsule_1": ("radiusBottom", "radiusTop", "height", "axis"), "Plane": ("width", "length", "axis")}[kind])
+    if sizes[-1] not in "XYZ" if isinstance(sizes[-1], str) else False:
+        notes.tell("an axis is not known: %s" % sizes[-1], prim.GetPath())
+        return None
     key = (kind, sizes)
     if key not in cache:
         cache[key] = _scaled(cache, kind, *sizes) if kind in ("Sphere", "Cylinder") else _shape(kind, *sizes)
@@ -278,14 +290,14 @@ def tet_fields(prim, time, notes):
 class Skeletons:
     """Skinned and blended points."""
 
-    def __init__(self, time):
-        self.time, self.cache, self.xforms = time, UsdSkel.Cache(), UsdGeom.XformCache(time)
+    def __init__(self):
+        self.cache = UsdSkel.Cache()
 
     def populate(self, root):
         self.cache.Populate(UsdSkel.Root(root), Usd.TraverseInstanceProxies())
 
-    def deform(self, prim, fields, notes):
-        """Changes the points; returns the prim whose space they are in, or None: nothing moves."""
+    def deform(self, prim, fields, time, shutter, notes):
+        """Changes the points; returns the prim whose space they are in, or None: nothing moves it."""
         query = self.cache.GetSkinningQuery(prim)
         if not query or not (query.HasJointInfluences() or query.HasBlendShapes()):
             return None
@@ -293,25 +305,35 @@ class Skeletons:
         skel = self.cache.GetSkelQuery(skeleton) if skeleton else None
         if not skel:
             return None
-        points = Vt.Vec3fArray(fields["primvars:points"].data)
-        if query.HasBlendShapes():
-            points = self._blend(prim, query, skel, points)
-        moved = None
-        if query.HasJointInfluences():
-            turns = skel.ComputeSkinningTransforms(self.time)
-            if turns:
-                if query.GetJointMapper():
-                    turns = self._mapped(query.GetJointMapper(), turns)
-                if query.IsRigidlyDeformed():
-                    turn = query.ComputeSkinnedTransform(turns, self.time)
-                    points = Vt.Vec3fArray([Gf.Vec3f(turn.Transform(p)) for p in points]) if turn else points
-                    moved = skeleton.GetPrim()
-                elif query.ComputeSkinnedPoints(turns, points, self.time):
-                    moved = skeleton.GetPrim()
+        rest = fields["primvars:points"].data
+        points, is_skinned = self._points(prim, query, skel, rest, time)
         fields["primvars:points"] = V("float3[]", points)
         for name in [n for n in fields if n.startswith("primvars:normals")]:
             del fields[name]  # those of the rest pose
-        return moved
+        animation = skel.GetAnimQuery()
+        if shutter and animation:
+            now, within = time.GetValue(), Gf.Interval(time.GetValue() + shutter[0], time.GetValue() + shutter[-1])
+            samples = {*(animation.GetJointTransformTimeSamplesInInterval(within) or ()), *(animation.GetBlendShapeWeightTimeSamplesInInterval(within) or ())}
+            times = sorted({*shutter, *(t - now for t in samples)})[:16]
+            moved = [self._points(prim, query, skel, rest, Usd.TimeCode(now + t))[0] for t in times]
+            if any(m != moved[0] for m in moved):
+                fields["primvars:points:samples"] = V("samples", Samples(times, [V("float3[]", m) for m in moved]))
+        return skeleton.GetPrim() if is_skinned else None
+
+    def _points(self, prim, query, skel, rest, time):
+        """(the points at a time, whether joints move them)."""
+        points = Vt.Vec3fArray(rest)
+        if query.HasBlendShapes():
+            points = self._blend(prim, query, skel, points, time)
+        turns = skel.ComputeSkinningTransforms(time) if query.HasJointInfluences() else None
+        if not turns:
+            return points, False
+        if query.GetJointMapper():
+            turns = self._mapped(query.GetJointMapper(), turns)
+        if query.IsRigidlyDeformed():
+            turn = query.ComputeSkinnedTransform(turns, time)
+            return Vt.Vec3fArray([Gf.Vec3f(turn.Transform(p)) for p in points]) if turn else points, True
+        return points, bool(query.ComputeSkinnedPoints(turns, points, time))
 
     @staticmethod
     def _mapped(mapper, turns):
@@ -319,9 +341,9 @@ class Skeletons:
         made = mapper.RemapTransforms(turns, mapped) if not mapper.IsIdentity() else turns
         return made if isinstance(made, Vt.Matrix4dArray) else mapped
 
-    def _blend(self, prim, query, skel, points):
+    def _blend(self, prim, query, skel, points, time):
         animation = skel.GetAnimQuery()
-        weights = animation.ComputeBlendShapeWeights(self.time) if animation else None
+        weights = animation.ComputeBlendShapeWeights(time) if animation else None
         if not weights:
             return points
         names, values = list(animation.GetBlendShapeOrder()), list(weights)

@@ -1,7 +1,7 @@
 """Lights of UsdLux. Values that a file leaves out are the schema's, such as intensity 50000 of a DistantLight."""
 from pxr import Gf, Sdf, Usd, UsdGeom, UsdLux
 
-from .values import V, asset_value, matrix, token, value_of
+from .values import V, asset_value, color_space_of, matrix, to_rec709, token, value_of
 
 TYPES = {"RectLight": "rectLight", "DiskLight": "diskLight", "CylinderLight": "cylinderLight", "SphereLight": "sphereLight",
          "DistantLight": "distantLight", "DomeLight": "domeLight", "DomeLight_1": "domeLight"}
@@ -43,6 +43,8 @@ def light_fields(prim, world, visible, time, up, links, notes):
                 fields[name], _ = asset_value(value, attribute, time)
         elif value is not None:
             fields[name] = value_of(value, str(attribute.GetTypeName()))
+            space = color_space_of(attribute) if name == "color" else ""
+            fields[name] = (to_rec709(fields[name], space) if space else None) or fields[name]
     fields["color:colorSpace"] = token("lin_rec709")
     if prim.GetTypeName() == "SphereLight" and UsdLux.SphereLight(prim).GetTreatAsPointAttr().Get(time):
         fields["treatAsPoint"] = V("bool", True)
@@ -88,9 +90,9 @@ class Links:
         fields = {}
         api = UsdLux.LightAPI(prim)
         for key, collection in (("lightLink", api.GetLightLinkCollectionAPI()), ("shadowLink", api.GetShadowLinkCollectionAPI())):
-            if not collection or not _is_authored(collection):
+            if not collection or not is_authored(collection):
                 continue
-            if _by_expression(collection):
+            if is_by_expression(collection):
                 notes.tell("links by path expressions are not read: the light is linked to all", prim.GetPath())
                 continue
             name = "%s %s" % (key, prim.GetPath())
@@ -99,19 +101,19 @@ class Links:
         self.fields[str(prim.GetPath())] = fields
 
     def categories(self, path):
-        return [name for name, query in self.of if _holds(query, path)]
+        return [name for name, query in self.of if holds(query, path)]
 
 
-def _is_authored(collection):
+def is_authored(collection):
     includes, excludes = collection.GetIncludesRel().GetTargets(), collection.GetExcludesRel().GetTargets()
-    return bool(includes or excludes or collection.GetIncludeRootAttr().Get() is False or _by_expression(collection))
+    return bool(includes or excludes or collection.GetIncludeRootAttr().Get() is False or is_by_expression(collection))
 
 
-def _by_expression(collection):
+def is_by_expression(collection):
     attribute = collection.GetMembershipExpressionAttr() if hasattr(collection, "GetMembershipExpressionAttr") else None
     return bool(attribute and attribute.HasAuthoredValue())
 
 
-def _holds(query, path):
+def holds(query, path):
     held = query.IsPathIncluded(Sdf.Path(path))
     return held[0] if isinstance(held, tuple) else held

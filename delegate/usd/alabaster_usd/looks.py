@@ -1,7 +1,7 @@
 """Materials: networks as they were authored, as edits. What they mean is decided behind the contract."""
 from pxr import Sdf, Usd, UsdShade
 
-from .values import V, asset_value, path, token, value_of
+from .values import V, asset_value, color_space_of, path, to_rec709, token, value_of
 
 # The contexts of a surface, those that are read best first.
 CONTEXTS = ["alabaster", "mtlx", ""]
@@ -15,9 +15,19 @@ NATIVE = {"ND_UsdPreviewSurface_surfaceshader": "UsdPreviewSurface", "ND_UsdTran
 
 
 class Looks:
-    def __init__(self, stage, sink, notes, time):
-        self.stage, self.sink, self.notes, self.time, self.done = stage, sink, notes, time, {}
+    def __init__(self, stage):
+        self.stage, self.done = stage, {}
+        self.nodes = {}  # a material's path -> the paths of what it is made of
         self.fallbacks = {}  # names of nodes whose image is missing -> what their file gives in its place
+
+    def begin(self, sink, notes, time):
+        self.sink, self.notes, self.time = sink, notes, time
+
+    def renew(self, changed):
+        """Writes again the materials that are made of something that has changed."""
+        for where in list(self.done):
+            if not changed.isdisjoint(self.nodes[where]):
+                self.done[where] = self._write(UsdShade.Material(self.stage.GetPrimAtPath(where)), where)
 
     def bind(self, material):
         """The path of a bound material as a value, after its network has been written; None without one."""
@@ -45,6 +55,7 @@ class Looks:
         return str(name) if name else shader.GetPrim().GetTypeName() or "no id"
 
     def _write(self, material, where):
+        self.nodes[where] = {material.GetPath()}
         shader, kind = self._surface(material)
         if not shader:
             if material.GetVolumeOutput().HasConnectedSource():
@@ -73,6 +84,7 @@ class Looks:
         if name + ".type" in fields or len(visiting) > 200:
             return
         kind = self._id(shader)
+        self.nodes[where].add(prim.GetPath())
         fields[name + ".type"] = token(NATIVE.get(kind, kind))
         is_ours = kind.startswith("Alabaster")
         for given in shader.GetInputs():
@@ -92,22 +104,28 @@ class Looks:
                 upstream.append(self._name(where, attribute.GetPrim()) + "." + attribute.GetName()[len("outputs:"):])
         if upstream and upstream[0].rsplit(".", 1)[0] in self.fallbacks:
             color, output = self.fallbacks[upstream[0].rsplit(".", 1)[0]], upstream[0].rsplit(".", 1)[1]
-            fields[key] = V("float3", color[:3]) if output == "rgb" else V("float", color["rgba".find(output)])
+            fields[key] = V("float%d" % len(output), color[:len(output)]) if output in ("rgb", "rgba") else V("float", color["rgba".find(output)])
             return
         if upstream:
             fields[key] = V("path[]", upstream)
             return
         attribute = produced[0] if produced else None
+        if attribute:
+            self.nodes[where].add(attribute.GetPrim().GetPath())
         value = attribute.Get(self.time) if attribute else None
         if value is None:
             return
-        space = attribute.GetColorSpace() if attribute.HasColorSpace() else ""
+        is_color = str(attribute.GetTypeName()).startswith("color")
+        space = color_space_of(attribute) if is_color else attribute.GetColorSpace() if attribute.HasColorSpace() else ""
+        if not isinstance(value, Sdf.AssetPath):
+            made = value_of(value, str(attribute.GetTypeName()))
+            converted = to_rec709(made, space) if is_color and space and made is not None and not is_ours else None
+            made, space = (converted, "") if converted else (made, space)
+            if made is not None:
+                fields[key] = made
         if space and not is_ours:
             fields[name + ".colorSpace:" + base] = token(space)
         if not isinstance(value, Sdf.AssetPath):
-            made = value_of(value, str(attribute.GetTypeName()))
-            if made is not None:
-                fields[key] = made
             return
         if not value.path:
             return

@@ -9,12 +9,16 @@ class Fault(Exception):
         self.said = {"text": text, "file": file, "prim": str(prim), "line": line}
 
 
+MOST = 200  # faults
+
+
 class Notes:
     def __init__(self):
         self.faults, self.kinds, self.vendors = [], {}, {}
 
     def fault(self, text, file="", prim="", line=0):
-        self.faults.append(Fault(text, file, prim, line).said)
+        if len(self.faults) < MOST:
+            self.faults.append(Fault(text[:2000], file, prim, line).said)
 
     def tell(self, kind, path):
         """`kind` is the sentence, which is one for all prims that it holds of."""

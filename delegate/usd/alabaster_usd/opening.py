@@ -30,6 +30,9 @@ def open_stage(asked, folders, everywhere):
     except Tf.ErrorException as e:
         text, layer, line = plain(e)
         raise Fault("it cannot be read: " + text, layer or file, line=line) from None
+    for prim in masks or ():
+        if not (Sdf.Path.IsValidPathString(prim) and stage.GetPrimAtPath(prim)):
+            raise Fault("there is no prim of that path to read alone (--mask)", file, prim=prim)
     stage.SetEditTarget(stage.GetSessionLayer())
     for prim, name, choice in _variants(asked.get("variants", "")):
         _select(stage, prim, name, choice)

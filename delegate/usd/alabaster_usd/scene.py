@@ -3,24 +3,28 @@ from pxr import Gf, Sdf, Usd, UsdGeom, UsdLux, UsdShade, UsdSkel
 
 from . import geometry, lights, views
 from .looks import Looks
+from .notes import Fault
 from .values import Samples, V, array, matrix, path, token
 
+MOST_LIGHTS = 1000  # of a PointInstancer
 RENDER_TAGS = {"default": "geometry", "render": "render", "proxy": "proxy", "guide": "guide"}
 
 
 class Place:
     """Where the walk is: what prims inherit."""
 
-    def __init__(self, xform=None, purpose="default", primvars=(), instancer=None, moved=None, root=None, moves=None):
+    def __init__(self, xform=None, purpose="default", primvars=(), instancer=None, moved=None, root=None, moves=None, origin=None, drawn=True):
         self.xform = xform or Gf.Matrix4d(1)  # to the world, or to the space of the instancer
         self.moves = moves                    # the same at the times of the shutter; None: it stands still
         self.purpose, self.primvars = purpose, primvars
         self.instancer = instancer  # that draws what is met here
         self.moved = moved          # (from, to): prims below one path are named below another
         self.root = root or Gf.Matrix4d(1)  # from the world to the instancer's space, where it was met first
+        self.origin = origin        # the path of the outermost instancer, or None
+        self.drawn = drawn          # False: on the way to what differs from the last answer
 
     def below(self, **changes):
-        made = Place(self.xform, self.purpose, self.primvars, self.instancer, self.moved, self.root, self.moves)
+        made = Place(self.xform, self.purpose, self.primvars, self.instancer, self.moved, self.root, self.moves, self.origin, self.drawn)
         made.__dict__.update(changes)
         return made
 
@@ -47,33 +51,55 @@ class Instancer:
 
 
 class Reader:
-    """Reads a stage at a time. `options`: camera, settings, purposes, refine, all optional."""
+    """Reads a stage at a time. `options`, all optional: camera, settings, pass, purposes, shutter, refine, width, hides_domes; record: by usdrecord's rules."""
 
     def __init__(self, stage, sink, notes, time=None, options=None):
         options = options or {}
-        self.stage, self.sink, self.notes, self.options = stage, sink, notes, options
-        if time is None:
-            time = stage.GetStartTimeCode() if stage.HasAuthoredTimeCodeRange() else None
-        self.time = Usd.TimeCode.EarliestTime() if time is None else Usd.TimeCode(time)
+        self.stage, self.options = stage, options
         self.refine = options.get("refine", 2)
-        self.looks = Looks(stage, sink, notes, self.time)
+        self.looks = Looks(stage)
         self.up = str(UsdGeom.GetStageUpAxis(stage))
-        self.links, self.shapes, self.meshes = lights.Links(), {}, []
-        self.cameras, self.lit, self.light_prims = {}, {}, []
-        self.skeletons = geometry.Skeletons(self.time)
+        self.links, self.shapes = lights.Links(), {}
+        self.cameras, self.lights = {}, []
+        self.skeletons = geometry.Skeletons()
+        self.chosen = views.Pass(stage, options["pass"], notes) if options.get("pass") else None
+        self.origins = {}    # names of meshes and instancers -> the path of the prim that they are read from
+        self.changes = None  # Changes, once a second time is asked for
+        self.taken_apart = None  # paths below which a collection tells prims apart
+        self.said = {}       # of cameras and lights, as they were last
+        self._begin(time, sink, notes)
+
+    def _begin(self, time, sink, notes):
+        if time is None and (self.stage.HasAuthoredTimeCodeRange() or self.options.get("record")):
+            time = self.stage.GetStartTimeCode()
+        self.time = Usd.TimeCode.EarliestTime() if time is None else Usd.TimeCode.Default() if time == "default" else Usd.TimeCode(time)
+        self.sink, self.notes, self.meshes = sink, notes, []
         self.world = UsdGeom.XformCache(self.time)
+        self.looks.begin(sink, notes, self.time)
 
     # In order of time ---------------------------------------------------------------------------------
     def run(self):
         """Returns what stands beside the prims in an archive."""
         self._find_cameras_and_lights()
         settings = self._read_settings()
-        root = self.stage.GetPseudoRoot()
-        self._children(root, Place())
+        self._view_and_light()
+        self._children(self.stage.GetPseudoRoot(), Place())
         self._bind()
-        for where, (name, fields) in sorted(self.lit.items()):
-            self.sink.set(where, name, fields)
         return {"settings": settings}
+
+    def advance(self, time, sink, notes):
+        """Writes the prims that differ from the last answer to `sink`; returns the names of those that are gone."""
+        self._begin(time, sink, notes)
+        self.changes = self.changes or Changes(self.stage)
+        self._choose_shutter()
+        self._view_and_light()
+        before = {name for name, origin in self.origins.items() if self.changes.holds(origin)}
+        for name in before:
+            del self.origins[name]
+        self._children(self.stage.GetPseudoRoot(), Place(drawn=False))
+        self.looks.renew(self.changes.others)
+        self._bind()
+        return sorted(name for name in before if name not in self.origins)
 
     def _find_cameras_and_lights(self):
         """Also those in instances, of which each is one of its own."""
@@ -83,53 +109,99 @@ class Reader:
             if prim.IsA(UsdGeom.Camera):
                 self.cameras[str(prim.GetPath())] = prim
             elif prim.IsA(UsdGeom.PointInstancer):
-                if any(lights.is_light(p) for p in Usd.PrimRange(prim)):
-                    self.notes.tell("lights of PointInstancers are not read", prim.GetPath())
+                self._find_lights_of_points(prim)
+                if any(p.IsA(UsdGeom.Camera) for p in Usd.PrimRange(prim)):
+                    self.notes.tell("cameras of PointInstancers are not read", prim.GetPath())
                 everything.PruneChildren()
             elif lights.is_light(prim):
                 self.links.add(prim, self.notes)
-                visible = UsdGeom.Imageable(prim).ComputeVisibility(self.time) != "invisible"
-                where = str(prim.GetPath())
-                self.light_prims.append(prim)
-                self.lit[where] = lights.light_fields(prim, self.world.GetLocalToWorldTransform(prim), visible, self.time, self.up,
-                                                      self.links.fields[where], self.notes)
+                self._add_light(prim, str(prim.GetPath()))
             else:
                 lights.tell_unread(prim, self.notes)
+
+    def _add_light(self, prim, name, instance=None):
+        if not self.chosen or (self.chosen.shows(prim.GetPath()) and not self.chosen.prunes(prim.GetPath())):
+            self.lights.append((prim, name, instance))
+
+    def _find_lights_of_points(self, prim):
+        """One for each point: (light, name, (instancer, prototype, place among the points))."""
+        points = UsdGeom.PointInstancer(prim)
+        indices = points.GetProtoIndicesAttr().Get(self.time) or ()
+        for number, target in enumerate(points.GetPrototypesRel().GetForwardedTargets()):
+            prototype = self.stage.GetPrimAtPath(target)
+            for light in (p for p in (Usd.PrimRange(prototype) if prototype else ()) if lights.is_light(p)):
+                chosen = _places(indices, number, points.ComputeMaskAtTime(self.time)) if len(indices) else ()
+                if len(chosen) > MOST_LIGHTS:
+                    self.notes.tell("a PointInstancer has more than %d lights, which are not read" % MOST_LIGHTS, prim.GetPath())
+                    continue
+                self.links.add(light, self.notes)
+                below = str(light.GetPath())[len(str(target)):]
+                for i in chosen:
+                    self._add_light(light, "%s/%s_%d%s" % (prim.GetPath(), prototype.GetName(), i, below), (points, prototype, i))
+
+    def _light_place(self, light, instance, time, known):
+        """(its transform, whether it is visible). `known` has the transforms of instancers."""
+        if not instance:
+            return UsdGeom.Imageable(light).ComputeLocalToWorldTransform(time), UsdGeom.Imageable(light).ComputeVisibility(time) != "invisible"
+        points, prototype, i = instance
+        to_world = lambda prim: UsdGeom.Imageable(prim).ComputeLocalToWorldTransform(time)
+        if points not in known:
+            known[points] = points.ComputeInstanceTransformsAtTime(time, time, UsdGeom.PointInstancer.IncludeProtoXform, UsdGeom.PointInstancer.IgnoreMask)
+        placed = known[points][i] if i < len(known[points]) else Gf.Matrix4d(0)
+        visible = points.ComputeVisibility(time) != "invisible" and UsdGeom.Imageable(light).GetVisibilityAttr().Get(time) != "invisible"
+        return to_world(light) * to_world(prototype).GetInverse() * placed * to_world(points), visible
 
     def _in_prototypes(self):
         return any(p.IsA(UsdGeom.Camera) or lights.is_light(p)
                    for prototype in self.stage.GetPrototypes() for p in Usd.PrimRange(prototype))
 
-    def _choose_shutter(self, camera):
+    def _choose_shutter(self):
         """The times at which what moves is sampled: of the camera's shutter, or of the options'."""
-        self.shutter, prim = None, self.cameras.get(camera)
+        self.shutter, prim, settings = None, self.cameras.get(self.main), self.settings
         given = self.options.get("shutter")
-        if given or prim:
+        if (given or prim) and not (settings and views.all_disabled(settings, "disableMotionBlur")):
             opens, closes = given or [prim.GetAttribute("shutter:" + n).Get(self.time) or 0 for n in ("open", "close")]
             if closes > opens and self.time.GetValue() > -1e300:
                 self._sample(opens, closes)
+
+    def _view_and_light(self):
+        """Cameras and lights, if they differ from the last answer."""
         for where, one in self.cameras.items():
             fields = views.camera_fields(one, self.world.GetLocalToWorldTransform(one), self.time)
+            if self.settings and views.all_disabled(self.settings, "disableDepthOfField"):
+                fields["fStop"] = V("float", 0.0)
             if self.shutter:
                 moves = [UsdGeom.Xformable(one).ComputeLocalToWorldTransform(t) for t in self.shutter_times]
                 if any(m != moves[0] for m in moves):
                     fields["transform:samples"] = self._samples(moves)
-            self.sink.set(where, "camera", fields)
-
+            self._say(where, "camera", fields)
+        known = {}
+        for light, name, instance in self.lights:
+            place, visible = self._light_place(light, instance, self.time, known)
+            kind, fields = lights.light_fields(light, place, visible, self.time, self.up, self.links.fields[str(light.GetPath())], self.notes)
+            if (kind == "domeLight" and self.options.get("hides_domes")) or (self.chosen and not self.chosen.is_seen(light.GetPath())):
+                fields["visibleToCamera"] = V("bool", False)
+            self._say(name, kind, fields)
         if not self.shutter:
             return
-        if prim and any(prim.GetAttribute(n).ValueMightBeTimeVarying() for n in views.LENS):
-            self.notes.tell("a lens that changes within the shutter stands still", camera)
-        for light in self.light_prims:
-            ends = [UsdGeom.Xformable(light).ComputeLocalToWorldTransform(t) for t in (self.shutter_times[0], self.shutter_times[-1])]
+        if self.main in self.cameras and any(self.cameras[self.main].GetAttribute(n).ValueMightBeTimeVarying() for n in views.LENS):
+            self.notes.tell("a lens that changes within the shutter stands still", self.main)
+        for light, name, instance in self.lights:
+            ends = [self._light_place(light, instance, t, {})[0] for t in (self.shutter_times[0], self.shutter_times[-1])]
             if ends[0] != ends[1]:
-                self.notes.tell("a light that moves within the shutter stands still", light.GetPath())
+                self.notes.tell("a light that moves within the shutter stands still", name)
+
+    def _say(self, where, kind, fields):
+        said = repr(fields)
+        if self.said.get(where) != said:
+            self.said[where] = said
+            self.sink.set(where, kind, fields)
 
     def _sample(self, opens, closes):
         """Both ends, and up to seven times between at which something has a sample."""
         now = self.time.GetValue()
         between, interval = set(), Gf.Interval(now + opens, now + closes)
-        for prim in self.stage.Traverse():
+        for prim in self.changes.movers if self.changes else self.stage.Traverse():
             if prim.IsA(UsdGeom.Xformable):
                 xformable = UsdGeom.Xformable(prim)
                 if xformable.TransformMightBeTimeVarying():
@@ -142,40 +214,72 @@ class Reader:
     def _samples(self, moves):
         return V("samples", Samples(self.shutter, [matrix(m) for m in moves]))
 
+    def _camera(self, name):
+        """The camera of a path or a name; None: there is none."""
+        if not name or name in self.cameras:
+            return name or None
+        return next((c for c in self.cameras if c.endswith("/" + name)), None) if not name.startswith("/") else None
+
     def _read_settings(self):
-        prim = views.choose_settings(self.stage, self.options.get("settings"), self.notes)
-        where, fields = "/render", {}
-        main = next((c for c in self.cameras if c.endswith("/main_cam")), next(iter(self.cameras), None))
+        record, asked = self.options.get("record"), self._camera(self.options.get("camera"))
+        if record and self.options.get("camera") and not asked:
+            self.notes.tell("the stage has no camera of that name", self.options["camera"])
+        named = self.options.get("settings") or (self.chosen.settings if self.chosen else None)
+        prim = views.choose_settings(self.stage, named, self.notes, only_named=record)
+        where, fields, further = "/render", {}, []
+        main = asked or self._camera("main_cam") or (None if record else next(iter(self.cameras), None))
         if prim:
             where = str(prim.GetPath())
-            fields = views.settings_fields(prim, self.time, self.notes, self.cameras, self.options.get("may_write", lambda file: True),
-                                           self.options.get("aovs", ()))
-            if "camera" not in fields and main:
+            fields, further = views.settings_fields(prim, self.time, self.notes, self.cameras, self.options.get("may_write", lambda file: True),
+                                                    self.options.get("aovs", ()))
+            if main and ("camera" not in fields or (record and asked)):
                 fields["camera"] = path(main)
-            self.binding = prim.GetAttribute("materialBindingPurposes").Get()
-        else:
-            fields = views.default_settings(main, self.cameras.get(main), self.time)
-            self.binding = None
-        self._choose_shutter(self.options.get("camera") or (fields["camera"].data if "camera" in fields else None))
+        elif not record:
+            fields = views.default_settings(main, self.cameras.get(main), self.time, self.options.get("width") or 1280)
+        elif main:
+            fields["camera"] = path(main)
+        if record and "products:0:file" not in fields:
+            fields.pop("crop", None)
+            fields.update(views.recorded_size(self.cameras.get(fields["camera"].data) if "camera" in fields else None, self.time, self.options["width"]))
+        self.binding = prim.GetAttribute("materialBindingPurposes").Get() if prim else None
+        self.main, self.settings = asked or (fields["camera"].data if "camera" in fields else None), prim
+        if record and not self.main:
+            self.cameras = {}  # the stage is framed
+        self._choose_shutter()
         purposes = self.options.get("purposes")
+        for purpose in purposes or ():
+            if purpose not in RENDER_TAGS:
+                raise Fault("'%s' is no purpose: choose from %s" % (purpose, ", ".join(RENDER_TAGS)))
         if purposes:
             fields["includedPurposes"] = V("token[]", purposes)
         self.purposes = set(fields["includedPurposes"].data) if "includedPurposes" in fields else {"default", "render"}
         while self.stage.GetPrimAtPath(where) and not prim:
             where += "_"
         self.sink.set(where, "renderSettings", fields)
+        for number, one in enumerate(further):
+            if purposes:
+                one["includedPurposes"] = fields["includedPurposes"]
+            if "camera" not in one and "camera" in fields:
+                one["camera"] = fields["camera"]
+            self.sink.set("%s/product_%d" % (where, number + 2), "renderSettings", one)
         return where
 
     # The walk -----------------------------------------------------------------------------------------
     def _children(self, parent, place):
         """Instances of one prototype that inherit the same are drawn by one instancer."""
         groups = {}
+        ways = None if place.drawn else self.changes.ways.get(str(parent.GetPath()), ())
         for prim in parent.GetFilteredChildren(Usd.TraverseInstanceProxies(Usd.PrimDefaultPredicate)):
-            self._prim(prim, place, groups)
+            if ways is None or prim.GetName() in ways:
+                self._prim(prim, place, groups)
         for key in groups:
             self._instances(groups[key], place)
 
     def _prim(self, prim, place, groups):
+        if self.chosen and self.chosen.prunes(prim.GetPath()):
+            return
+        if not place.drawn and str(prim.GetPath()) in self.changes.whole:
+            place = place.below(drawn=True)
         if prim.IsA(UsdGeom.Imageable):
             image = UsdGeom.Imageable(prim)
             visibility = image.GetVisibilityAttr()
@@ -193,28 +297,51 @@ class Reader:
                     moves = [a * b for a, b in zip(locals, moves or [Gf.Matrix4d(1) if resets else place.xform] * len(locals))]
                 place = place.below(xform=local * (Gf.Matrix4d(1) if resets else place.xform), moves=moves)
         if prim.IsInstance() and not prim.IsA(UsdGeom.Gprim):
-            binding = UsdShade.MaterialBindingAPI(prim).ComputeBoundMaterial()[0]
-            key = (str(prim.GetPrototype().GetPath()), str(binding.GetPath()) if binding else "", place.purpose,
-                   tuple(str(p.GetAttr().GetPath()) for p in UsdGeom.PrimvarsAPI(prim).FindInheritablePrimvars()))
+            skel = UsdSkel.BindingAPI(prim)
+            key = (str(prim.GetPrototype().GetPath()), self._bindings(prim), place.purpose, self._apart(prim),
+                   tuple(str(p.GetAttr().GetPath()) for p in UsdGeom.PrimvarsAPI(prim).FindInheritablePrimvars()),
+                   *(str(p.GetPath()) if p else "" for p in (skel.GetInheritedAnimationSource(), skel.GetInheritedSkeleton())))
             groups.setdefault(key, []).append((prim, place))
             return
         self._draw(prim, place)
 
+    def _bindings(self, prim):
+        """What an instance inherits: the material of each purpose, and whether it is stronger than those below."""
+        found = []
+        for purpose in self._purposes_of_materials():
+            material, binding = UsdShade.MaterialBindingAPI(prim).ComputeBoundMaterial(purpose)
+            found.append((str(material.GetPath()), UsdShade.MaterialBindingAPI.GetMaterialBindingStrength(binding)) if material else None)
+        return tuple(found)
+
+    def _apart(self, prim):
+        """Instances that light links, a pass or bindings of collections take apart are not drawn as one."""
+        where = str(prim.GetPath())
+        queries = self.chosen.queries.values() if self.chosen else ()
+        if self.taken_apart is None:
+            bound = [c.GetCollection() for p in self.stage.Traverse() for purpose in self._purposes_of_materials()
+                     for c in UsdShade.MaterialBindingAPI(p).GetCollectionBindings(purpose) if c.IsValid()]
+            every = [*queries, *(q for _, q in self.links.of), *(c.ComputeMembershipQuery() for c in bound if c)]
+            self.taken_apart = {str(a) for q in every for p in q.GetAsPathExpansionRuleMap() for a in p.GetPrefixes()[:-1]}
+        return where if where in self.taken_apart else tuple(lights.holds(q, where) for q in queries)
+
+    def _purposes_of_materials(self):
+        return [p if p != "allPurpose" else "" for p in (str(p) for p in self.binding)] if self.binding else ["full", ""]
+
     def _draw(self, prim, place):
         kind = prim.GetTypeName()
-        if prim.IsA(UsdSkel.Root):
+        if prim.IsA(UsdSkel.Root) and place.drawn:
             self.skeletons.populate(prim)
         if prim.IsA(UsdGeom.PointInstancer):
             return self._points(prim, place)
-        if prim.HasAPI(UsdGeom.ModelAPI):
-            mode = UsdGeom.ModelAPI(prim).ComputeModelDrawMode()
-            if mode != "default":
+        if prim.HasAPI(UsdGeom.ModelAPI) and place.drawn:
+            mode = UsdGeom.ModelAPI(prim).GetModelDrawModeAttr().Get() or UsdGeom.ModelAPI(prim).ComputeModelDrawMode()
+            if mode not in ("default", "inherited"):
                 self.notes.tell("draw modes are not read: the objects are drawn", prim.GetPath())
-        if place.purpose in self.purposes:
+        if place.purpose in self.purposes and place.drawn:
             if kind == "Mesh":
                 self._mesh(prim, place, geometry.mesh_fields(prim, self.time, self.refine, self.notes))
             elif kind in geometry.IMPLICIT:
-                self._mesh(prim, place, geometry.implicit_fields(prim, self.time, self.shapes), True)
+                self._mesh(prim, place, geometry.implicit_fields(prim, self.time, self.shapes, self.notes), True)
             elif kind == "TetMesh":
                 self._mesh(prim, place, geometry.tet_fields(prim, self.time, self.notes))
             elif kind in geometry.UNREAD:
@@ -228,22 +355,26 @@ class Reader:
         self._children(prim, place)
 
     def _mesh(self, prim, place, fields, is_implicit=False):
-        if fields is None:
+        if fields is None or (self.chosen and not self.chosen.shows(prim.GetPath())):
             return
         geometry.add_primvars(prim, place.primvars, fields, self.time, self.notes, is_implicit)
-        xform = place.xform
-        if not is_implicit:
-            space = self.skeletons.deform(prim, fields, self.notes)
-            if space:
-                xform = self.world.GetLocalToWorldTransform(space) * place.root
+        xform, moves, rest = place.xform, place.moves, fields["primvars:points"]
+        space = None if is_implicit else self.skeletons.deform(prim, fields, self.time, self.shutter, self.notes)
+        if space:
+            xform, moves = self.world.GetLocalToWorldTransform(space) * place.root, None
+            if self.shutter:
+                at = [UsdGeom.Imageable(space).ComputeLocalToWorldTransform(t) * place.root for t in self.shutter_times]
+                moves = at if any(m != at[0] for m in at) else None
         if xform != Gf.Matrix4d(1):
             fields["transform"] = matrix(xform)
-        if place.moves and xform is place.xform:
-            fields["transform:samples"] = self._samples(place.moves)
-        if self.shutter and prim.GetTypeName() == "Mesh" and xform is place.xform:
+        if moves:
+            fields["transform:samples"] = self._samples(moves)
+        if self.shutter and prim.GetTypeName() == "Mesh" and fields["primvars:points"] is rest:
             geometry.add_motion(prim, fields, self.shutter, self.time, self.notes)
         if place.purpose != "default":
             fields["renderTag"] = token(RENDER_TAGS.get(place.purpose, "geometry"))
+        if self.chosen:
+            fields.update(self.chosen.options(prim.GetPath()))
         name = place.name(prim)
         if place.instancer:
             fields["instancer"] = path(place.instancer.name)
@@ -252,6 +383,7 @@ class Reader:
             categories = self.links.categories(prim.GetPath())
             if categories:
                 fields["categories"] = V("token[]", categories)
+        self.origins[name] = place.origin or str(prim.GetPath())
         self.meshes.append((name, prim, fields))
 
     def _instances(self, members, place):
@@ -266,19 +398,22 @@ class Reader:
         instancer = Instancer(first_place.name(first), Gf.Matrix4d(1), place.instancer, fields)
         instancer.indices = array("int", range(len(members)))
         instancer.of_links = self._links_of([m[0].GetPath() for m in members], fields)
-        inner = first_place.below(xform=Gf.Matrix4d(1), moves=None, instancer=instancer, root=self.world.GetLocalToWorldTransform(first).GetInverse())
+        instancer.origin = place.origin or str(first.GetPath())
+        inner = first_place.below(xform=Gf.Matrix4d(1), moves=None, instancer=instancer, root=self.world.GetLocalToWorldTransform(first).GetInverse(),
+                                  origin=instancer.origin)
         self._draw(first, inner)
         self._finish(instancer)
 
     def _links_of(self, paths, fields):
         """Categories by instance."""
         for name, query in self.links.of:
-            held = [i for i, p in enumerate(paths) if lights._holds(query, p)]
+            held = [i for i, p in enumerate(paths) if lights.holds(query, p)]
             if held:
                 fields["categories:" + name] = array("int", held)
         return bool(self.links.of)
 
     def _finish(self, instancer):
+        self.origins[instancer.name] = instancer.origin
         self.sink.set(instancer.name, "instancer", instancer.fields)
 
     def _points(self, prim, place):
@@ -298,16 +433,18 @@ class Reader:
             fields["primvars:hydra:instanceScales"] = V("float3[]", scales)
         shown = points.ComputeMaskAtTime(self.time)
         instancer = Instancer(place.name(prim), place.xform, place.instancer, fields)
-        instancer.of_links = False
+        instancer.of_links, instancer.origin = False, place.origin or str(prim.GetPath())
         if place.moves:
             fields["transform:samples"] = self._samples(place.moves)
         if self.shutter:
-            geometry.add_velocities(points.GetVelocitiesAttr(), "primvars:hydra:instanceTranslations", positions, fields, self.shutter, self.time, self.stage)
+            self._move_points(points, positions, fields)
         for primvar in UsdGeom.PrimvarsAPI(prim).GetPrimvarsWithAuthoredValues():
             if primvar.GetInterpolation() != "constant" and not primvar.GetPrimvarName().startswith("skel:"):
                 self.notes.tell("primvars by instance are not read: all instances look alike", prim.GetPath())
         primvars = tuple(p for p in UsdGeom.PrimvarsAPI(prim).FindIncrementallyInheritablePrimvars(list(place.primvars)) or place.primvars
                          if p.GetInterpolation() == "constant")
+        if min(indices) < 0 or max(indices) >= len(prototypes):
+            self.notes.tell("points of a PointInstancer name a prototype that it does not have, and draw nothing", prim.GetPath())
         drawn = {}
         for number, target in enumerate(prototypes):
             prototype = self.stage.GetPrimAtPath(target)
@@ -325,12 +462,38 @@ class Reader:
                 new += "_%d" % drawn[new] if drawn[new] > 1 else ""
             parent = prototype.GetParent()
             root = self.world.GetLocalToWorldTransform(parent).GetInverse() if parent else Gf.Matrix4d(1)
-            inner = Place(purpose=place.purpose, primvars=primvars, instancer=instancer, moved=(old, new) if new else place.moved, root=root)
+            inner = Place(purpose=place.purpose, primvars=primvars, instancer=instancer, moved=(old, new) if new else place.moved, root=root,
+                          origin=instancer.origin)
             groups = {}
             self._prim(prototype, inner, groups)
             for key in groups:
                 self._instances(groups[key], inner)
         self._finish(instancer)
+
+    def _move_points(self, points, positions, fields):
+        """Samples over the shutter. Where more than velocities moves them, the places are matrices."""
+        prefix = "primvars:hydra:instance"
+        own = [points.GetPositionsAttr(), points.GetOrientationsAttr(), points.GetScalesAttr()]
+        own += [points.GetOrientationsfAttr()] if hasattr(points, "GetOrientationsfAttr") else []
+        varying = [a for a in own if a.ValueMightBeTimeVarying()]
+        turns = points.GetAngularVelocitiesAttr().Get(self.time)
+        if not turns and not any(a in varying for a in own[1:]) and geometry.add_velocities(
+                points.GetVelocitiesAttr(), prefix + "Translations", positions, fields, self.shutter, self.time, self.stage):
+            return
+        if not varying and not turns:
+            return
+        now = self.time.GetValue()
+        within = Gf.Interval(now + self.shutter[0], now + self.shutter[-1])
+        even = [self.shutter[0] + (self.shutter[-1] - self.shutter[0]) * i / 8 for i in range(1, 8)] if turns else []
+        times = sorted({*self.shutter, *even, *(t - now for a in varying for t in a.GetTimeSamplesInInterval(within))})[:24]
+        at = lambda t: points.ComputeInstanceTransformsAtTime(Usd.TimeCode(now + t), self.time, UsdGeom.PointInstancer.ExcludeProtoXform, UsdGeom.PointInstancer.IgnoreMask)
+        moved = [at(t) for t in times]
+        if any(len(m) != len(positions) for m in moved):
+            return self.notes.tell("points whose number changes within the shutter stand still", points.GetPath())
+        for name in ("Translations", "Rotations", "Scales"):
+            fields.pop(prefix + name, None)
+        fields[prefix + "Transforms"] = V("matrix[]", at(0))
+        fields[prefix + "Transforms:samples"] = V("samples", Samples(times, [V("matrix[]", m) for m in moved]))
 
     # Materials, for all meshes at once ------------------------------------------------------------------
     def _bind(self):
@@ -339,9 +502,11 @@ class Reader:
             prims.append(prim), of.append((number, None))
             if prim.GetTypeName() == "Mesh":
                 for subset in UsdShade.MaterialBindingAPI(prim).GetMaterialBindSubsets():
+                    if subset.GetElementTypeAttr().Get() != "face":
+                        self.notes.tell("subsets of anything but faces have no material of their own", subset.GetPrim().GetPath())
+                        continue
                     prims.append(subset.GetPrim()), of.append((number, subset))
-        purposes = [str(p) for p in self.binding] if self.binding else ["full", ""]
-        bound = self._bound(prims, purposes)
+        bound = self._bound(prims, self._purposes_of_materials())
         kept = {}
         for (number, subset), material in zip(of, bound):
             name, prim, fields = self.meshes[number]
@@ -363,7 +528,7 @@ class Reader:
     def _bound(prims, purposes):
         """The materials by the first purpose that has one."""
         found = [None] * len(prims)
-        for purpose in ["full" if p == "full" else "" if p in ("", "allPurpose") else p for p in purposes]:
+        for purpose in purposes:
             if all(found):
                 break
             asked = [i for i, f in enumerate(found) if not f]
@@ -371,6 +536,78 @@ class Reader:
             for i, material in zip(asked, materials):
                 found[i] = material if material else None
         return found
+
+
+class Changes:
+    """What may differ at another time: `whole` paths, whose prims are read again with all below them, the `ways` to these (path -> names of
+    children), `movers`, prims with a transform that may differ, and `others`: nodes of materials, say."""
+
+    def __init__(self, stage):
+        self.whole, self.ways, self.movers, self.others = set(), {}, [], set()
+        prims = list(Usd.PrimRange(stage.GetPseudoRoot()))
+        animated = False
+        for prim in prims:
+            if _varies(prim):
+                animated = animated or prim.GetTypeName() in ("SkelAnimation", "Skeleton")
+                self._add(prim)
+        prototypes = self._changing_prototypes(stage)
+        for prim in prims:
+            if prim.IsInstance() and prim.GetPrototype().GetPath() in prototypes:
+                self._add(prim)
+            elif prim.IsA(UsdSkel.Root) and animated:
+                self._add(prim)
+        instancers = [p for p in prims if p.IsA(UsdGeom.PointInstancer)]
+        for prim in instancers * 2:  # one may draw another
+            if any(self._differs(stage.GetPrimAtPath(t), prototypes) for t in UsdGeom.PointInstancer(prim).GetPrototypesRel().GetForwardedTargets()):
+                self._add(prim)
+        # One instancer draws the instances that lie side by side.
+        for where in list(self.whole):
+            prim = stage.GetPrimAtPath(where)
+            if prim.IsInstance():
+                self.whole.update(str(p.GetPath()) for p in prim.GetParent().GetChildren() if p.IsInstance())
+        for where in self.whole:
+            at = Sdf.Path(where)
+            while not at.IsAbsoluteRootPath():
+                self.ways.setdefault(str(at.GetParentPath()), set()).add(at.name)
+                at = at.GetParentPath()
+
+    def holds(self, where):
+        at = Sdf.Path(where)
+        return any(str(p) in self.whole for p in at.GetPrefixes())
+
+    def _add(self, prim):
+        if prim.IsA(UsdGeom.Xformable) and UsdGeom.Xformable(prim).TransformMightBeTimeVarying():
+            self.movers.append(prim)
+        if not prim.IsA(UsdGeom.Imageable) and not prim.IsA(UsdGeom.Subset):
+            self.others.add(prim.GetPath())
+            return
+        if prim.IsA(UsdShade.NodeGraph):
+            self.others.add(prim.GetPath())
+        drawn, at = prim, prim.GetParent()
+        while at and not at.IsPseudoRoot():  # those that draw what is below them, or whose children tell of them
+            if at.IsA(UsdGeom.PointInstancer) or at.IsA(UsdSkel.Root) or at.IsA(UsdGeom.Gprim):
+                drawn = at
+            at = at.GetParent()
+        self.whole.add(str(drawn.GetPath()))
+
+    @staticmethod
+    def _changing_prototypes(stage):
+        changing, count = set(), -1
+        while len(changing) > count:
+            count = len(changing)
+            for prototype in stage.GetPrototypes():
+                if prototype.GetPath() not in changing and any(
+                        _varies(p) or (p.IsInstance() and p.GetPrototype().GetPath() in changing) for p in Usd.PrimRange(prototype)):
+                    changing.add(prototype.GetPath())
+        return changing
+
+    def _differs(self, prototype, prototypes):
+        return bool(prototype) and any(str(p.GetPath()) in self.whole or _varies(p) or (p.IsInstance() and p.GetPrototype().GetPath() in prototypes)
+                                       for p in Usd.PrimRange(prototype, Usd.PrimAllPrimsPredicate))
+
+
+def _varies(prim):
+    return any(a.ValueMightBeTimeVarying() for a in prim.GetAuthoredAttributes())
 
 
 def _local(xformable, time):

@@ -4,7 +4,7 @@ import math
 import os
 from collections import namedtuple
 
-from pxr import Gf, Sdf, Vt
+from pxr import Gf, Sdf, Usd, Vt
 
 V = namedtuple("V", "type data")  # `type` as in archives; of an array "float3[]", and the data is a buffer
 Samples = namedtuple("Samples", "times values")
@@ -64,6 +64,24 @@ def value_of(given, type_name=""):
     if isinstance(given, (Vt.TokenArray, Vt.StringArray)):
         return V("token[]" if isinstance(given, Vt.TokenArray) else "string[]", list(given))
     return None
+
+
+def color_space_of(attribute):
+    """The name of an attribute's colour space: its own, or that of the nearest ColorSpaceAPI; "": none."""
+    if attribute.HasColorSpace():
+        return attribute.GetColorSpace()
+    return str(Usd.ColorSpaceAPI.ComputeColorSpaceName(attribute, None)) if hasattr(Usd, "ColorSpaceAPI") else ""
+
+
+def to_rec709(made, space):
+    """A value of colours in linear Rec. 709, within which there are no negative ones; None: OpenUSD does not know the space."""
+    if not hasattr(Gf, "ColorSpace") or not Gf.ColorSpace.IsValid(space) or made.type not in ("float3", "float3[]"):
+        return None
+    if space in ("lin_rec709_scene", "raw", "data", "unknown", "identity"):
+        return made
+    source, target = Gf.ColorSpace(space), Gf.ColorSpace("lin_rec709_scene")
+    convert = lambda c: Gf.Vec3f(*(max(0.0, x) for x in target.Convert(source, Gf.Vec3f(*c)).GetRGB()))
+    return V(made.type, Vt.Vec3fArray([convert(c) for c in made.data])) if made.type == "float3[]" else V(made.type, list(convert(made.data)))
 
 
 class Archive:

@@ -2,8 +2,10 @@
 import math
 import os
 
-from pxr import Gf, Usd, UsdGeom, UsdRender
+from pxr import Sdf, Usd, UsdGeom, UsdRender
 
+from . import lights
+from .notes import Fault
 from .values import V, array, matrix, path, token, value_of
 
 POLICIES = {"expandAperture": "fit", "cropAperture": "crop", "adjustApertureWidth": "matchVertically",
@@ -45,14 +47,13 @@ def exposure_of(camera, time):
     return camera.GetExposureAttr().Get(time) or 0
 
 
-def choose_settings(stage, named, notes):
+def choose_settings(stage, named, notes, only_named=False):
     """The RenderSettings prim: named, else by the stage, else the only one there is."""
     if named:
-        prim = stage.GetPrimAtPath(named)
-        return prim if prim and prim.IsA(UsdRender.Settings) else None
+        return _prim(stage, named, UsdRender.Settings, "RenderSettings")
     found = UsdRender.Settings.GetStageRenderSettings(stage)
-    if found:
-        return found.GetPrim()
+    if found or only_named:
+        return found.GetPrim() if found else None
     every = [p for p in stage.Traverse() if p.IsA(UsdRender.Settings)]
     if len(every) == 1:
         return every[0]
@@ -61,21 +62,79 @@ def choose_settings(stage, named, notes):
     return None
 
 
-def default_settings(camera, camera_prim, time):
-    """Of a stage without any: 1280 pixels wide, and as high as the camera's film asks."""
+def _prim(stage, named, schema, kind):
+    prim = stage.GetPrimAtPath(named) if Sdf.Path.IsValidPathString(named) else None
+    if prim and prim.IsA(schema):
+        return prim
+    every = [str(p.GetPath()) for p in stage.Traverse() if p.IsA(schema)]
+    raise Fault("it is no prim of type %s; of these the stage has %s" % (kind, ", ".join(every[:20]) or "none"), prim=named)
+
+
+class Pass:
+    """A RenderPass: the settings that it names, and what of the scene it prunes, shows and holds out."""
+
+    def __init__(self, stage, named, notes):
+        prim = _prim(stage, named, UsdRender.Pass, "RenderPass")
+        sources = UsdRender.Pass(prim).GetRenderSourceRel().GetForwardedTargets()
+        self.settings = str(sources[0]) if sources else None
+        if len(sources) > 1:
+            notes.tell("a pass has several sources: the first counts", named)
+        if UsdRender.Pass(prim).GetInputPassesRel().GetForwardedTargets():
+            notes.tell("the passes that a pass takes (inputPasses) are not rendered before it", named)
+        self.queries = {}
+        for name in ("renderVisibility", "cameraVisibility", "prune", "matte"):
+            collection = Usd.CollectionAPI(prim, name) if prim.HasAPI(Usd.CollectionAPI, name) else None
+            if collection and lights.is_by_expression(collection):
+                notes.tell("collections of passes by path expressions are not read", named)
+            elif collection and (lights.is_authored(collection) or collection.GetIncludeRootAttr().HasAuthoredValue()):
+                self.queries[name] = collection.ComputeMembershipQuery()
+
+    def prunes(self, path):
+        return "prune" in self.queries and lights.holds(self.queries["prune"], path)
+
+    def shows(self, path):
+        return "renderVisibility" not in self.queries or lights.holds(self.queries["renderVisibility"], path)
+
+    def is_seen(self, path):
+        return "cameraVisibility" not in self.queries or lights.holds(self.queries["cameraVisibility"], path)
+
+    def options(self, path):
+        """Fields of a mesh."""
+        fields = {} if self.is_seen(path) else {"visibleToCamera": V("bool", False)}
+        if "matte" in self.queries and lights.holds(self.queries["matte"], path):
+            fields["holdout"] = V("bool", True)
+        return fields
+
+
+def default_settings(camera, camera_prim, time, width):
+    """Of a stage without any: as high as the camera's film asks."""
     fields = {"windowPolicy": token("fit")}
     if camera:
         fields["camera"] = path(camera)
         wide, high = (camera_prim.GetAttribute(n).Get(time) for n in ("horizontalAperture", "verticalAperture"))
         if wide and high and wide > 0 and high > 0:
-            fields["width"], fields["height"] = V("int", 1280), V("int", max(1, min(16384, round(1280 * high / wide))))
+            fields["width"], fields["height"] = V("int", width), V("int", max(1, min(16384, round(width * high / wide))))
     return fields
 
 
+def recorded_size(camera_prim, time, width):
+    """Of usdrecord: its height is cut off, and a stage without a camera has the film of its default one."""
+    film = (camera_prim.GetAttribute(n).Get(time) for n in ("horizontalAperture", "verticalAperture")) if camera_prim else (20.955, 15.2908)
+    wide, high = film
+    aspect = wide / high if wide and high and wide > 0 and high > 0 else 1
+    return {"width": V("int", width), "height": V("int", max(1, min(16384, int(width / aspect)))), "windowPolicy": token("fit"),
+            "pixelAspectRatio": V("float", 1.0)}
+
+
+WINDOW = ("pixelAspectRatio", "aspectRatioConformPolicy", "dataWindowNDC")
+
+
 def settings_fields(prim, time, notes, known, may_write, aovs):
-    """The fields of the settings. `known` are names of cameras of the scene; may_write(file) tells of a product's. `aovs`: those that there are; empty: not known."""
-    fields = _base(prim, "", notes, known)
+    """(the fields, those of further settings): a product with a window, conform policy or pixel aspect of its own has settings of its own.
+    `known` are names of cameras of the scene; may_write(file) tells of a product's. `aovs`: those that there are; empty: not known."""
     settings = UsdRender.Settings(prim)
+    size = settings.GetResolutionAttr().Get()
+    fields = {"width": V("int", size[0]), "height": V("int", size[1]), **_camera(settings, notes, known), **_window(prim, prim, size, notes)}
     purposes = settings.GetIncludedPurposesAttr().Get()
     if purposes:
         fields["includedPurposes"] = V("token[]", [str(p) for p in purposes])
@@ -88,64 +147,86 @@ def settings_fields(prim, time, notes, known, may_write, aovs):
             value = value_of(attribute.Get(time), str(attribute.GetTypeName()))
             if value is not None:
                 fields[name[len("alabaster:"):]] = value
-    number = 0
+    further, number = [], 0
     for target in settings.GetProductsRel().GetForwardedTargets():
         product = prim.GetStage().GetPrimAtPath(target)
-        if product:
-            number += _add_product(product, "products:%d:" % number, fields, notes, known, may_write, aovs)
-        else:
+        if not product:
             notes.fault("the product %s does not exist" % target, prim=prim.GetPath())
-    return fields
-
-
-def _base(prim, prefix, notes, known):
-    base = UsdRender.SettingsBase(prim)
-    fields = {}
-    size = base.GetResolutionAttr().Get()
-    if prefix == "" or base.GetResolutionAttr().HasAuthoredValue():
-        fields[prefix + "width"], fields[prefix + "height"] = V("int", size[0]), V("int", size[1])
-    targets = base.GetCameraRel().GetForwardedTargets()
-    if targets:
-        if str(targets[0]) in known:
-            fields[prefix + "camera"] = path(targets[0])
+            continue
+        made = _product(product, prim, notes, known, may_write, aovs)
+        if made is None:
+            continue
+        if any(product.GetAttribute(name).HasAuthoredValue() for name in WINDOW):
+            own = {n: made.pop(n) for n in ("camera", "width", "height") if n in made}
+            size = [own.get(n, fields[n]).data for n in ("width", "height")]
+            further.append({**own, **_window(product, prim, size, notes), **{"products:0:" + n: v for n, v in made.items()}})
         else:
-            notes.tell("a camera is named that is none", prim.GetPath())
-    for name in ("disableMotionBlur", "disableDepthOfField"):
-        attribute = prim.GetAttribute(name)
-        if prefix and attribute and attribute.Get():
-            fields[prefix + name] = V("bool", True)
-    if prefix:
-        for name in ("pixelAspectRatio", "aspectRatioConformPolicy", "dataWindowNDC"):
-            if prim.GetAttribute(name).HasAuthoredValue():
-                notes.tell("a product has the window, conform policy and pixel aspect of its settings; its own are not read", prim.GetPath())
-                break
+            fields.update(("products:%d:%s" % (number, n), v) for n, v in made.items())
+            number += 1
+    common = {n: v for n, v in fields.items() if not n.startswith("products:") and n != "crop"}
+    further = [{**common, **one} for one in further]
+    return (fields, further) if number or not further else (further[0], further[1:])
+
+
+def all_disabled(settings, name):
+    """Of settings whose products do not turn it on again."""
+    products = [settings.GetStage().GetPrimAtPath(t) for t in UsdRender.Settings(settings).GetProductsRel().GetForwardedTargets()]
+    return is_disabled(settings, name) and not any(p and p.GetAttribute(name).Get() is False and p.GetAttribute(name).HasAuthoredValue() for p in products)
+
+
+def is_disabled(settings, name):
+    """disableMotionBlur and disableDepthOfField, of settings or a product; instantaneousShutter is the older name of the first."""
+    names = (name, "instantaneousShutter") if name == "disableMotionBlur" else (name,)
+    return any(settings.GetAttribute(n) and settings.GetAttribute(n).Get() for n in names)
+
+
+def _camera(base, notes, known):
+    targets = base.GetCameraRel().GetForwardedTargets()
+    if targets and str(targets[0]) not in known:
+        notes.tell("a camera is named that is none", base.GetPrim().GetPath())
+    return {"camera": path(targets[0])} if targets and str(targets[0]) in known else {}
+
+
+def _window(prim, settings, size, notes):
+    """How the frame is filled; what a product leaves out is the settings'."""
+    get = lambda name: (prim if prim.GetAttribute(name).HasAuthoredValue() else settings).GetAttribute(name).Get()
+    policy = get("aspectRatioConformPolicy")
+    if policy not in POLICIES:
+        notes.tell("a conform policy is not known: %s" % policy, prim.GetPath())
+    fields = {"pixelAspectRatio": V("float", get("pixelAspectRatio")), "windowPolicy": token(POLICIES.get(policy, "fit"))}
+    left, low, right, high = get("dataWindowNDC")
+    if not all(map(math.isfinite, (left, low, right, high))) or left >= right or low >= high:
+        notes.tell("a data window that holds nothing is not read", prim.GetPath())
         return fields
-    fields["pixelAspectRatio"] = V("float", base.GetPixelAspectRatioAttr().Get())
-    fields["windowPolicy"] = token(POLICIES.get(base.GetAspectRatioConformPolicyAttr().Get(), "fit"))
-    left, low, right, high = base.GetDataWindowNDCAttr().Get()
     if (left, low, right, high) != (0, 0, 1, 1):  # from the lower left; pixels count from the upper left
         crop = [math.ceil(left * size[0]), size[1] - math.ceil(high * size[1]), math.ceil(right * size[0]), size[1] - math.ceil(low * size[1])]
         fields["crop"] = array("int", crop)
     return fields
 
 
-def _add_product(prim, prefix, fields, notes, known, may_write, aovs):
-    """True if it is written."""
+def _product(prim, settings, notes, known, may_write, aovs):
+    """The fields of a product; None: it is not written."""
     product = UsdRender.Product(prim)
     kind = product.GetProductTypeAttr().Get()
     if kind and kind != "raster":
         notes.tell("products of other types than raster are not written", prim.GetPath())
-        return False
+        return None
     folder = os.path.dirname(prim.GetStage().GetRootLayer().realPath)
     file = os.path.join(folder, product.GetProductNameAttr().Get() or prim.GetName() + ".exr")
     if not may_write(file):
         notes.tell("products outside of the stage's folder are not written: give -o, or --allow-outside", prim.GetPath())
-        return False
-    fields.update(_base(prim, prefix, notes, known))
-    fields[prefix + "file"] = V("string", file)
+        return None
+    fields = {"file": V("string", file), **_camera(product, notes, known)}
+    if product.GetResolutionAttr().HasAuthoredValue():
+        size = product.GetResolutionAttr().Get()
+        fields["width"], fields["height"] = V("int", size[0]), V("int", size[1])
+    for name in ("disableMotionBlur", "disableDepthOfField"):
+        if is_disabled(prim if prim.GetAttribute(name).HasAuthoredValue() else settings, name) or is_disabled(prim, name):
+            fields[name] = V("bool", True)
     for target in product.GetOrderedVarsRel().GetForwardedTargets():
         var = UsdRender.Var(prim.GetStage().GetPrimAtPath(target))
         if not var:
+            notes.tell("variables of a product are named that do not exist", prim.GetPath())
             continue
         source = var.GetSourceNameAttr().Get() or var.GetPrim().GetName()
         if var.GetSourceTypeAttr().Get() == "primvar":
@@ -157,7 +238,7 @@ def _add_product(prim, prefix, fields, notes, known, may_write, aovs):
         if aovs and layer not in aovs and not layer.startswith("primvars:"):
             notes.tell("layers that the renderer does not have are not written, such as %s" % source, var.GetPrim().GetPath())
             continue
-        fields[prefix + "vars:" + layer] = token(layer)
+        fields["vars:" + layer] = token(layer)
         given = str(var.GetDataTypeAttr().Get())
-        fields[prefix + "vars:" + layer + ":dataType"] = token("int" if given.startswith("int") else "half" if "half" in given or given.endswith("h") else "float")
-    return True
+        fields["vars:" + layer + ":dataType"] = token("int" if given.startswith("int") else "half" if "half" in given or given.endswith("h") else "float")
+    return fields

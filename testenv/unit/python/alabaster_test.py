@@ -18,8 +18,9 @@ import time
 import unittest
 
 import hdalabaster
-from arguments_test import Arguments, KeptArrays  # noqa: F401, unittest runs them
+from arguments_test import Arguments, Fields, KeptArrays  # noqa: F401, unittest runs them
 from documentation_test import Documentation  # noqa: F401
+from doors_test import Doors  # noqa: F401
 from edits_test import Edits  # noqa: F401
 from ends_test import Ends  # noqa: F401
 from memory_test import Memory  # noqa: F401

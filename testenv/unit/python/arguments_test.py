@@ -451,7 +451,7 @@ class Fields(unittest.TestCase):
                         call("/it", **{name + "x": 1.0})
                     words = row.get("enum")
                     if words:
-                        says = f"'(surface.)?{name}' must be one of {', '.join(words)}, and is {words[-1]}x; did you mean '{words[-1]}'"
+                        says = f"'(surface.)?{name}' must be one of {', '.join(words)}, and is \"{words[-1]}x\"; did you mean '{words[-1]}'"
                         with self.assertRaisesRegex(hdalabaster.ArgumentError, says):
                             call("/it", **{name: words[-1] + "x"})
 

@@ -104,6 +104,18 @@ TEST(ColorConfig, BuiltinColoursHaveKnownValues) {
   config->from_rendering_space("ACEScg", {})->apply(two.data(), 2);
   for (size_t c = 0; c < 3; ++c) EXPECT_NEAR(two[c], 1, 1e-4);
   EXPECT_NEAR(two[4], 0.6131, 2e-4);
+
+  // By MaterialX 1.39.5 (cmlib_ng.mtlx): gammas, and the red of Display P3.
+  const std::tuple<const char*, double, double> reds[] = {{"g22_rec709", std::pow(0.5, 2.2), 0},
+                                                          {"g18_rec709", std::pow(0.5, 1.8), 0},
+                                                          {"lin_displayp3", 0.5 * 1.22493, 0.5 * -0.04206},
+                                                          {"srgb_displayp3", 0.21404 * 1.22493, 0.21404 * -0.04206}};
+  for (const auto& [space, r, g] : reds) {
+    std::array<float, 4> red = {0.5f, 0, 0, 1};
+    config->to_rendering_space(space, {})->apply(red.data(), 1);
+    EXPECT_NEAR(red[0], r, 1e-4) << space;
+    EXPECT_NEAR(red[1], g, 1e-4) << space;
+  }
 }
 
 TEST(ColorConfig, ExposureIsStopsInLinearLight) {

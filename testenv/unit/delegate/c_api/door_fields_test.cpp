@@ -142,23 +142,6 @@ TEST_F(DoorFields, AnEditIsAllOrNone) {
   EXPECT_FALSE(is_in_the_middle());
 }
 
-TEST_F(DoorFields, NullSetsTheDefault) {
-  const auto before = state();
-  const double aside[] = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 50, 0, 0, 1};
-  for (const AlabasterParameter& field :
-       {AlabasterParameter{"visible", flag(kOff)}, {"transform", matrix(aside)}, {"renderTag", word("proxy")}}) {
-    SCOPED_TRACE(field.name);
-    ASSERT_EQ(edit(scene_, "/quad", {field}), ALABASTER_OK) << api().last_error();
-    EXPECT_FALSE(is_in_the_middle());
-    ASSERT_EQ(edit(scene_, "/quad", {{field.name, {}}}), ALABASTER_OK) << api().last_error();
-    EXPECT_EQ(state(), before);
-  }
-  ASSERT_EQ(edit(scene_, "/dome", {{"intensity", number(0)}}), ALABASTER_OK);
-  EXPECT_EQ(centre(render())[0], 0);
-  ASSERT_EQ(edit(scene_, "/dome", {{"intensity", {}}}), ALABASTER_OK);
-  EXPECT_EQ(state(), before);
-}
-
 TEST_F(DoorFields, APrimvarIsTakenAway) {
   const auto before = state();
   const float red[] = {1, 0, 0};

@@ -149,7 +149,8 @@ TEST_F(DescriptionErrors, BrokenJsonNamesTheLine) {
   EXPECT_SAYS("nested deeper than 64 levels");
   EXPECT_FALSE(describe("").ok);
   EXPECT_SAYS("not valid JSON");
-  EXPECT_FALSE(describe("{\"settings\": {\"samples\": 1e999}}").ok);
+  EXPECT_FALSE(describe("{\"settings\": {\n\"samples\": 1e999}}").ok);
+  EXPECT_SAYS("line 2: 1e999 is larger than any number");
   EXPECT_FALSE(describe("{\"camera\": {\"use\": \"\xff\xfe\"}}").ok);
 }
 

@@ -346,29 +346,6 @@ TEST_F(LoadSceneTest, LightsAreLinkedByTheNamesOfMeshes) {
   EXPECT_NE(errors().find("Did you mean 'patch'?"), std::string::npos) << errors();
 }
 
-TEST_F(LoadSceneTest, CameraClipPlanes) {
-  const SceneFile file = describe(R"({"camera": {"clipPlanes": [[1, 0, 0, 0.5], [0, 1, 0, 0]]}})");
-  ASSERT_TRUE(file.ok) << errors();
-  const Value planes = scene.GetCameras().at(settings(file).camera).parameters.at("clipPlanes");
-  EXPECT_EQ(planes, Value(Array<Vec4f>{{1, 0, 0, 0.5f}, {0, 1, 0, 0}}));
-  EXPECT_FALSE(describe(R"({"camera": {"clipPlanes": [[1, 0, 0]]}})").ok);
-}
-
-TEST_F(LoadSceneTest, CameraInMillimetres) {
-  const SceneFile file = describe(R"({"camera": {"lookAt": {"eye": [0, 0, 5], "target": [0, 0, 0]}, "focalLength": 85,
-    "horizontalAperture": 24, "fStop": 2, "focusDistance": 5, "clippingRange": [0.1, 100]}})");
-  ASSERT_TRUE(file.ok) << errors();
-  const auto& p = scene.GetCameras().at(settings(file).camera).parameters;
-  EXPECT_FLOAT_EQ(p.at("focalLength").get_or(0.0f), 0.085f);
-  EXPECT_FLOAT_EQ(p.at("horizontalAperture").get_or(0.0f), 0.024f);
-  EXPECT_FLOAT_EQ(p.at("verticalAperture").get_or(0.0f), 0.024f);
-  EXPECT_EQ(p.at("fStop"), Value(2.0f));
-  EXPECT_EQ(p.at("clippingRange"), Value(Vec2f(0.1f, 100)));
-  const Matrix4d& m = scene.GetCameras().at(settings(file).camera).transform;
-  expect_near(Vec3d(0, 0, -5) * m, Vec3d(0, 0, 0), 1e-12);
-  expect_near(Vec3d(1, 0, 0) * m, Vec3d(1, 0, 5), 1e-12);
-}
-
 // A camera that is aimed is focused on its target, unless it has a focus of its own.
 TEST_F(LoadSceneTest, AnAimedCameraIsFocusedOnItsTarget) {
   const auto focus = [this](const std::string& more) {

@@ -80,6 +80,7 @@ class Posed {
     EXPECT_EQ(model_.pose(model_.time_of(at_frame(frame)), {}, &edits), host::SourceFault::none);
     model_.place(&edits);
     EXPECT_EQ(host::ApplyEdits(edits, &scene), "");
+    model_.shown();
     return edits;
   }
   host::RetainedSceneDelegate scene;
@@ -120,18 +121,6 @@ TEST(OpenModel, WhatStandsStillIsNotSaidAgain) {
   const host::SceneEdits edits = some.pose(2);
   EXPECT_TRUE(edits.prims.empty() && edits.changes.empty() && edits.removed.empty());
   EXPECT_TRUE(some.scene.GetCameras().at("/eye").transformSamples.values.empty());
-}
-
-// A host's or a description's changes to a light stay, but for those that the model itself changes.
-TEST(OpenModel, ALightKeepsWhatItWasGiven) {
-  Posed some(false);
-  some.pose(1);
-  host::LightDescription light = some.scene.GetLights().at("/lamp");
-  light.parameters["radius"] = 7.0f;
-  some.scene.SetLight("/lamp", light);
-  some.pose(5);
-  EXPECT_EQ(some.scene.GetLights().at("/lamp").parameters.at("radius").number_or(0), 7);
-  EXPECT_EQ(some.scene.GetLights().at("/lamp").parameters.at("intensity").number_or(-1), 0);
 }
 
 // Categories are of the copy of the model that names them.

@@ -103,6 +103,29 @@ TEST_F(OpenSceneTest, APoseIsWhatALoadForItsTimeGives) {
     }
 }
 
+// The nodes are instances from 1 to 2 s, and move by themselves at other times alone.
+TEST_F(OpenSceneTest, APoseThatFailsLeavesTheSceneAndIsMadeUpForByTheNext) {
+  write("made.glb", animated().bytes());
+  const std::string file = write("made.json", R"({"models": [{"file": "made.glb"}, {"file": "made.glb"}],
+    "meshes": [{"match": "/copy2*left*", "motion": [{"time": 0, "transform": {}}, {"time": 1, "transform": {}}]}]})");
+  for (const double close : {0.0, 0.5}) {
+    LoadOptions options;
+    options.time = 0.1;
+    options.shutter = {0, close};
+    OpenScene source;
+    host::RetainedSceneDelegate posed, fresh;
+    ASSERT_TRUE(source.Load(file, &posed, sink(), options).ok) << errors();
+    const host::Prims before = posed.GetPrims();
+    EXPECT_EQ(source.Pose(1.5, sink()), LoadCause::input);
+    EXPECT_NE(errors().find("is drawn several times"), std::string::npos) << errors();
+    EXPECT_TRUE(before == posed.GetPrims());
+    options.time = 1e6;  // where all stands still
+    ASSERT_EQ(source.Pose(*options.time, sink()), LoadCause::none) << errors();
+    ASSERT_TRUE(LoadScene(file, &fresh, sink(), options).ok) << errors();
+    EXPECT_TRUE(fresh.GetPrims() == posed.GetPrims());
+  }
+}
+
 // Two primitives of a square, which a scheme makes one control mesh.
 TEST_F(OpenSceneTest, AWeldedMeshKeepsItsSeams) {
   gltf::testing::GltfBuilder b;

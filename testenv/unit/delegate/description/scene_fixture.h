@@ -85,8 +85,10 @@ class SceneFiles : public ::testing::Test {
 
   SceneFile load(const std::string& name, const LoadOptions& options = {}) {
     diagnostics.clear();
-    return LoadScene(
-        folder_ / name, &scene, [this](const Diagnostic& d) { diagnostics.push_back(d); }, options);
+    return LoadScene(folder_ / name, &scene, sink(), options);
+  }
+  DiagnosticSink sink() {
+    return [this](const Diagnostic& d) { diagnostics.push_back(d); };
   }
   SceneFile describe(const std::string& text, const LoadOptions& options = {}) {
     write("scene.json", text);

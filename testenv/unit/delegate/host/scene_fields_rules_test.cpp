@@ -4,8 +4,6 @@
 namespace alabaster::hd::host {
 namespace {
 
-using Mesh = MeshDescription;
-
 TEST(SceneFields, InstancersMarkTheirPrototypes) {
   DrawnScene s;
   s.set("/quad", Token("mesh"), {{"instancer", Path("/many")}});
@@ -135,19 +133,6 @@ TEST(SceneFields, AMisspeltFieldNamesTheNearestWithAllItsParts) {
   }
 }
 
-TEST(SceneFields, SamplesMayComeBeforeTheirValues) {
-  DrawnScene s;
-  const Value points = Array<Vec3f>{Vec3f(1)};
-  s.set("/mesh", Token("mesh"),
-        {{"transform:samples", samples(kMoved, kMoved)},
-         {"transform", kMoved},
-         {"primvars:points:samples", samples(points, points)},
-         {"primvars:points", points}});
-  EXPECT_EQ(s.scene.GetMeshes().at("/mesh").transformSamples.times.size(), 2u);
-  EXPECT_TRUE(s.scene.GetMeshes().at("/mesh").primvarSamples.contains("points"));
-  EXPECT_NE(EditPrim(&s.scene, "/mesh", {{"primvars:st:samples", samples(points, points)}}).fault, "");
-}
-
 TEST(SceneFields, AnEmptyWordIsTheDefault) {
   DrawnScene s;
   s.set("/mesh", Token("mesh"),
@@ -180,44 +165,6 @@ TEST(SceneFields, TheSurfaceIsTheFirstNodeUnlessItIsNamed) {
   EXPECT_EQ(surface(), Path("/a/b")) << "an edit does not choose another";
   EXPECT_EQ(EditPrim(&scene, "/a", {{"surface", "a"}}).fault, "");
   EXPECT_EQ(surface(), Path("/a/a"));
-}
-
-TEST(SceneFields, ValuesTakeTheirSamplesAway) {
-  DrawnScene s;
-  const Value points = Array<Vec3f>{Vec3f(1)};
-  const Fields moving = {{"transform:samples", samples(kMoved, kMoved)},
-                         {"primvars:points", points},
-                         {"primvars:points:samples", samples(points, points)}};
-  const auto has = [&] {
-    const Mesh& mesh = s.scene.GetMeshes().at("/mesh");
-    return std::pair(!mesh.transformSamples.times.empty(), mesh.primvarSamples.contains("points"));
-  };
-  s.set("/mesh", Token("mesh"), moving);
-  EXPECT_EQ(has(), std::pair(true, true));
-  EXPECT_EQ(s.edit("/mesh", {{"transform", Matrix4d()}}), dirty::kTransform);
-  EXPECT_EQ(has(), std::pair(false, true));
-  EXPECT_EQ(s.edit("/mesh", {{"primvars:points", points}}), dirty::kPoints);
-  EXPECT_EQ(has(), std::pair(false, false));
-  s.set("/mesh", Token("mesh"), moving);
-  s.edit("/mesh", {{"primvars:points", {}}});
-  EXPECT_EQ(has(), std::pair(true, false));
-  EXPECT_EQ(s.scene.GetMeshes().at("/mesh").primvars.count("points"), 0u);
-}
-
-TEST(SceneFields, AFaultLeavesThePrimAsItIs) {
-  DrawnScene s;
-  s.set("/mesh", Token("mesh"), {{"refineLevel", 2}});
-  const Mesh before = s.scene.GetMeshes().at("/mesh");
-  for (const Fields& fields : {Fields{{"visible", false}, {"refineLevel", 9}},
-                               {{"visible", false}, {"unknown", 9}},
-                               {{"visible", false}, {"primvars:st:role", "color"}}}) {
-    EXPECT_NE(EditPrim(&s.scene, "/mesh", fields).fault, "");
-    EXPECT_NE(SetPrim(&s.scene, "/mesh", Token("mesh"), fields).fault, "");
-    EXPECT_EQ(s.index.GetChangeTracker().Get("/mesh"), dirty::kClean);
-    EXPECT_TRUE(s.scene.GetMeshes().at("/mesh") == before);
-  }
-  EXPECT_FALSE(EditPrim(&s.scene, "/missing", {}).found);
-  EXPECT_TRUE(EditPrim(&s.scene, "/mesh", {}).fault.empty());
 }
 
 }  // namespace

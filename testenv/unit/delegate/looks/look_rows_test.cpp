@@ -223,7 +223,7 @@ TEST(LookRows, AreSilentAtTheDefaultsAndTellWhatCannotBeDrawn) {
       EXPECT_TRUE(Read(type, {}).warnings.empty()) << type;
       for (const ToldInput& told : look.told) {
         Inputs inputs{{told.input.name, Vec3f(0.37f)}};
-        if (told.when) inputs[told.when] = Vec3f(0.5f);
+        if (told.when) inputs[told.when] = Vec3f(1);
         const Read read(type, inputs);
         ASSERT_EQ(read.warnings.size(), 1u) << type << " " << told.input.name;
         EXPECT_NE(read.warnings[0].find(told.input.name), std::string::npos) << read.warnings[0];
@@ -287,17 +287,33 @@ TEST(LookJoins, AThinSheetReflectsAndPassesBothPartsByTheirWeights) {
       }
 }
 
-TEST(LookJoins, AClearBodyHasItsColourAtItsDepth) {
+// MaterialX's graphs: a tint of the light at each crossing, where AlabasterDisney's solids take the square root.
+TEST(LookJoins, AClearBodyHasItsColourAtItsDepthOrAtEachCrossing) {
   const Vec3f c(0.9f, 0.5f, 0.2f);
   for (const Names& n : kNames) {
     const Read tint(n.type, {{n.clear, Vec3f(1)}, {n.tint, c}});
-    expect_near(tint.value("baseColor"), c);
+    expect_near(tint.value("baseColor"), c * c);
+    expect_near(Read(n.type, {{n.clear, Vec3f(1)}, {n.tint, c}, {n.thin, Vec3f(1)}}).value("baseColor"), c);
     const Read body(n.type, {{n.clear, Vec3f(1)}, {n.tint, c}, {n.depth, Vec3f(2)}});
     expect_near(body.value("attenuationColor"), c);
     EXPECT_EQ(body.value("attenuationDistance").x, 2);
     expect_near(body.value("baseColor"), Vec3f(1));
     const Read covered(n.type, {{n.clear, Vec3f(1)}, {n.weight, Vec3f(1)}});
     EXPECT_EQ(covered.value("meanFreePath"), Vec3f(0)) << "nothing is below a clear surface";
+  }
+  const Read disney("ND_disney_principled", {{"specTrans", Vec3f(1)}, {"baseColor", c}});
+  expect_near(disney.value("baseColor"), c * c);
+}
+
+TEST(LookJoins, APartlyClearSurfaceOfTwoColoursIsTold) {
+  for (const Names& n : kNames) {
+    Inputs inputs{{n.clear, Vec3f(0.5f)}, {n.base, Vec3f(1, 0, 0)}, {n.tint, Vec3f(0, 1, 0)}, {n.thin, Vec3f(1)}};
+    const Read two(n.type, inputs);
+    expect_near(two.value("baseColor"), Vec3f(0.5f, 0.5f, 0));
+    ASSERT_EQ(two.warnings.size(), 1u);
+    EXPECT_NE(two.warnings[0].find("partly clear"), std::string::npos) << two.warnings[0];
+    inputs[n.tint] = inputs[n.base];
+    EXPECT_TRUE(Read(n.type, inputs).warnings.empty());
   }
 }
 

@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <tuple>
 
 #include "core/texture/uv_transform.h"
 #include "delegate/looks/looks.h"
@@ -206,6 +207,80 @@ TEST(Patterns, GltfImagesArePlacedAsInGltf) {
     const Vec2f found = placed(look.texture("baseColor"), uv), expected = khr(uv);
     EXPECT_NEAR(found.x, expected.x, 1e-5);
     EXPECT_NEAR(found.y, expected.y, 1e-5);
+  }
+}
+
+// MaterialX: (uv tiling - offset) / realworldimagesize * realworldtilesize.
+TEST(Patterns, TilesHaveTheirSizeInTheWorld) {
+  SampleLook look;
+  look.add_image("/t", "ND_tiledimage_color3",
+                 {{"uvtiling", Vec2f(3, 2)},
+                  {"uvoffset", Vec2f(0.5f, 0.25f)},
+                  {"realworldimagesize", Vec2f(2, 4)},
+                  {"realworldtilesize", Vec2f(0.5f, 3)}});
+  look.connect("base_color", "/t");
+  look.read();
+  EXPECT_TRUE(look.warnings.empty());
+  for (const Vec2f& uv : {Vec2f(0, 0), Vec2f(1, 0), Vec2f(0.3f, 0.7f)}) {
+    const Vec2f found = placed(look.texture("baseColor"), uv);
+    EXPECT_NEAR(found.x, (uv.x * 3 - 0.5f) / 2 * 0.5f, 1e-5);
+    EXPECT_NEAR(found.y, (uv.y * 2 - 0.25f) / 4 * 3, 1e-5);
+  }
+}
+
+TEST(Patterns, AGltfColourImageIsMultipliedByBothColours) {
+  SampleLook look;
+  look.add_image("/t", "ND_gltf_colorimage",
+                 {{"color", Vec4f(0.5f, 1, 1, 0.5f)}, {"geomcolor", Vec4f(0.5f, 0.25f, 1, 0.5f)}});
+  look.connect("base_color", "/t", "outcolor");
+  look.connect("geometry_opacity", "/t", "outa");
+  EXPECT_EQ(look.read().parameters.at("baseColor"), Value(Vec3f(0.25f, 0.25f, 1)));
+  EXPECT_EQ(look.read().parameters.at("opacity"), Value(0.25f));
+
+  look.add("/g", "ND_geomcolor_color4", {});
+  look.network.nodes["/t"].inputConnections["geomcolor"] = {from("/g")};
+  const MaterialNode& surface = look.read();
+  EXPECT_TRUE(look.warnings.empty());
+  ASSERT_EQ(surface.inputConnections.at("baseColor").size(), 2u);
+  EXPECT_EQ(surface.inputConnections.at("baseColor").at(1), (MaterialConnection{"displayColor", "rgb"}));
+  EXPECT_EQ(surface.inputConnections.at("opacity").at(1), (MaterialConnection{"displayColor", "a"}));
+  EXPECT_EQ(surface.parameters.at("baseColor"), Value(Vec3f(0.5f, 1, 1)));
+
+  look.network.nodes["/t"].inputConnections["geomcolor"] = {from("/t", "outcolor")};
+  look.read();
+  EXPECT_EQ(look.warnings.size(), 2u) << "a circle";
+}
+
+TEST(Patterns, AFallbackOfDisplayColorIsTold) {
+  SampleLook look;
+  look.add("/p", "UsdPrimvarReader_float3", {{"varname", "displayColor"}, {"fallback", Vec3f(1)}});
+  look.connect("base_color", "/p", "result");
+  look.read();
+  EXPECT_TRUE(look.warnings.empty());
+  look.network.nodes["/p"].parameters["fallback"] = Vec3f(1, 0, 0);
+  look.read();
+  ASSERT_EQ(look.warnings.size(), 1u);
+  EXPECT_NE(look.warnings[0].find("fallback of displayColor"), std::string::npos) << look.warnings[0];
+}
+
+TEST(Patterns, SpacesHaveOneNameForConstantsAndFiles) {
+  // What .5 of red is, and what the file's reader is told.
+  const std::tuple<const char*, double, const char*> spaces[] = {
+      {"lin_rec709_scene", 0.5, "linear"},
+      {"srgb_rec709_scene", 0.21404, "auto"},
+      {"g22_rec709_scene", std::pow(0.5, 2.2), "g22_rec709"},
+      {"lin_ap1_scene", 0.5 * 1.70505, "acescg"},
+      {"lin_p3d65_scene", 0.5 * 1.22493, "lin_displayp3"},
+  };
+  for (const auto& [space, red, name] : spaces) {
+    SampleLook look;
+    look.add_image("/t", "ND_image_color3", {{"colorSpace:file", Token(space)}});
+    look.connect("specular_color", "/t");
+    auto& p = look.network.nodes["/s"].parameters;
+    p["base_color"] = Vec3f(0.5f, 0, 0), p["colorSpace:base_color"] = Token(space);
+    EXPECT_NEAR(look.read().parameters.at("baseColor").component(0), red, 1e-3) << space;
+    EXPECT_EQ(look.texture("specularColor").parameters.at("sourceColorSpace").text_or(""), name);
+    EXPECT_TRUE(look.warnings.empty());
   }
 }
 

@@ -63,7 +63,7 @@ TEST(StandardSurface, WeightsMultiplyTheirColours) {
 TEST(StandardSurface, TransmissionTintsTheSurfaceOrWithADepthTheInterior) {
   const StandardRead surface(standard({{"transmission", 1.0f}, {"transmission_color", Vec3f(1, 0.5f, 0)}}));
   EXPECT_EQ(surface.parameter("specTrans"), Value(1.0f));
-  EXPECT_EQ(surface.color("baseColor"), Vec3f(1, 0.5f, 0));
+  EXPECT_EQ(surface.color("baseColor"), Vec3f(1, 0.25f, 0)) << "of two crossings";
   const StandardRead interior(
       standard({{"transmission", 1.0f}, {"transmission_color", Vec3f(1, 0.5f, 0)}, {"transmission_depth", 2.0f}}));
   EXPECT_EQ(interior.color("attenuationColor"), Vec3f(1, 0.5f, 0));

@@ -1,12 +1,9 @@
-// Every parameter of every kind reaches the renderer under the name that the schemas give it.
+// Parameters, settings and nodes that a host gives wrongly, and types that there are not.
 #include <gtest/gtest.h>
 
-#include <cmath>
 #include <fstream>
 #include <limits>
 #include <set>
-
-#include <nlohmann/json.hpp>
 
 #include "testenv/support/build_paths.h"
 #include "testenv/support/stage.h"
@@ -14,98 +11,11 @@
 namespace alabaster::hd {
 namespace {
 
-using nlohmann::json;
-
-json schema_properties(const std::string& name) {
-  std::ifstream file(testing::source_file("schemas/") + name + ".json");
-  return json::parse(file).at("properties");
-}
-
-/// A value other than the default and inside the range, and its text in the dump.
-struct Probe {
-  Value value;
-  std::string text;
-};
-
-Probe probe(const json& property) {
-  const bool texture_or_color = property.contains("anyOf");
-  const json& p = texture_or_color ? property.at("anyOf").at(0) : property;
-  const std::string type = p.at("type");
-  if (type == "boolean")
-    return {!property.at("default").get<bool>(), property.at("default").get<bool>() ? "false" : "true"};
-  if (type == "string") {
-    const Value word = p.at("enum").back().get<std::string>();
-    return {word, word.to_string()};
-  }
-  if (type == "array") return {Vec3f(0.25f, 0.5f, 0.75f), "(0.25, 0.5, 0.75)"};
-  if (type == "integer") {
-    const uint32_t next = property.at("default").get<uint32_t>() + 1;
-    return {next, std::to_string(next)};
-  }
-  const double fallback = property.at("default");
-  double value = fallback + 0.25;
-  if (p.contains("maximum") && value > p.at("maximum").get<double>()) value = fallback - 0.25;
-  return {static_cast<float>(value), Value(static_cast<float>(value)).to_string()};
-}
-
 MaterialNetwork disney(const std::map<Token, Value>& parameters) {
   MaterialNetwork network;
   network.nodes["/m/surface"] = {"AlabasterDisney", parameters, {}};
   network.terminals["surface"] = {"/m/surface", "surface"};
   return network;
-}
-
-TEST(Parameters, EveryMaterialParameterOfTheSchemaArrives) {
-  Stage stage;
-  std::map<Token, Value> parameters;
-  std::map<std::string, std::string> expected;
-  const json schema = schema_properties("disney_material");
-  for (const auto& [name, property] : schema.items()) {
-    const Probe p = probe(property);
-    parameters[name] = p.value;
-    expected[name] = p.text;
-  }
-  stage.scene.SetMaterial("/m", disney(parameters));
-  host::MeshDescription mesh = Stage::quad();
-  mesh.material = "/m";
-  stage.scene.SetMesh("/mesh", mesh);
-  const std::string text = stage.dump();
-  for (const auto& [name, value] : expected)
-    EXPECT_NE(text.find("\n  " + name + " " + value + "\n"), std::string::npos) << name << " " << value << "\n" << text;
-  EXPECT_EQ(stage.count("parameter.range") + stage.count("parameter.type") + stage.count("material.parameter"), 0u);
-}
-
-TEST(Parameters, MaterialDefaultsAreTheSchemas) {
-  Stage stage;
-  stage.scene.SetMesh("/mesh", Stage::quad());
-  const std::string text = stage.dump();
-  const json schema = schema_properties("disney_material");
-  for (const auto& [name, property] : schema.items()) {
-    const json& d = property.at("default");
-    const Value value = d.is_array()     ? Value(Vec3f(d[0], d[1], d[2]))
-                        : d.is_boolean() ? Value(d.get<bool>())
-                        : d.is_string()  ? Value(d.get<std::string>())
-                                         : Value(d.get<float>());
-    EXPECT_NE(text.find("\n  " + name + " " + value.to_string() + "\n"), std::string::npos) << name;
-  }
-}
-
-TEST(Parameters, EveryMeshOptionOfTheSchemaArrives) {
-  Stage stage;
-  host::MeshDescription mesh = Stage::quad();
-  std::map<std::string, std::string> expected;
-  const json schema = schema_properties("mesh");
-  for (const auto& [name, property] : schema.items()) {
-    if (name == "subsurfaceSet") continue;  // a name, for objects that scatter
-    const Probe p = probe(property);
-    mesh.primvars[name] = {Interpolation::constant, {}, p.value, {}};
-    expected[name] = p.text;
-  }
-  stage.scene.SetMesh("/mesh", mesh);
-  const std::string text = stage.dump();
-  for (const auto& [name, value] : expected)
-    EXPECT_NE(text.find("\n  " + name + " " + value + "\n"), std::string::npos) << name << "\n" << text;
-  EXPECT_TRUE(stage.take_diagnostics().empty());
 }
 
 // A host's curve may overshoot.
@@ -116,33 +26,6 @@ TEST(Parameters, AMeshOptionOutOfRangeIsReported) {
   stage.scene.SetMesh("/mesh", mesh);
   EXPECT_NE(stage.dump().find("\n  holdout true\n"), std::string::npos);
   EXPECT_EQ(stage.count("parameter.range"), 1u);
-}
-
-TEST(Parameters, EveryLightParameterOfTheSchemaArrivesAndDefaultsAgree) {
-  Stage stage;
-  host::LightDescription light{.type = "sphereLight", .transform = {}, .parameters = {}};
-  stage.scene.SetLight("/plain", light);
-  std::map<std::string, std::string> expected;
-  const json schema = schema_properties("lights");
-  for (const auto& [name, property] : schema.items()) {
-    if (name == "texture:file" || name == "texture:layer" || name == "shaping:ies:file") continue;
-    const Probe p = probe(property);
-    light.parameters[name] = p.value;
-    expected[name] = p.text;
-  }
-  stage.scene.SetLight("/set", light);
-  const std::string text = stage.dump();
-  const std::string plain = text.substr(text.find("/plain"), text.find("/set") - text.find("/plain"));
-  const std::string set = text.substr(text.find("/set"));
-  for (const auto& [name, value] : expected) {
-    EXPECT_NE(set.find("\n  " + name + " " + value + "\n"), std::string::npos) << name << "\n" << set;
-    const json& d = schema.at(name).at("default");
-    const Value fallback = d.is_array()     ? Value(Vec3f(d[0], d[1], d[2]))
-                           : d.is_boolean() ? Value(d.get<bool>())
-                                            : Value(d.get<float>());
-    EXPECT_NE(plain.find("\n  " + name + " " + fallback.to_string() + "\n"), std::string::npos) << name << "\n"
-                                                                                                << plain;
-  }
 }
 
 TEST(Parameters, AnInvisibleLightGivesNoLight) {
@@ -189,29 +72,6 @@ TEST(Parameters, AnIesProfileArrivesAndABrokenOneIsAFault) {
   EXPECT_EQ(stage.count("ies.invalid"), 1u);
 }
 
-TEST(Parameters, EveryCameraParameterOfTheSchemaArrives) {
-  Stage stage;
-  host::CameraDescription camera;
-  std::map<std::string, std::string> expected;
-  const json schema = schema_properties("camera");
-  for (const auto& [name, property] : schema.items()) {
-    if (name == "projection" || name == "clippingRange" || name == "clipPlanes") continue;
-    const Probe p = probe(property);
-    camera.parameters[name] = p.value;
-    expected[name] = p.text;
-  }
-  camera.parameters["projection"] = "orthographic";
-  camera.parameters["clippingRange"] = Vec2f(0.5f, 100);
-  expected["projection"] = "orthographic";
-  expected["clippingRange"] = "(0.5, 100)";
-  camera.parameters["clipPlanes"] = Array<Vec4f>{{1, 0, 0, 0}, {0, 1, 0, 2}};
-  expected["clipPlanes"] = "2";
-  stage.scene.SetCamera("/c", camera);
-  const std::string text = stage.dump();
-  for (const auto& [name, value] : expected)
-    EXPECT_NE(text.find("\n  " + name + " " + value + "\n"), std::string::npos) << name << "\n" << text;
-}
-
 // A host that sets one hears of it, and renders as if it had not.
 TEST(Parameters, RemovedSettingsAreErrors) {
   Stage stage;
@@ -244,35 +104,6 @@ TEST(Parameters, ASettingOfAPrimThatIsOutOfRangeIsReported) {
     codes.insert(one.code);
   }
   EXPECT_EQ(codes, (std::set<std::string>{"parameter.range", "parameter.type"}));
-}
-
-TEST(Parameters, RenderSettingsAreTheSchemas) {
-  Stage stage;
-  const json schema = schema_properties("render_settings");
-  std::set<std::string> described;
-  for (const RenderSettingDescriptor& d : stage.delegate->GetRenderSettingDescriptors()) {
-    const std::string name = d.key.str();
-    described.insert(name);
-    ASSERT_TRUE(schema.contains(name)) << name;
-    const json& property = schema.at(name);
-    EXPECT_EQ(d.documentation, property.at("description").get<std::string>()) << name;
-    EXPECT_EQ(stage.delegate->GetRenderSetting(d.key), d.defaultValue) << name;
-    if (property.at("type") == "boolean") {
-      ASSERT_TRUE(d.defaultValue.get<bool>()) << name;
-      EXPECT_TRUE(d.minimum.empty() && d.maximum.empty()) << name;
-      EXPECT_EQ(*d.defaultValue.get<bool>(), property.at("default").get<bool>()) << name;
-    } else if (d.choices.empty()) {
-      EXPECT_EQ(d.defaultValue.number_or(-1), property.at("default").get<double>()) << name;
-      EXPECT_EQ(d.minimum.number_or(-1), property.at("minimum").get<double>()) << name;
-      EXPECT_EQ(d.maximum.number_or(-1), property.at("maximum").get<double>()) << name;
-      EXPECT_EQ(d.minimum.type(), d.defaultValue.type()) << name << ": another type";
-      EXPECT_EQ(d.maximum.type(), d.defaultValue.type()) << name << ": another type";
-    } else {
-      EXPECT_EQ(d.defaultValue.text_or(""), property.at("default").get<std::string>()) << name;
-      EXPECT_EQ(json(d.choices), property.at("enum")) << name;
-    }
-  }
-  EXPECT_EQ(described.size(), schema.size());
 }
 
 TEST(Parameters, AScatterDistanceBesideAMeanFreePathIsTold) {

@@ -49,6 +49,17 @@ TEST(OrbitCamera, APositivePitchRaisesTheCamera) {
   expect_near(row(raised, 2), raised.translation() / 5, "it still looks at the pivot");
 }
 
+TEST(OrbitCamera, TheAxisThatPointsUpIsTheScenes) {
+  const Vec3d z(0, 0, 1);
+  Matrix4d level;  // looks along +y, from the front of a scene with z up
+  level.setAxisAngle(Vec3d(1, 0, 0), kRightAngle);
+  level = level * Matrix4d().setTranslation(Vec3d(0, -5, 0));
+  expect_near(orbited(level, Vec3d(0), kRightAngle, 0, z).translation(), {5, 0, 0}, "to the right");
+  const Matrix4d raised = orbited(level, Vec3d(0), 0.4, M_PI / 6, z);
+  EXPECT_NEAR(raised.translation().z, 2.5, 1e-9);
+  EXPECT_NEAR(row(raised, 0).z, 0, 1e-9) << "level";
+}
+
 TEST(OrbitCamera, ThePivotStaysWhereItIsInThePicture) {
   const Vec3d pivot(0.7, -0.4, 1);
   const Sight sight{false, 0.72, 0.48};

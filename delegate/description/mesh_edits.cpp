@@ -1,7 +1,7 @@
 #include <algorithm>
 
-#include "delegate/description/apply_motion.h"
 #include "delegate/description/load_state.h"
+#include "delegate/description/places.h"
 #include "delegate/gltf/gltf_scene.h"
 #include "delegate/support/json_values.h"
 
@@ -75,7 +75,7 @@ void warn_of_parts(const LoadState& load, const std::string& pointer, const json
 struct Target {
   const Path& path;
   const host::MeshDescription& mesh;
-  std::vector<size_t> parts;  // subsets; empty: the whole mesh
+  const std::vector<size_t> parts;  // subsets; empty: the whole mesh
 
   /// Subsets with paths beside the mesh's own are the primitives of a glTF mesh.
   bool is_primitive(const GeomSubset& subset) const {
@@ -142,69 +142,33 @@ void weld_triangles(LoadState& load, const std::string& pointer, const Path& pat
   load.scene->SetMesh(path, std::move(mesh));
 }
 
-/// Materials of parts, by mesh: a mesh of many parts is changed once, and not copied for each of them.
-using PartMaterials = std::map<Path, std::vector<std::pair<size_t, Path>>>;
-
-void give_materials(LoadState& load, const Path& path, PartMaterials* waiting) {
-  const auto found = waiting->find(path);
-  if (found == waiting->end()) return;
-  host::MeshDescription mesh = load.scene->GetMeshes().at(path);
-  for (const auto& [part, material] : found->second) mesh.topology.geomSubsets[part].materialId = material;
-  load.scene->SetMesh(path, std::move(mesh));
-  waiting->erase(found);
-}
-
-/// True if the entry gives nothing but a material, to parts of the mesh: it then waits.
-bool waits(LoadState& load, const std::string& pointer, const json& entry, const Path& path, PartMaterials* waiting) {
-  if (entry.size() != 2 || !entry.contains("material")) return false;
-  const std::vector<size_t> parts = find_parts(load, entry["match"], path);
-  if (parts.empty()) return false;
-  const Path material = find_material(load, pointer_append(pointer, "material"), entry["material"]);
-  for (const size_t part : parts) (*waiting)[path].emplace_back(part, material);
-  return true;
-}
-
-void change_mesh(LoadState& load, const std::string& pointer, const json& entry, const Path& path) {
-  if (entry.value("scheme", "none") != "none") weld_triangles(load, pointer + "/scheme", path);
-  Target target{path, load.scene->GetMeshes().at(path), find_parts(load, entry["match"], path)};
-  if (!target.parts.empty()) warn_of_parts(load, pointer, entry, path);
-  host::Fields fields;
-  for (const auto& [name, value] : entry.items())
-    add_fields(load, pointer_append(pointer, name), name, value, target, &fields);
-  load.edit(pointer, path, {}, fields);
-  if (entry.value("refineLevel", 0) > 0 && load.scene->GetMeshes().at(path).topology.scheme == Token("none"))
-    load.warn(pointer + "/refineLevel", "Has no effect on mesh '" + path.str() +
-                                            "', which is not a subdivision surface; set its scheme as well.");
-}
-
-void move_meshes(LoadState& load, const std::string& pointer, const json& motion, const std::vector<Path>& paths) {
-  const TimeSamples<Matrix4d> samples = to_motion(load, pointer, motion);
-  for (const Path& path : paths)
-    if (!load.scene->GetMeshes().at(path).instancer.empty())
-      load.fail(pointer, "Mesh '" + path.str() +
-                             "' is drawn several times, and moves only with all of its model: give the motion to the "
-                             "model.");
-  for (const Path& path : paths) {
-    host::PrimDescription moved = load.scene->GetPrims().at(path);
-    move_prim(samples, &moved);
-    load.scene->Set(path, std::move(moved));
-  }
+// What moves by itself, and is not drawn by an instancer.
+void move(LoadState& load, const std::string& pointer, const json& motion, const Path& path) {
+  if (!load.scene->GetMeshes().at(path).instancer.empty())
+    load.fail(pointer, "Mesh '" + path.str() +
+                           "' is drawn several times, and moves only with all of its model: give the motion to the "
+                           "model.");
+  host::PrimDescription moved = load.scene->GetPrims().at(path);
+  move_prim(to_motion(load, pointer, motion), &moved);
+  load.scene->Set(path, std::move(moved));
 }
 
 }  // namespace
 
-void apply_meshes(LoadState& load) {
-  PartMaterials waiting;
-  load.for_each_entry("meshes", [&](const std::string& pointer, const json& entry) {
-    const auto paths = find_prims(load, "mesh", entry["match"], pointer + "/match");
-    for (const Path& path : paths) {
-      if (waits(load, pointer, entry, path, &waiting)) continue;
-      give_materials(load, path, &waiting);
-      change_mesh(load, pointer, entry, path);
-    }
-    if (entry.contains("motion")) move_meshes(load, pointer + "/motion", entry["motion"], paths);
-  });
-  while (!waiting.empty()) give_materials(load, Path(waiting.begin()->first), &waiting);
+void read_mesh(LoadState& load, PrimEdit* edit) {
+  const std::string& pointer = edit->pointer;
+  const json& entry = edit->entry;
+  const Path& path = edit->path;
+  if (entry.value("scheme", "none") != "none") weld_triangles(load, pointer + "/scheme", path);
+  if (entry.contains("motion")) move(load, pointer + "/motion", entry["motion"], path);
+  const Target target{path, load.scene->GetMeshes().at(path), find_parts(load, entry["match"], path)};
+  if (!target.parts.empty()) warn_of_parts(load, pointer, entry, path);
+  for (const auto& [name, value] : entry.items())
+    add_fields(load, pointer_append(pointer, name), name, value, target, &edit->fields);
+  edit->may_wait = !target.parts.empty() && entry.size() == 2 && entry.contains("material");
+  if (entry.value("refineLevel", 0) > 0 && entry.value("scheme", target.mesh.topology.scheme.str()) == "none")
+    load.warn(pointer + "/refineLevel", "Has no effect on mesh '" + path.str() +
+                                            "', which is not a subdivision surface; set its scheme as well.");
 }
 
 }  // namespace alabaster::hd::description

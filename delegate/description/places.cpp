@@ -1,4 +1,4 @@
-#include "delegate/description/apply_motion.h"
+#include "delegate/description/places.h"
 
 #include <set>
 
@@ -21,25 +21,63 @@ void visit_placed(host::PrimDescription* prim, const Visit& visit) {
   std::visit(by_itself, *prim);
 }
 
-}  // namespace
-
 Matrix4d transform_at(const TimeSamples<Matrix4d>& samples, double time) {
   return interpolate(alabaster::TimeSamples<Matrix4d>{samples.times, samples.values}, time);
 }
+
+Matrix4d transform_of(LoadState& load, const std::string& pointer, const nlohmann::json& value) {
+  const auto transform = to_transform(value);
+  if (!transform)
+    load.fail(pointer,
+              "The transform cannot be inverted or is not affine: the last column must be 0, 0, 0, 1, and no scale may "
+              "be 0.");
+  return *transform;
+}
+
+}  // namespace
 
 TimeSamples<Matrix4d> to_motion(LoadState& load, const std::string& pointer, const nlohmann::json& motion) {
   TimeSamples<Matrix4d> samples;
   for (size_t i = 0; i < motion.size(); ++i) {
     const std::string place = pointer + "/" + std::to_string(i);
     const double time = motion[i]["time"];
-    const auto transform = to_transform(motion[i]["transform"]);
-    if (!transform) load.fail(place + "/transform", "The transform cannot be inverted or is not affine.");
     if (!samples.times.empty() && !(time > samples.times.back()))
       load.fail(place + "/time", "Times must increase from one sample to the next.");
     samples.times.push_back(time);
-    samples.values.push_back(*transform);
+    samples.values.push_back(transform_of(load, place + "/transform", motion[i]["transform"]));
   }
   return samples;
+}
+
+Matrix4d aimed_at(LoadState& load, const std::string& pointer, const Vec3d& eye, const Vec3d& target,
+                  const nlohmann::json* up) {
+  const auto aimed = look_at(eye, target, up ? to_vec3d(*up) : up_vector(load.result->info.up), !up);
+  if (!aimed) load.fail(pointer, "It has no direction: its place and its target coincide, or up lies along the way.");
+  return *aimed;
+}
+
+Placement placement_of(LoadState& load, const std::string& pointer, const nlohmann::json& entry) {
+  std::string given;
+  for (const char* key : kPlacements) {
+    if (!entry.contains(key)) continue;
+    if (!given.empty()) load.fail(pointer, "Give either a " + given + " or a " + key + ", not both.");
+    given = key;
+  }
+  Placement placement;
+  if (given.empty()) return placement;
+  const nlohmann::json& place = entry[given];
+  const std::string at = pointer + "/" + given;
+  if (given == "transform") {
+    placement.transform = transform_of(load, at, place);
+  } else if (given == "motion") {
+    placement.motion = to_motion(load, at, place);
+    placement.transform = transform_at(placement.motion, 0);
+  } else {
+    const Vec3d eye = to_vec3d(place["eye"]), target = to_vec3d(place["target"]);
+    placement.transform = aimed_at(load, at, eye, target, place.contains("up") ? &place["up"] : nullptr);
+    placement.target_distance = (target - eye).length();
+  }
+  return placement;
 }
 
 void place_prim(const Matrix4d& transform, host::PrimDescription* prim) {

@@ -1,18 +1,12 @@
 // Edits of materials as fields of their prims.
 #include "delegate/description/load_state.h"
 #include "delegate/looks/looks.h"
-#include "delegate/support/json_values.h"
 
 namespace alabaster::hd::description {
 namespace {
 
 using host::Fields;
 using nlohmann::json;
-
-// A value of the surface node, whose numbers are floats and never integers.
-Value material_value(const json& value) {
-  return value.is_number() ? Value(value.get<float>()) : support::value_of(value);
-}
 
 /// Fields of a node of that name that reads an image, in the place of one that is there.
 void add_texture(LoadState& load, const std::string& pointer, const json& texture, const std::string& node,
@@ -38,7 +32,7 @@ void set_texture(LoadState& load, const std::string& pointer, const json& textur
   add_texture(load, pointer, texture, node, fields);
   // The constant multiplies the texture; without one it is 1.
   fields->emplace_back(name, Value());
-  if (texture.contains("scale")) fields->emplace_back(name, material_value(texture["scale"]));
+  if (texture.contains("scale")) fields->emplace_back(name, field_value(texture["scale"]));
   fields->emplace_back(name, Path(node + "." + channel));
 }
 
@@ -51,7 +45,7 @@ void set_parameters(LoadState& load, const std::string& pointer, const json& par
       continue;
     }
     fields->emplace_back(surface + "." + name, Value());  // takes its textures away
-    fields->emplace_back(surface + "." + name, material_value(value));
+    fields->emplace_back(surface + "." + name, field_value(value));
   }
 }
 
@@ -80,45 +74,32 @@ void set_displacement(LoadState& load, const std::string& pointer, const json& d
                                  {"displacement", Path("displacement.displacement")}});
 }
 
-void apply_material_entry(LoadState& load, const std::string& pointer, const json& entry) {
-  const bool set = entry.contains("set"), replace = entry.contains("replace");
-  const bool relief = entry.contains("bump") || entry.contains("displacement");
-  if (entry.contains("match") && entry.contains("name"))
-    load.fail(pointer, "Either match existing materials or name a new one, not both.");
-  if (set && replace) load.fail(pointer, "Give either set or replace, not both.");
-  if (!set && !replace && !relief)
-    load.fail(pointer, "There is nothing to change: add 'set', 'replace', 'bump' or 'displacement'.");
-  const bool is_new = entry.contains("name");
-  const std::vector<Path> paths = is_new ? std::vector{new_path(load, "material", "/materials", pointer, entry["name"])}
-                                         : find_prims(load, "material", entry["match"], pointer + "/match");
-  for (const Path& path : paths) {
-    const bool keep = !replace && !is_new;
-    std::string surface = "surface";
-    if (keep) {  // a look of another kind is changed as the AlabasterDisney that it is drawn as
-      const auto warn = [&](const char* code, const std::string& text) {
-        load.report(Severity::warning, code, path.str(), text);
-      };
-      load.scene->SetMaterial(path, looks::ReadLook(load.scene->GetMaterials().at(path), warn));
-      surface = host::DisneySurface(path, load.scene->GetMaterials().at(path));
-    }
-    Fields fields;
-    if (!keep) fields = {{"surface.type", Token("AlabasterDisney")}, {"surface", Path("surface.surface")}};
-    for (const char* key : {"set", "replace"})
-      if (entry.contains(key)) set_parameters(load, pointer_append(pointer, key), entry[key], surface, &fields);
-    if (entry.contains("bump")) set_bump(load, pointer + "/bump", entry["bump"], surface, &fields);
-    if (entry.contains("displacement"))
-      set_displacement(load, pointer + "/displacement", entry["displacement"], &fields);
-    load.edit(pointer, path, keep ? "" : "material", fields);
-    if (is_new) add_name(load, "material", path);
-  }
-}
-
 }  // namespace
 
-void apply_materials(LoadState& load) {
-  return load.for_each_entry("materials", [&](const std::string& pointer, const json& entry) {
-    return apply_material_entry(load, pointer, entry);
-  });
+void read_material(LoadState& load, PrimEdit* edit) {
+  const std::string& pointer = edit->pointer;
+  const json& entry = edit->entry;
+  const Path& path = edit->path;
+  const bool set = entry.contains("set"), replace = entry.contains("replace"), keep = !replace && !edit->is_new;
+  if (set && replace) load.fail(pointer, "Give either set or replace, not both.");
+  if (!set && !replace && !entry.contains("bump") && !entry.contains("displacement"))
+    load.fail(pointer, "There is nothing to change: add 'set', 'replace', 'bump' or 'displacement'.");
+  std::string surface = "surface";
+  if (keep) {  // a look of another kind is changed as the AlabasterDisney that it is drawn as
+    const auto warn = [&](const char* code, const std::string& text) {
+      load.report(Severity::warning, code, path.str(), text);
+    };
+    load.scene->SetMaterial(path, looks::ReadLook(load.scene->GetMaterials().at(path), warn));
+    surface = host::DisneySurface(path, load.scene->GetMaterials().at(path));
+  } else {
+    edit->kind = "material";
+    edit->fields = {{"surface.type", Token("AlabasterDisney")}, {"surface", Path("surface.surface")}};
+  }
+  for (const char* key : {"set", "replace"})
+    if (entry.contains(key)) set_parameters(load, pointer_append(pointer, key), entry[key], surface, &edit->fields);
+  if (entry.contains("bump")) set_bump(load, pointer + "/bump", entry["bump"], surface, &edit->fields);
+  if (entry.contains("displacement"))
+    set_displacement(load, pointer + "/displacement", entry["displacement"], &edit->fields);
 }
 
 }  // namespace alabaster::hd::description
