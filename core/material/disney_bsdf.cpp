@@ -34,7 +34,7 @@ DisneyBsdf::DisneyBsdf(const DisneyParameters& p, const Vec3f& wo, EnergyModel e
   stays_ = 1 - 0.5f * p.diff_trans;
   if (!p.thin && p.subsurface_weight > 0) entry_channels_ = scattering_channels(p.scatter_distance);
   const Rgb color = p.base_color * (dielectric_ * stays_);
-  diffuse_ = {color * (Rgb(1.0f) - entry_channels_), color, p.roughness, p.thin ? p.flatness : 0};
+  diffuse_ = {color * (Rgb(1.0f) - entry_channels_), color, p.retro_roughness(), p.thin ? p.flatness : 0};
   if (p.is_mixed()) [[unlikely]]
     mix(p);
   if (p.has_dimming_layers()) [[unlikely]]

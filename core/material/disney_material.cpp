@@ -20,7 +20,11 @@ constexpr auto kParameters = std::to_array<MaterialParameter>({
     {{"metallic", &P::metallic, 0, 1, {},
       "none", "0 is a dielectric, 1 a metal of colour baseColor."}},
     {{"roughness", &P::roughness, 0, 1, {},
-      "none", "Perceived roughness of the specular lobe, and of the diffuse retro-reflection."}},
+      "none", "Perceived roughness of the specular lobe, and without diffuseRoughness of the diffuse "
+      "retro-reflection."}},
+    {{"diffuseRoughness", &P::diffuse_roughness, -1, 1, {},
+      "none", "Roughness of the diffuse retro-reflection; 0.43 is Lambert's law within 1 % up to 78 degrees. Below 0 it "
+      "is roughness."}},
     {{"anisotropic", &P::anisotropic, 0, 1.11, {},
       "none", "Stretch of the specular highlight along the tangent: its two alphas have the ratio 1 - 0.9 "
       "anisotropic, 0.1 at 1, where Disney's range ends, and 0.001 at 1.11."}},

@@ -17,6 +17,7 @@ struct DisneyParameters {
   Rgb base_color{0.8f};
   float metallic = 0;
   float roughness = 0.5f;
+  float diffuse_roughness = -1;  // of the retro-reflection; below 0: roughness
   float anisotropic = 0;
   float anisotropic_rotation = 0;  // in turns; the integrator turns the local frame, no lobe reads it
   float specular_tint = 0;
@@ -76,6 +77,7 @@ struct DisneyParameters {
   }
   /// scatter_distance of a walk with that mean free path, in the channels that have one.
   void take_mean_free_path();
+  float retro_roughness() const { return diffuse_roughness >= 0 ? diffuse_roughness : roughness; }
   bool is_widened() const { return least_roughness > roughness; }
   float specular_roughness() const { return std::max(roughness, least_roughness); }
 

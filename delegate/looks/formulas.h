@@ -14,6 +14,9 @@ inline constexpr float kSpecularColorOfOne = 25;
 /// AlabasterDisney's sheenRoughness 0 is another lobe, Burley's; that of fibres ends here.
 inline constexpr float kLeastSheenRoughness = 0.07f;
 
+/// AlabasterDisney's diffuseRoughness whose diffuse lobe is Lambert's within 1 %.
+inline constexpr float kLambertRoughness = 0.43f;
+
 /// The mean free path where white light has a colour, in a channel, after a distance > 0. Colour 0 has none, which is
 /// Lambert; 1 counts as .999, because a walk must end.
 inline double attenuation_path(double color, double distance) {

@@ -97,6 +97,21 @@ TEST(DisneyBsdf, FuzzIsFiniteNonNegativeAndBounded) {
   EXPECT_LT(heaviest, 36 * 3 * 2.3f);
 }
 
+TEST(DisneyBsdf, DiffuseRoughnessIsThatOfTheRetroReflectionAlone) {
+  DisneyParameters smooth, rough;
+  smooth.roughness = 0.2f, smooth.diffuse_roughness = 0.7f;
+  rough.roughness = 0.7f;
+  const Vec3f wo = normalize(Vec3f(0.8f, 0.1f, 0.5f));
+  for (const Vec3f& at : {Vec3f(0.7f, 0, 0.3f), Vec3f(-0.5f, 0.4f, 0.4f), Vec3f(0, 0, 1)}) {
+    const Vec3f wi = normalize(at);
+    Rgb of_smooth, of_rough;
+    const Rgb a = DisneyBsdf(smooth, wo).evaluate(wi, &of_smooth).f_cos;
+    const Rgb b = DisneyBsdf(rough, wo).evaluate(wi, &of_rough).f_cos;
+    EXPECT_NEAR(a.g - of_smooth.g, b.g - of_rough.g, 1e-6);
+    EXPECT_GT(std::abs(of_smooth.g - of_rough.g), 1e-3 * double(of_rough.g));
+  }
+}
+
 TEST(DisneyBsdf, NothingBelowTheHorizon) {
   DisneyParameters p;
   p.clearcoat = p.sheen = 1;

@@ -24,6 +24,7 @@ const std::map<std::string, Named>& formulas() {
       {"dispersion", [](const Inputs& in) { return Vec3f(20 / in.at("transmission_dispersion").x); }},
       {"sheenRoughness", [](const Inputs& in) { return in.at("sheen_roughness"); }},
       {"sheenTint", [](const Inputs&) { return Vec3f(0); }},
+      {"diffuseRoughness", [](const Inputs&) { return Vec3f(0.43f); }},
       {"anisotropic", [](const Inputs& in) { return in.at("specular_anisotropy") / 0.9f; }},
       {"iridescence", [](const Inputs& in) { return Vec3f(in.at("thin_film_thickness").x > 0 ? 1.0f : 0.0f); }},
       {"opacity", [](const Inputs& in) {
@@ -42,12 +43,14 @@ const std::map<std::string, Named>& formulas() {
          return in.at("transmission_dispersion_scale") * (20 / in.at("transmission_dispersion_abbe_number").x);
        }},
       {"anisotropic", [](const Inputs& in) { return in.at("specular_roughness_anisotropy") / 0.9f; }},
+      {"diffuseRoughness", [](const Inputs&) { return Vec3f(0.43f); }},
       {"iridescenceThickness", [](const Inputs& in) { return in.at("thin_film_thickness") * 1000.0f; }},
       {"sheenTint", [](const Inputs&) { return Vec3f(0); }},
       {"sheenRoughness", [](const Inputs& in) { return in.at("fuzz_roughness"); }}};
   static const std::map<std::string, std::map<std::string, Expected>> all{
       {"UsdPreviewSurface",
-       {{"metallic",
+       {{"diffuseRoughness", [](const Inputs&) { return Vec3f(0.43f); }},
+        {"metallic",
          [](const Inputs& in) { return in.at("useSpecularWorkflow").x > 0 ? Vec3f(0) : in.at("metallic"); }},
         {"ior", [](const Inputs& in) { return in.at("useSpecularWorkflow").x > 0 ? Vec3f(1.5f) : in.at("ior"); }},
         {"specularColor",

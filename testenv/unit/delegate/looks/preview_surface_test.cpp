@@ -34,8 +34,9 @@ TEST(PreviewSurface, HasTheSpecificationsDefaults) {
   EXPECT_EQ(t.node("/m/surface").nodeTypeId, Token("AlabasterDisney"));
   EXPECT_EQ(t.parameter("baseColor"), Value(Vec3f(0.18f)));
   EXPECT_EQ(t.parameter("coatRoughness"), Value(0.01f));
+  EXPECT_EQ(t.parameter("diffuseRoughness"), Value(0.43f));
   EXPECT_EQ(t.parameter("baseColor:colorSpace"), Value(Token("lin_rec709")));
-  EXPECT_EQ(t.node("/m/surface").parameters.size(), 3u) << "the others are the same";
+  EXPECT_EQ(t.node("/m/surface").parameters.size(), 4u) << "the others are the same";
   EXPECT_TRUE(t.warnings.empty());
 }
 
