@@ -146,6 +146,19 @@ TEST(Contents, OneOfTheSameMediumChangesNothing) {
   }
 }
 
+// What is around it is found behind opaque faces as well.
+TEST(Contents, OneOfTheSameMediumInALabelledBodyLosesNoLight) {
+  const DisneyParameters milk = clear_body(1.5f, 0.3f);
+  Mesh ball = testing::sphere_mesh(1, 48, true);
+  SceneBuilder b;
+  add(&b, b.prototype(ball), milk, scaled_by(0.4) * moved_by(0.2, 0.1, 0.1));
+  ball.triangle_material.assign(ball.triangles.size(), 0);
+  std::fill_n(ball.triangle_material.rbegin(), ball.triangles.size() / 2, 1);
+  add(&b, b.prototype(ball), milk);
+  b.description.instances.back().materials.push_back(b.material(white_body(0)));
+  expect_furnace(b, kSights, {.runs = 64, .sees_background = true}, "labelled");
+}
+
 TEST(Contents, BlackOneIsTheSameAsOpaqueFacesOfTheBody) {
   const DisneyParameters milk = clear_body(1.33f, 0.3f);
   const SceneBuilder separate = ball_with(milk, matt(Rgb(0.0f)));
