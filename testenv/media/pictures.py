@@ -5,7 +5,7 @@ jelly, an insect in amber, and a hand with bones before a lamp.
   pictures.py FOLDER [--only NAME]
   alabaster render FOLDER/milk.json -o milk.png --spp 256 --denoise
 
-Modelled in millimetres, y up; written in metres. The figure of delegate/manual/artists.md shows them.
+Modelled in millimetres, y up; written in metres.
 """
 import argparse
 import json
@@ -77,7 +77,8 @@ def milk():
               ("straw", metres(straw), matt([0.75, 0.05, 0.05], 0.25), placed(0.35, 0.24, at=(-0.016, 0.012, 0.004)))]
     things += [(f"ice{k}", metres(box(21, 21, 21, 3)), glass(1.31, priority=2), placed(turn, lean, at=(MM * x, MM * y, MM * z)))
                for k, (x, y, z, turn, lean) in enumerate(cubes)]
-    lights = [lamp("window", (-420, 420, 260), (0, 60, 0), 7.0, 420, (1, 0.96, 0.9)), lamp("behind", (330, 260, -330), (0, 60, 0), 6.0, 300), sky(0.35)]
+    lights = [lamp("window", (-420, 420, 260), (0, 60, 0), 7.0, 420, (1, 0.96, 0.9)),
+              lamp("behind", (330, 260, -330), (0, 60, 0), 6.0, 300), sky(0.35)]
     return things, lights, camera((0, 190, 430), (0, 66, 0), 60)
 
 
@@ -108,8 +109,8 @@ def jelly():
         disk = smooth_max(math.hypot(p[0], p[1]) - 15, abs(p[2]) - 3.2, 2.0)
         return smooth_max(disk, -p[1] - 1, 1.5)
     for k, (turn, at) in enumerate([(0.2, (2, 24, 31)), (2.4, (27, 22, 14)), (4.1, (-27, 24, 12))]):
-        if all(math.dist(at, q) > 0 for q, _ in taken):
-            things.append((f"orange{k}", metres(net(wedge, (-18, -4, -6), (18, 18, 6), 1.5)), looks["orange"], placed(turn, 0.3, at=tuple(MM * c for c in at))))
+        mesh = metres(net(wedge, (-18, -4, -6), (18, 18, 6), 1.5))
+        things.append((f"orange{k}", mesh, looks["orange"], placed(turn, 0.3, at=tuple(MM * c for c in at))))
     lights = [lamp("back", (180, 300, -380), (0, 25, 0), 10.0, 320, (1, 0.95, 0.88)), lamp("key", (-380, 330, 260), (0, 25, 0), 4.0, 380), sky(0.3)]
     return things, lights, camera((0, 165, 400), (0, 24, 0), 62)
 
@@ -145,7 +146,8 @@ def amber():
         return (21 * x * bump, 15 * y * bump, 11 * z * bump)
     things = [floor([0.5, 0.47, 0.43]),
               ("amber", metres(cube_sphere(16, stone)), scattering([0.995, 0.80, 0.22], (50, 45, 22), 1.54), placed(0.25, 0.12, at=(0, 0.0142, 0))),
-              ("gnat", metres(net(insect, (-8.5, -5, -8), (10, 4, 8), 0.28)), matt([0.03, 0.018, 0.01], 0.35), placed(0.5, 0.35, at=(0.001, 0.015, 0.001)))]
+              ("gnat", metres(net(insect, (-8.5, -5, -8), (10, 4, 8), 0.28)), matt([0.03, 0.018, 0.01], 0.35),
+               placed(0.5, 0.35, at=(0.001, 0.015, 0.001)))]
     for k, turn in enumerate((0.85, 0.2)):
         things.append((f"wing{k}", metres(net(wing, (-10.5, -0.8, -2.4), (1, 0.8, 2.4), 0.2)), matt([0.25, 0.16, 0.08], 0.3, opacity=0.45),
                        placed(turn, 0.62 - 0.5 * k, at=(0.003, 0.0165 + 0.0004 * k, 0.0005))))
