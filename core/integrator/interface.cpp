@@ -35,13 +35,22 @@ void choose_channel(float* u, Rgb* throughput) {
   *throughput = kept;
 }
 
-// Passes all surfaces but those of clear bodies.
+// The first of the materials that is the boundary of a solid; null: there is none.
+const DisneyMaterial* clear_material(const Instance& instance) {
+  for (const DisneyMaterial* material : instance.materials)
+    if (material->transmits() && !material->constants.thin) return material;
+  return nullptr;
+}
+
+// Passes all surfaces but those of clear bodies, which opaque faces of their meshes are, too.
 class ClearSurfaces final : public HitFilter {
  public:
   explicit ClearSurfaces(const SceneSnapshot& scene) : scene_(scene) {}
   bool stops(const TriangleHit& hit) const noexcept override {
-    const DisneyMaterial& material = scene_.instance(hit.instance).material(hit.triangle);
-    return material.transmits() && !material.constants.thin;
+    const Instance& instance = scene_.instance(hit.instance);
+    const DisneyMaterial& material = instance.material(hit.triangle);
+    return material.transmits() ? !material.constants.thin
+                                : instance.prototype->mesh.closed && clear_material(instance);
   }
 
  private:
@@ -182,15 +191,23 @@ MediumStack interiors_at(const PathContext& context, Ray ray, Seeker seeker) {
     evaluate_surface(context, ray, hit, 0, &v);
     ray.org = far_side_of(v.hit);
     const bool inside = is_seen_from_inside(v, entered);
+    // Behind an opaque face is what is behind the clear ones.
+    const DisneyMaterial* behind = nullptr;
+    if (!v.material.transmits() && v.instance->prototype->mesh.closed) [[unlikely]]
+      if ((behind = clear_material(*v.instance)))
+        behind->evaluate({v.instance->prototype->mesh, hit, v.hit.uv}, &v.material);
     if (!v.material.transmits() || (is_camera && v.instance->options.camera_cull == CameraCull::all)) continue;
     // The way out of this body is not seen: the camera's ray would carry its interior on.
     if (is_camera && inside && is_culled(*v.instance, hit, ray.dir)) continue;
+    Interior interior = interior_of(v);
+    if (behind) [[unlikely]]
+      interior.index_matched = !(behind->constants.spec_trans > 0);
     if (!inside)
-      entered.enter(interior_of(v));
+      entered.enter(interior);
     else if (entered.contains(hit.instance))
       entered.leave(hit.instance);
     else
-      found.push(interior_of(v));
+      found.push(interior);
   }
   // The surface that is left last was entered first.
   for (uint32_t i = found.size(); i > 0; --i) about.enter(found[i - 1]);

@@ -65,6 +65,7 @@ bool find_next_vertex(const PathContext& context, const PixelSampler& sampler, P
     const Exit exit = find_exit(context, sampler, path, v);
     if (exit == Exit::vertex || exit == Exit::none) return exit == Exit::vertex;
     met_within = exit == Exit::within;
+    if (met_within) find_members(context, v->triangle, path);
     if (exit == Exit::passes) {
       ++path->depth;
       path->from_vertex = true;
@@ -99,6 +100,12 @@ bool find_next_vertex(const PathContext& context, const PixelSampler& sampler, P
       if (record) record->meet_light(met);
       if (!found) return end(context, "the ray meets no surface");
       path->travel(context, hit.t);
+      if (context.mode() == SubsurfaceMode::walk && is_wall_of_union(context, *path, hit)) [[unlikely]] {
+        draw_numbers(sampler, path->depth, context.scene.instance(hit.instance).prototype->mesh, hit.triangle, &v->u);
+        make_vertex_within(context, *path, v);
+        passed += hit.t;
+        break;
+      }
     }
 
     // Find the surface and its material. Pass a dielectric interface that a medium of higher priority hides.

@@ -404,6 +404,35 @@ Exit find_exit(const PathContext& context, const PixelSampler& sampler, Path* pa
   return Exit::vertex;
 }
 
+bool is_wall_of_union(const PathContext& context, const Path& path, const TriangleHit& hit) {
+  const Interior* const medium = path.media.current();
+  if (!medium || !medium->scatters) return false;
+  const SubsurfaceBody* const body = context.scene.instance(medium->instance).body;
+  return body && body->is_union() && context.scene.instance(hit.instance).body == body;
+}
+
+void find_members(const PathContext& context, const TriangleHit& met, Path* path) {
+  const SceneSnapshot& scene = context.scene;
+  const Interior* const around = path->media.current();
+  const SubsurfaceBody* const body = around ? scene.instance(around->instance).body : nullptr;
+  const Instance& instance = scene.instance(met.instance);
+  const DisneyMaterial& material = instance.material(met.triangle);
+  if (!body || !body->is_union() || instance.body == body || !material.transmits() || material.constants.thin) return;
+  std::optional<Placement> moved;
+  const Placement& at = instance.at(met, &moved);
+  const SurfacePoint s =
+      on_side(surface_point(instance.prototype->mesh, met, at.object_to_world, at.world_to_object), -path->ray.dir);
+  const Ray ray{offset_point(s.p, s.ng, s.offset), s.ng, std::numeric_limits<float>::infinity(), met.time};
+  const MediumStack all = interiors_at(context, ray, Seeker::path);
+  MediumStack others;
+  for (uint32_t i = 0; i < path->media.size(); ++i)
+    if (scene.instance(path->media[i].instance).body != body) others.enter(path->media[i]);
+  const uint32_t outside = others.size();
+  for (uint32_t i = 0; i < all.size(); ++i)
+    if (scene.instance(all[i].instance).body == body) others.enter(all[i]);
+  if (others.size() > outside) path->media = others;  // members with opaque walls are not found
+}
+
 bool find_wall_ahead(const PathContext& context, const Path& path, TriangleHit* hit) {
   const OwnWalls walls(context.scene, *path.media.current());
   ++context.counters.bounce_rays;

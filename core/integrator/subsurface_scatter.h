@@ -27,6 +27,14 @@ void drop_unresolved_distances(Vertex* vertex);
 /// mesh winds. A camera may stand in there, and bodies may overlap that do not scatter as one.
 bool is_within_medium(const PathContext& context, const Vertex& vertex, const Path& path);
 
+/// True if the ray of a path in the medium of a union has met a wall of it: walls between its members are not there, so
+/// it is no matter which.
+bool is_wall_of_union(const PathContext& context, const Path& path, const TriangleHit& hit);
+
+/// In a union a walk knows not which members it is in: finds them where it has met a clear wall of what stands there,
+/// within which their walls count.
+void find_members(const PathContext& context, const TriangleHit& met, Path* path);
+
 /// The nearest wall ahead of the path's ray, of the medium that it is in: it says which medium that is. False: there is
 /// none.
 bool find_wall_ahead(const PathContext& context, const Path& path, TriangleHit* hit);

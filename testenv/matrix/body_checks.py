@@ -229,16 +229,16 @@ LAYER_AOVS = ("diffuse", "subsurface", "specular", "emission")
 PARTS = ("subsurfaceUnscattered", "subsurfaceSingle", "subsurfaceMultiple")
 
 
-def lit(scenery, way="as is"):
-    scene, camera = scene_of(scenery, Look(white=False, way=way))
+def lit(scenery, way="as is", within="ball"):
+    scene, camera = scene_of(scenery, Look(white=False, way=way, within=within))
     scene.set_light("/sky", "domeLight", **SKY)
     scene.set_light("/lamp", "rectLight", placed(look_at(SIDE, 4.0), way), intensity=8.0, width=1.0, height=1.0)
     return scene, camera
 
 
-def lit_blocks(scenery, way):
+def lit_blocks(scenery, way="as is", within="ball"):
     """Blocks of 4 x 4 pixels of the scene as it is written down so, and their mean, drawn by seed."""
-    scene, camera = lit(scenery, way)
+    scene, camera = lit(scenery, way, within)
     distant(scene, (-0.8, 0.6, 0.7), 60.0 if scenery.clear else 0.0, way=way)
     renderer = renderer_of(scene, samples=16)
 
@@ -266,6 +266,35 @@ class Turned:
 class AsArray(Turned):
     """Bodies that are each one of an array's instances show the picture of bodies that stand alone."""
     name, way = "as an array", "array"
+
+
+class ContentAsFaces:
+    """A black ball within a body is the same as opaque faces of the body's mesh."""
+    name = "content as faces"
+
+    @staticmethod
+    def asks(scenery):
+        # Heights would move those faces, too, and where a hollow cuts the ball, faces of one mesh cross each other.
+        return scenery.kind != "opaque body" and "ball within" in scenery.features and not scenery.any("displacement", "inner shell")
+
+    @staticmethod
+    def run(scenery):
+        return same_blocks(lit_blocks(scenery, within="faces"), lit_blocks(scenery))
+
+
+class ContentOfTheSameMedium:
+    """A ball of its own medium and index within a clear body changes nothing."""
+    name = "content of the same medium"
+
+    @staticmethod
+    def asks(scenery):
+        # The ball has its material's layers and holes, fills a hollow, and stands out of other shapes.
+        others = ("opacity", "inner shell", "below glass", "glass on its face", *LAYERS)
+        return scenery.kind != "opaque body" and "ball within" in scenery.features and not scenery.any(*others)
+
+    @staticmethod
+    def run(scenery):
+        return same_blocks(lit_blocks(scenery, within="same"), lit_blocks(scenery, within="none"))
 
 
 class LightWithoutSize:
@@ -326,5 +355,5 @@ class SameBytes:
         return same_bytes(lambda: lit(scenery))
 
 
-CHECKS = (ViewerFurnace, LambertFurnace, LightFurnace, Reciprocity, LambertLimit, WalkIsReference, Turned, AsArray, LightWithoutSize,
-          LayersAddUp, SameBytes)
+CHECKS = (ViewerFurnace, LambertFurnace, LightFurnace, Reciprocity, LambertLimit, WalkIsReference, Turned, AsArray, ContentAsFaces,
+          ContentOfTheSameMedium, LightWithoutSize, LayersAddUp, SameBytes)

@@ -17,7 +17,7 @@ from shapes import cube_sphere  # noqa: E402
 VIEW = (0.25, 0.35, 1.0)  # sees the main body with what touches it
 SIDE = (0.3, 0.2, 1.0)  # 20 degrees from z: where key lights are
 FILM = 2.2  # width of the film; the main body is 2 wide
-MAIN, SECOND = "/main", "/second"
+MAIN, SECOND, WITHIN = "/main", "/second", "/within"
 
 
 class Look(NamedTuple):
@@ -27,6 +27,7 @@ class Look(NamedTuple):
     mask: bool = False  # opaque bodies of the same opacity, to measure what rays meet
     flat: bool = False  # all bodies squashed along z: a ball hides what is not reciprocal from sums over its surface
     way: str = "as is"  # one of WAYS: how the scene is written down
+    within: str = "ball"  # of "ball within": a mesh of its own, "faces" of the main one, of its "same" material, or "none"
 
 
 class Body:
@@ -36,6 +37,7 @@ class Body:
         self.material = {} if material is None else material  # shared by bodies of one look
         self.shape, self.hollow, self.displaced, self.bumped, self.set = "ball", False, False, False, None
         self.labelled = self.weighted = False
+        self.inner = None  # place of an opaque ball that is faces of this mesh
 
 
 class Draft:
@@ -119,7 +121,7 @@ def touching(draft):
 
 def ball_within(draft):
     """An opaque ball wholly in the main body: white in white scenes, else black."""
-    draft.bodies.append(Body("matt", moved(0.2, 0.1, 0.15, 0.4), "/within"))
+    draft.bodies.append(Body("matt", moved(0.2, 0.1, 0.15, 0.4), WITHIN))
 
 
 def face_to_face(draft):
@@ -336,10 +338,22 @@ def add_body(scene, body, draft, look):
     else:
         points, quads, normals, uvs = ball(8 if body.displaced else 32, body.hollow)
         primvars["st"] = hdalabaster.Primvar(uvs, "faceVarying", role="textureCoordinate")
+    given["subsets"] = {}
     if body.labelled:
         color = (0.5,) * 3 if look.mask else (1.0,) * 3 if look.white else (0.3, 0.6, 0.9)
         scene.set_material(body.path + "_label", baseColor=color, specular=0.0)
-        given["subsets"] = {body.path + "_label": np.int32(np.flatnonzero(points[quads].mean(axis=1)[:, 0] > 0.3))}
+        given["subsets"][body.path + "_label"] = np.int32(np.flatnonzero(points[quads].mean(axis=1)[:, 0] > 0.3))
+    if body.inner is not None:
+        inner_points, inner_quads, inner_normals, inner_uvs = ball(32, False)
+        if body.shape == "pyramid":
+            inner_quads = np.concatenate([inner_quads[:, :3], inner_quads[:, [0, 2, 3]]])
+        inner_points, inner_normals = bake(inner_points, inner_normals, body.inner)
+        scene.set_material(body.path + "_inner", **material_of(Body("matt"), look))
+        given["subsets"][body.path + "_inner"] = np.int32(range(len(quads), len(quads) + len(inner_quads)))
+        quads = np.concatenate([quads, inner_quads + len(points)])
+        points, normals = np.concatenate([points, inner_points]), np.concatenate([normals, inner_normals])
+        if "st" in primvars:
+            primvars["st"] = hdalabaster.Primvar(np.concatenate([uvs, inner_uvs]), "faceVarying", role="textureCoordinate")
     if body.set:
         primvars["subsurfaceSet"] = hdalabaster.Primvar(body.set, "constant")
 
@@ -370,6 +384,17 @@ def swing(place, world):
     return [(0.0, place @ moved(-0.1, 0, 0) @ world), (1.0, place @ moved(0.1, 0.05, 0) @ world)]
 
 
+def replace_inner(draft, how):
+    """What "ball within" puts into the main body is what Look.within says instead."""
+    inner = next(body for body in draft.bodies if body.path == WITHIN)
+    if how == "same":
+        inner.kind, inner.material, inner.ior = draft.main.kind, draft.main.material, draft.main.ior
+    else:
+        draft.bodies.remove(inner)
+    if how == "faces":
+        draft.main.inner = inner.place @ np.linalg.inv(draft.main.place)
+
+
 def reorder(draft, scene):
     """The last body becomes the first, by its name and by when it is given. 255 others, far away, lie between each two."""
     draft.bodies.reverse()
@@ -396,6 +421,8 @@ def bounds(draft):
 def scene_of(scenery, look):
     """A scene without lights, and its camera as render() takes it."""
     draft, scene = scenery.draft(), hdalabaster.Scene()
+    if look.within != "ball":
+        replace_inner(draft, look.within)
     if look.way == "reordered":
         reorder(draft, scene)
     for body in draft.bodies:

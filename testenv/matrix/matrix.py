@@ -39,6 +39,7 @@ def bodies():
     # Bodies within others, and cameras within them.
     yield from (Scenery(kind, pair) for kind in others for pair in
                 itertools.combinations(("opacity", "inner shell", "union", "touching", "cut", "camera inside"), 2))
+    yield from (Scenery("cloudy body", (feature, "ball within")) for feature in FEATURES if feature != "ball within")
     yield from (Scenery(opaque, (kind, feature)) for kind in others for feature in ("opacity", "cut", "camera inside", "motion"))
 
 

@@ -2,7 +2,32 @@
 import unittest
 
 import hdalabaster
-from square_scene import CORNERS, draw, pixel, square
+from square_scene import BACK, CORNERS, draw, moved, pixel, square
+
+BOX = ([(x, y, z) for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)],
+       [[0, 1, 3, 2], [4, 6, 7, 5], [0, 4, 5, 1], [2, 3, 7, 6], [0, 2, 6, 4], [1, 5, 7, 3]])
+
+
+def milk(stone, lamp=False, clear=False):
+    """A box of milk with a stone, which is at `stone`, and seen or not a lamp."""
+    scene = hdalabaster.Scene()
+    scene.set_mesh("/milk", *BOX, material="/white")
+    scene.set_mesh("/stone", [[0.4 * c for c in p] for p in BOX[0]], BOX[1], material="/dark", transform=moved(*stone))
+    scene.set_material("/white", baseColor=(1, 1, 1), scatterDistance=(.3, .3, .3), specTrans=1, roughness=0)
+    scene.set_material("/dark", **look(clear))
+    scene.set_light("/dome", "domeLight", intensity=1)
+    if lamp:
+        set_lamp(scene)
+    scene.set_camera("/camera", BACK, focalLength=0.05, horizontalAperture=0.036, verticalAperture=0.036)
+    return scene
+
+
+def look(clear):
+    return dict(baseColor=(1, 1, 1), specTrans=1, ior=1.5) if clear else dict(baseColor=(0, 0, 0))
+
+
+def set_lamp(scene):
+    scene.set_light("/lamp", "sphereLight", moved(0.5, 0.5), radius=0.3, intensity=20)
 
 
 class Edits(unittest.TestCase):
@@ -27,6 +52,27 @@ class Edits(unittest.TestCase):
         scene.set_instance_values("/many", 1, translations=far, scales=[(1, 1, 1)])
         render = draw(renderer, aovs=["instanceId"])
         self.assertNotEqual(pixel(render, 8, 8, "instanceId"), 1)
+
+    def test_a_body_with_contents_has_the_bytes_of_a_fresh_scene(self):
+        def picture(renderer):
+            return bytes(draw(renderer).pixels("color"))
+        away, here, aside = (3, 0, 0), (-.3, .1, .2), (.2, -.7, .2)  # the last stands out of the milk
+        scene = milk(away)
+        renderer = hdalabaster.Renderer(scene, samples=2)
+        before = picture(renderer)
+        edits = [
+            (lambda: scene.set_transform("/stone", moved(*here)), dict(stone=here)),
+            (lambda: scene.set_transform("/stone", moved(*aside)), dict(stone=aside)),
+            (lambda: scene.set_material("/dark", **look(True)), dict(stone=aside, clear=True)),
+            (lambda: set_lamp(scene), dict(stone=aside, clear=True, lamp=True)),
+            (lambda: scene.remove("/lamp"), dict(stone=aside, clear=True)),
+            (lambda: scene.set_transform("/stone", moved(*away)), dict(stone=away, clear=True))]
+        for edit, fresh in edits:
+            edit()
+            after = picture(renderer)
+            self.assertNotEqual(after, before, fresh)
+            self.assertEqual(after, picture(hdalabaster.Renderer(milk(**fresh), samples=2)), fresh)
+            before = after
 
     def test_settings_are_all_set_or_none(self):
         renderer = hdalabaster.Renderer(square(), samples=4)

@@ -182,6 +182,47 @@ TEST(Contents, OneOfTheSameMediumChangesNothing) {
   }
 }
 
+// A wall between members of a union goes through it.
+TEST(Contents, OneBetweenTheMembersOfAUnionChangesNothing) {
+  DisneyParameters milk = clear_body(1.33f, 0.3f);
+  milk.base_color = Rgb(0.8f);
+  SceneBuilder b;
+  const auto ball = b.prototype(testing::sphere_mesh(1, 48, true));
+  add(&b, ball, milk, Matrix4d(), "milk");
+  add(&b, ball, milk, scaled_by(0.8) * moved_by(0.5, 0.2, 0.6), "milk");
+  const Sight sight{"towards both", {0, 0, 5}, {0.5, 0.25, 0.7}};
+  const auto without = seen(b, sight, 256);
+  add(&b, ball, milk, scaled_by(0.35) * moved_by(0.5, 0.25, 0.7));
+  EXPECT_TRUE(testing::plausible(testing::z_test(seen(b, sight, 256), without)));
+}
+
+// Nor is a segment of a path lost up to a wall that another member hides.
+TEST(Contents, WithoutAnyAUnionIsAsDenseAsWithAGrain) {
+  DisneyParameters milk = clear_body(1.33f, 0.3f);
+  milk.base_color = Rgb(0.8f);
+  SceneBuilder b;
+  const auto ball = b.prototype(testing::sphere_mesh(1, 48, true));
+  add(&b, ball, milk, Matrix4d(), "milk");
+  add(&b, ball, milk, scaled_by(0.8) * moved_by(0.5, 0.2, 0.6), "milk");
+  const Sight sight{"towards both", {0, 0, 5}, {0.5, 0.25, 0.7}};
+  const auto without = seen(b, sight, 256);
+  add(&b, ball, matt(Rgb(0.0f)), scaled_by(1e-3) * moved_by(-0.8, 0, 0));
+  EXPECT_TRUE(testing::plausible(testing::z_test(seen(b, sight, 256), without)));
+}
+
+// What is around it is found behind opaque faces as well.
+TEST(Contents, OneOfTheSameMediumInALabelledBodyLosesNoLight) {
+  const DisneyParameters milk = clear_body(1.5f, 0.3f);
+  Mesh ball = testing::sphere_mesh(1, 48, true);
+  SceneBuilder b;
+  add(&b, b.prototype(ball), milk, scaled_by(0.4) * moved_by(0.2, 0.1, 0.1));
+  ball.triangle_material.assign(ball.triangles.size(), 0);
+  std::fill_n(ball.triangle_material.rbegin(), ball.triangles.size() / 2, 1);
+  add(&b, b.prototype(ball), milk);
+  b.description.instances.back().materials.push_back(b.material(white_body(0)));
+  expect_furnace(b, kSights, {.runs = 64, .sees_background = true}, "labelled");
+}
+
 void expect_as_faces(const DisneyParameters& body, const char* set) {
   SceneBuilder separate = ball_with(body, matt(Rgb(0.0f))), as_faces;
   for (auto& instance : separate.description.instances) instance.subsurface_set = set;
