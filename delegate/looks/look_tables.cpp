@@ -354,6 +354,7 @@ Look disney_principled() {
       {"specTrans", {"specTrans"}},
       {"transmissionColor", {color}, "specTrans"},
       {"subsurfaceWeight", {"subsurface"}, "subsurface"},
+      {"subsurfaceColor", {color}, "subsurface"},
       {"meanFreePath", {{"subsurfaceDistance", 1}}, "subsurface"},
   }, {}};
 }

@@ -33,8 +33,7 @@ TEST(StandardSurface, HasItsOwnDefaults) {
   const StandardRead t(standard({}));
   EXPECT_EQ(t.node("/m/s").nodeTypeId, Token("AlabasterDisney"));
   EXPECT_EQ(t.parameter("roughness"), Value(0.2f));
-  for (const char* name :
-       {"baseColor", "ior", "scatterDistance", "coat", "sheen", "emission", "opacity", "iridescence"})
+  for (const char* name : {"baseColor", "ior", "meanFreePath", "coat", "sheen", "emission", "opacity", "iridescence"})
     EXPECT_FALSE(t.has(name)) << name;
   EXPECT_TRUE(t.warnings.empty());
 }
