@@ -5,6 +5,7 @@
 #include <set>
 
 #include "core/diagnostics/plain_format.h"
+#include "core/scene/contents.h"
 #include "core/scene/mesh_lights.h"
 #include "core/scene/world_placement.h"
 #include "core/subsurface/body.h"
@@ -226,6 +227,52 @@ void report_lights_within(const ReportedScene& scene) {
   for (const auto& [where, lights] : found) report_within(scene, where.first, where.second, lights);
 }
 
+// What a subsurfaceSet does not show: where one medium ends and the next begins behind clear walls, and behind diffuse
+// ones what lets light through.
+void report_sets(const ReportedScene& scene) {
+  struct Set {
+    const InstanceDescription *cloudy = nullptr, *scattering = nullptr, *clear = nullptr;  // the first of each kind
+    const DisneyMaterial* medium = nullptr;
+    bool differs = false;
+  };
+  const auto is_same = [](const DisneyParameters& a, const DisneyParameters& b) {
+    return a.medium_albedo() == b.medium_albedo() && a.scatter_distance == b.scatter_distance &&
+           a.scatter_anisotropy == b.scatter_anisotropy && a.ior == b.ior;
+  };
+  std::map<std::string, Set> sets;
+  for (const InstanceDescription* instance : scene.drawn.alone) {
+    if (instance->subsurface_set.empty()) continue;
+    Set& set = sets[instance->subsurface_set];
+    const std::vector<size_t> slots = scattering_slots(*instance);
+    if (slots.empty()) {
+      if (!set.clear && !is_opaque_everywhere(*instance)) set.clear = instance;
+      continue;
+    }
+    if (!set.scattering) set.scattering = instance;
+    if (!is_cloudy(*instance)) continue;
+    if (!set.cloudy) set.cloudy = instance;
+    for (const size_t slot : slots) {
+      const DisneyMaterial* const material = &*instance->materials[slot];
+      if (!set.medium) set.medium = material;
+      set.differs |= !is_same(set.medium->constants, material->constants);
+    }
+  }
+  for (const auto& [name, set] : sets) {
+    if (set.differs)
+      report(scene.sink, Severity::warning, "subsurface.set", set.cloudy->name,
+             "members of its subsurfaceSet " + name +
+                 " have different media behind clear walls: within the set light is in the medium of the wall ahead, "
+                 "wherever the meshes meet; give them one medium, or leave the set, where bodies that touch or lie "
+                 "within each other keep their own");
+    if (set.scattering && !set.cloudy && set.clear)
+      report(scene.sink, Severity::warning, "subsurface.set", set.clear->name,
+             "it lets light through, so light below the surface of " + set.scattering->name +
+                 ", which is in the same subsurfaceSet " + name +
+                 ", does not meet it: only opaque members are walls there, as bones are; make it opaque, or take it "
+                 "out of the set");
+  }
+}
+
 }  // namespace
 
 std::string describe_open_edges(const OpenEdges& edges) {
@@ -287,6 +334,7 @@ void report_bodies(const ReportedScene& scene) {
   report_thin_shells(scene);
   report_lost_distances(scene);
   report_lights_within(scene);
+  report_sets(scene);
 }
 
 }  // namespace alabaster

@@ -22,7 +22,8 @@ std::string describe_open_fellows(size_t others);
 
 /// Warns of bodies that are not closed, once for a union, of closed shells that are thinner than the rounding of
 /// positions, in which no walk can begin, and of lights and meshes that emit within a body: walks meet none behind
-/// diffuse walls, and by chance behind clear ones. Throws BuildCancelled.
+/// diffuse walls, and by chance behind clear ones; and of sets of several media or with clear members. Throws
+/// BuildCancelled.
 void report_bodies(const ReportedScene& scene);
 
 /// Warns where all lights are without size, and something refracts.

@@ -65,6 +65,37 @@ TEST(SceneReports, AnEmissiveMeshWithinABodyIsNamedToo) {
   EXPECT_TRUE(warnings(b, "light.within").empty());
 }
 
+TEST(SceneReports, ASetOfTwoMediaBehindClearWallsIsTold) {
+  SceneBuilder b;
+  DisneyParameters milk = wax(), jelly = wax();
+  milk.spec_trans = jelly.spec_trans = 1, jelly.base_color = Rgb(0.5f, 0.2f, 0.1f);
+  const auto ball = b.prototype(testing::sphere_mesh(1, 16, true));
+  b.add(ball, b.material(milk)).add(ball, b.material(milk), testing::moved(1));
+  b.add(ball, b.material(jelly), testing::moved(2));
+  for (auto& instance : b.description.instances) instance.subsurface_set = "drink";
+  b.description.instances[0].name = "/milk", b.description.instances[2].subsurface_set = "";
+  EXPECT_TRUE(warnings(b, "subsurface.set").empty());
+  b.description.instances[2].subsurface_set = "drink";
+  const auto found = warnings(b, "subsurface.set");
+  ASSERT_EQ(found.size(), 1u);
+  EXPECT_EQ(found[0].where, "/milk");
+}
+
+TEST(SceneReports, AClearBoneIsTold) {
+  SceneBuilder b;
+  DisneyParameters bone, glass;
+  glass.spec_trans = 1;
+  const auto ball = b.prototype(testing::sphere_mesh(1, 16, true));
+  b.add(ball, b.material(wax())).add(ball, b.material(bone)).add(ball, b.material(glass));
+  for (auto& instance : b.description.instances) instance.subsurface_set = "hand";
+  b.description.instances[2].name = "/glass", b.description.instances[2].subsurface_set = "";
+  EXPECT_TRUE(warnings(b, "subsurface.set").empty());
+  b.description.instances[2].subsurface_set = "hand";
+  const auto found = warnings(b, "subsurface.set");
+  ASSERT_EQ(found.size(), 1u);
+  EXPECT_EQ(found[0].where, "/glass");
+}
+
 TEST(SceneReports, ALightBehindAClearWallIsNoisyAndOneWithoutSizeGivesNone) {
   DisneyParameters milk = wax();
   milk.spec_trans = 1;
