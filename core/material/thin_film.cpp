@@ -1,6 +1,7 @@
 #include "core/material/thin_film.h"
 
 #include <array>
+#include <limits>
 
 #include "core/material/fresnel.h"
 #include "core/sampling/warp.h"
@@ -32,7 +33,7 @@ float f0_between(float n1, float n2) {
 }  // namespace
 
 Rgb ThinFilm::over(const Rgb& bare, float cosine, const Rgb& f0, float f90) const {
-  if (!(f90 > 0)) return bare;
+  if (!(f90 >= std::numeric_limits<float>::min())) return bare;  // 1 / f90 is no number
   // f90 is a weight of all that is reflected (KHR_materials_specular), the film's light included.
   const Rgb unweighted = clamp01(f0 * (1 / f90));
   const Rgb change = reflectance(cosine, unweighted) - schlick(unweighted, Rgb(1.0f), cosine);

@@ -23,10 +23,13 @@ void apply_camera(LoadState& load) {
   if (!entry) return;
   if (entry->contains("use")) load.camera.use = the_camera(load, (*entry)["use"]).str();
   load.camera.placement = placement_of(load, "/camera", *entry);
-  for (const host::FieldRow& row : host::ParameterRows("camera"))
-    if (const auto given = entry->find(row.name); given != entry->end())
-      load.camera.parameters[row.name] =
-          row.in_millimetres ? given->get<float>() * kMetresPerMillimetre : field_value(*given);
+  for (const host::FieldRow& row : host::ParameterRows("camera")) {
+    const auto given = entry->find(row.name);
+    if (given == entry->end()) continue;
+    Value& value = load.camera.parameters[row.name] = field_value(*given);
+    if (given->is_string()) value = Token(given->get<std::string>());
+    if (row.in_millimetres) value = given->get<float>() * kMetresPerMillimetre;
+  }
 }
 
 }  // namespace alabaster::hd::description

@@ -367,6 +367,7 @@ FieldResult SubsetFields::set(const std::string& name, const Value& value) {
   if (suffix.empty()) return std::nullopt;
   for (; known_ < subsets_.size(); ++known_) places_.emplace(subsets_[known_].id, known_);
   const Path id(text);
+  if (value.empty() && !places_.contains(id)) return "";
   const auto [place, is_new] = places_.emplace(id, subsets_.size());
   if (is_new) subsets_.push_back({id, {}, {}}), ++known_;
   GeomSubset& subset = subsets_[place->second];

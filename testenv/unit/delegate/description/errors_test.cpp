@@ -252,7 +252,7 @@ TEST_F(DescriptionErrors, ContradictionsAndImpossibilities) {
   EXPECT_FALSE(describe(R"({"lights": [{"name": "a", "type": "rectLight"}, {"name": "a", "type": "rectLight"}]})").ok);
   EXPECT_SAYS("already a light '/lights/a'");
   EXPECT_FALSE(describe(R"({"camera": {"lookAt": {"eye": [0, 1, 0], "target": [0, 0, 0], "up": [0, 2, 0]}}})").ok);
-  EXPECT_SAYS("up lies along the view");
+  EXPECT_SAYS("up lies along the line between them");
   EXPECT_FALSE(describe(R"({"gltf": [{"file": "patch.gltf", "transform": {"scale": [1, 0, 1]}}]})").ok);
   EXPECT_SAYS("cannot be inverted");
   EXPECT_FALSE(describe(R"({"gltf": [{"file": "none.glb"}]})").ok);

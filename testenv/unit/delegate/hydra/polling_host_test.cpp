@@ -184,7 +184,9 @@ std::vector<float> expected_picture() {
   stage.scene.SetMesh("/mesh", mesh);
   hd::MaterialNetwork network;
   network.nodes["/s"] = {
-      "AlabasterDisney", {{"baseColor", Vec3f(0.6f, 0.3f, 0.2f)}, {"specular", 0.0f}, {"roughness", 0.2f}}, {}};
+      "AlabasterDisney",
+      {{"baseColor", Vec3f(0.6f, 0.3f, 0.2f)}, {"specular", 0.0f}, {"roughness", 0.2f}, {"diffuseRoughness", 0.43f}},
+      {}};
   network.terminals["surface"] = {"/s", "out"};
   stage.scene.SetMaterial("/m", network);
   stage.scene.SetLight("/sun", {.type = "distantLight",
