@@ -52,7 +52,9 @@ TimeSamples<Matrix4d> to_motion(LoadState& load, const std::string& pointer, con
 Matrix4d aimed_at(LoadState& load, const std::string& pointer, const Vec3d& eye, const Vec3d& target,
                   const nlohmann::json* up) {
   const auto aimed = look_at(eye, target, up ? to_vec3d(*up) : up_vector(load.result->info.up), !up);
-  if (!aimed) load.fail(pointer, "It has no direction: its place and its target coincide, or up lies along the line between them.");
+  if (!aimed)
+    load.fail(pointer,
+              "It has no direction: its place and its target coincide, or up lies along the line between them.");
   return *aimed;
 }
 
