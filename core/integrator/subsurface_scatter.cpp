@@ -436,7 +436,10 @@ void find_members(const PathContext& context, const TriangleHit& met, Path* path
 bool find_wall_ahead(const PathContext& context, const Path& path, TriangleHit* hit) {
   const OwnWalls walls(context.scene, *path.media.current());
   ++context.counters.bounce_rays;
-  return context.scene.top->intersect(path.ray, hit, &walls);
+  TriangleHit ahead;
+  if (context.scene.top->intersect(path.ray, &ahead, &walls)) return *hit = ahead, true;
+  // Behind an open mesh there may be none. The wall that the path comes from tells the medium as well.
+  return path.depth > 0 && walls.stops(*hit);
 }
 
 void make_vertex_within(const PathContext& context, const Path& path, Vertex* v) {

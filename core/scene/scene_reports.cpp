@@ -49,13 +49,12 @@ void report_open_bodies(const ReportedScene& scene) {
       return m->scatters() && m->constants.spec_trans > 0;
     });
     std::string text =
-        (is_clear
-             ? "specTrans with scatterDistance in a mesh that is not closed: it has no inside, so it is clear, and "
-               "light does not scatter behind it"
-             : "subsurface scattering in a mesh that is not closed: the medium goes on behind it without end, and "
-               "light that does not come back is lost (stats: walk.lostEnergy)") +
+        (is_clear ? "specTrans with scattering in a mesh that is not closed: it has no inside, so it is clear, and "
+                    "light does not scatter behind it"
+                  : "subsurface scattering in a mesh that is not closed: the medium goes on behind it without end, and "
+                    "light that does not come back is lost (stats: walk.lostEnergy)") +
         describe_open_edges(prototype.interior.open_edges(prototype.mesh)) +
-        "; or bind a material without scatterDistance";
+        "; or bind a material without scatterDistance and meanFreePath";
     text += describe_open_fellows(open.names.size() - 1);
     report(scene.sink, Severity::warning, "mesh.open", *open.names.begin(), text);
   }

@@ -474,7 +474,8 @@ int parse_and_run(int argc, char** argv) {
   Words read(words.rbegin(), words.rend());  // as CLI11 wants them
   if (words[0] == "usdrecord")
     for (std::string& word : read)
-      if (const char* const flag = long_flag(word)) word = flag;
+      if (const char* const flag = long_flag(word.substr(0, word.find('='))))
+        word = flag + word.substr(std::min(word.find('='), word.size()));
   try {
     app.parse(std::move(read));
   } catch (const CLI::ParseError& e) {

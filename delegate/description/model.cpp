@@ -122,7 +122,7 @@ class Rerooted {
   void apply(PrimDescription* prim) const {
     std::visit([this](auto& one) { apply_to(one); }, *prim);
   }
-  /// Parameters of a prim, or fields of a change.
+  /// Parameters of a prim.
   template <class Named>
   void change(Named* values) const {
     for (auto& [name, value] : *values) {

@@ -13,7 +13,7 @@ RENDER_TAGS = {"default": "geometry", "render": "render", "proxy": "proxy", "gui
 class Place:
     """Where the walk is: what prims inherit."""
 
-    def __init__(self, xform=None, purpose="default", primvars=(), instancer=None, moved=None, root=None, moves=None, origin=None, drawn=True):
+    def __init__(self, xform=None, purpose="default", primvars=(), instancer=None, moved=None, root=None, moves=None, origin=None, drawn=True, options=None):
         self.xform = xform or Gf.Matrix4d(1)  # to the world, or to the space of the instancer
         self.moves = moves                    # the same at the times of the shutter; None: it stands still
         self.purpose, self.primvars = purpose, primvars
@@ -22,9 +22,10 @@ class Place:
         self.root = root or Gf.Matrix4d(1)  # from the world to the instancer's space, where it was met first
         self.origin = origin        # the path of the outermost instancer, or None
         self.drawn = drawn          # False: on the way to what differs from the last answer
+        self.options = options or {}  # fields of meshes that the pass gives to the instancer that draws them
 
     def below(self, **changes):
-        made = Place(self.xform, self.purpose, self.primvars, self.instancer, self.moved, self.root, self.moves, self.origin, self.drawn)
+        made = Place(self.xform, self.purpose, self.primvars, self.instancer, self.moved, self.root, self.moves, self.origin, self.drawn, self.options)
         made.__dict__.update(changes)
         return made
 
@@ -61,6 +62,7 @@ class Reader:
         self.up = str(UsdGeom.GetStageUpAxis(stage))
         self.links, self.shapes = lights.Links(), {}
         self.cameras, self.lights = {}, []
+        self.points, self.lit_points = [], set()  # PointInstancers; names of the lights that they have now
         self.skeletons = geometry.Skeletons()
         self.chosen = views.Pass(stage, options["pass"], notes) if options.get("pass") else None
         self.origins = {}    # names of meshes and instancers -> the path of the prim that they are read from
@@ -92,14 +94,14 @@ class Reader:
         self._begin(time, sink, notes)
         self.changes = self.changes or Changes(self.stage)
         self._choose_shutter()
-        self._view_and_light()
+        gone = self._view_and_light()
         before = {name for name, origin in self.origins.items() if self.changes.holds(origin)}
         for name in before:
             del self.origins[name]
         self._children(self.stage.GetPseudoRoot(), Place(drawn=False))
         self.looks.renew(self.changes.others)
         self._bind()
-        return sorted(name for name in before if name not in self.origins)
+        return sorted([name for name in before if name not in self.origins] + gone)
 
     def _find_cameras_and_lights(self):
         """Also those in instances, of which each is one of its own."""
@@ -109,35 +111,39 @@ class Reader:
             if prim.IsA(UsdGeom.Camera):
                 self.cameras[str(prim.GetPath())] = prim
             elif prim.IsA(UsdGeom.PointInstancer):
-                self._find_lights_of_points(prim)
+                self.points.append(prim)
                 if any(p.IsA(UsdGeom.Camera) for p in Usd.PrimRange(prim)):
                     self.notes.tell("cameras of PointInstancers are not read", prim.GetPath())
                 everything.PruneChildren()
             elif lights.is_light(prim):
                 self.links.add(prim, self.notes)
-                self._add_light(prim, str(prim.GetPath()))
+                if self._lets_light(prim):
+                    self.lights.append((prim, str(prim.GetPath()), None))
             else:
                 lights.tell_unread(prim, self.notes)
 
-    def _add_light(self, prim, name, instance=None):
-        if not self.chosen or (self.chosen.shows(prim.GetPath()) and not self.chosen.prunes(prim.GetPath())):
-            self.lights.append((prim, name, instance))
+    def _lets_light(self, prim):
+        return not self.chosen or (self.chosen.shows(prim.GetPath()) and not self.chosen.prunes(prim.GetPath()))
 
-    def _find_lights_of_points(self, prim):
+    def _lights_of_points(self):
         """One for each point: (light, name, (instancer, prototype, place among the points))."""
-        points = UsdGeom.PointInstancer(prim)
-        indices = points.GetProtoIndicesAttr().Get(self.time) or ()
-        for number, target in enumerate(points.GetPrototypesRel().GetForwardedTargets()):
-            prototype = self.stage.GetPrimAtPath(target)
-            for light in (p for p in (Usd.PrimRange(prototype) if prototype else ()) if lights.is_light(p)):
-                chosen = _places(indices, number, points.ComputeMaskAtTime(self.time)) if len(indices) else ()
-                if len(chosen) > MOST_LIGHTS:
-                    self.notes.tell("a PointInstancer has more than %d lights, which are not read" % MOST_LIGHTS, prim.GetPath())
-                    continue
-                self.links.add(light, self.notes)
-                below = str(light.GetPath())[len(str(target)):]
-                for i in chosen:
-                    self._add_light(light, "%s/%s_%d%s" % (prim.GetPath(), prototype.GetName(), i, below), (points, prototype, i))
+        for prim in self.points:
+            points = UsdGeom.PointInstancer(prim)
+            indices = points.GetProtoIndicesAttr().Get(self.time) or ()
+            for number, target in enumerate(points.GetPrototypesRel().GetForwardedTargets()):
+                prototype = self.stage.GetPrimAtPath(target)
+                for light in (p for p in (Usd.PrimRange(prototype) if prototype else ()) if lights.is_light(p)):
+                    chosen = _places(indices, number, points.ComputeMaskAtTime(self.time)) if len(indices) else ()
+                    if len(chosen) > MOST_LIGHTS:
+                        self.notes.tell("a PointInstancer has more than %d lights, which are not read" % MOST_LIGHTS, prim.GetPath())
+                        continue
+                    if str(light.GetPath()) not in self.links.fields:
+                        self.links.add(light, self.notes)
+                    if not (self._lets_light(light) and self._lets_light(prim)):
+                        continue
+                    below = str(light.GetPath())[len(str(target)):]
+                    for i in chosen:
+                        yield light, "%s/%s_%d%s" % (prim.GetPath(), prototype.GetName(), i, below), (points, prototype, i)
 
     def _light_place(self, light, instance, time, known):
         """(its transform, whether it is visible). `known` has the transforms of instancers."""
@@ -165,7 +171,7 @@ class Reader:
                 self._sample(opens, closes)
 
     def _view_and_light(self):
-        """Cameras and lights, if they differ from the last answer."""
+        """Cameras and lights, if they differ from the last answer. Returns the names of lights that are gone."""
         for where, one in self.cameras.items():
             fields = views.camera_fields(one, self.world.GetLocalToWorldTransform(one), self.time)
             if self.settings and views.all_disabled(self.settings, "disableDepthOfField"):
@@ -175,21 +181,27 @@ class Reader:
                 if any(m != moves[0] for m in moves):
                     fields["transform:samples"] = self._samples(moves)
             self._say(where, "camera", fields)
-        known = {}
-        for light, name, instance in self.lights:
+        known, of_points = {}, list(self._lights_of_points())
+        gone = sorted(self.lit_points - {name for _, name, _ in of_points})
+        for name in gone:
+            self.said.pop(name, None)
+        self.lit_points = {name for _, name, _ in of_points}
+        for light, name, instance in self.lights + of_points:
             place, visible = self._light_place(light, instance, self.time, known)
             kind, fields = lights.light_fields(light, place, visible, self.time, self.up, self.links.fields[str(light.GetPath())], self.notes)
-            if (kind == "domeLight" and self.options.get("hides_domes")) or (self.chosen and not self.chosen.is_seen(light.GetPath())):
+            if (kind == "domeLight" and self.options.get("hides_domes")) or (
+                    self.chosen and not all(self.chosen.is_seen(p.GetPath()) for p in (light, *(instance[:1] if instance else ())))):
                 fields["visibleToCamera"] = V("bool", False)
             self._say(name, kind, fields)
         if not self.shutter:
-            return
+            return gone
         if self.main in self.cameras and any(self.cameras[self.main].GetAttribute(n).ValueMightBeTimeVarying() for n in views.LENS):
             self.notes.tell("a lens that changes within the shutter stands still", self.main)
-        for light, name, instance in self.lights:
+        for light, name, instance in self.lights + of_points:
             ends = [self._light_place(light, instance, t, {})[0] for t in (self.shutter_times[0], self.shutter_times[-1])]
             if ends[0] != ends[1]:
                 self.notes.tell("a light that moves within the shutter stands still", name)
+        return gone
 
     def _say(self, where, kind, fields):
         said = repr(fields)
@@ -374,7 +386,7 @@ class Reader:
         if place.purpose != "default":
             fields["renderTag"] = token(RENDER_TAGS.get(place.purpose, "geometry"))
         if self.chosen:
-            fields.update(self.chosen.options(prim.GetPath()))
+            fields.update({**self.chosen.options(prim.GetPath()), **place.options})
         name = place.name(prim)
         if place.instancer:
             fields["instancer"] = path(place.instancer.name)
@@ -417,6 +429,8 @@ class Reader:
         self.sink.set(instancer.name, "instancer", instancer.fields)
 
     def _points(self, prim, place):
+        if self.chosen and not self.chosen.shows(prim.GetPath()):
+            return None
         points = UsdGeom.PointInstancer(prim)
         get = lambda attribute: attribute.Get(self.time)
         indices, positions = get(points.GetProtoIndicesAttr()), get(points.GetPositionsAttr())
@@ -463,7 +477,7 @@ class Reader:
             parent = prototype.GetParent()
             root = self.world.GetLocalToWorldTransform(parent).GetInverse() if parent else Gf.Matrix4d(1)
             inner = Place(purpose=place.purpose, primvars=primvars, instancer=instancer, moved=(old, new) if new else place.moved, root=root,
-                          origin=instancer.origin)
+                          origin=instancer.origin, options={**place.options, **(self.chosen.options(prim.GetPath()) if self.chosen else {})})
             groups = {}
             self._prim(prototype, inner, groups)
             for key in groups:
@@ -557,9 +571,12 @@ class Changes:
             elif prim.IsA(UsdSkel.Root) and animated:
                 self._add(prim)
         instancers = [p for p in prims if p.IsA(UsdGeom.PointInstancer)]
-        for prim in instancers * 2:  # one may draw another
-            if any(self._differs(stage.GetPrimAtPath(t), prototypes) for t in UsdGeom.PointInstancer(prim).GetPrototypesRel().GetForwardedTargets()):
-                self._add(prim)
+        known = None
+        while known != len(self.whole):  # one may draw another
+            known = len(self.whole)
+            for prim in instancers:
+                if any(self._differs(stage.GetPrimAtPath(t), prototypes) for t in UsdGeom.PointInstancer(prim).GetPrototypesRel().GetForwardedTargets()):
+                    self._add(prim)
         # One instancer draws the instances that lie side by side.
         for where in list(self.whole):
             prim = stage.GetPrimAtPath(where)

@@ -139,6 +139,16 @@ TEST(Contents, WhiteFacesOfTheBodyLoseNoLight) {
   }
 }
 
+// Nor behind an open mesh, where there is no wall ahead.
+TEST(Contents, ALabelOnASheetLosesNoLight) {
+  SceneBuilder b;
+  Mesh sheet = testing::plane_mesh(4);
+  sheet.triangle_material = {1, 0};
+  add(&b, b.prototype(sheet), white_body(0.05f));
+  b.description.instances.back().materials.push_back(b.material(white_body(0)));
+  EXPECT_GT(seen(b, {"beside it", {0.05, 3, -0.05}, {0.05, 0, -0.05}}, 64).mean(), 0.93);
+}
+
 // They let light neither in nor out, at once in a set as alone.
 TEST(Contents, LabelsDimTheWaxBesideThem) {
   const Sight beside{"", {-5, 0.3, 0.2}};
