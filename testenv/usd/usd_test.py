@@ -591,6 +591,24 @@ def test_a_point_instancer_places_lights():
          stage("lamps.usda", floor + lamp % ("    ", "a", "-1.2, 0.7, 1") + lamp % ("    ", "b", "1.2, 0.7, 1"), camera=no_sky), 0.02)
 
 
+def test_lights_of_points_come_and_go_with_the_frames():
+    lamps = """    def PointInstancer "many"
+    {
+        rel prototypes = </World/many/lamp>
+        int[] protoIndices.timeSamples = { 1: [0], 2: [0, 0], 3: [0] }
+        point3f[] positions.timeSamples = { 1: [(-1.2, 0.7, 1)], 2: [(-1.2, 0.7, 1), (1.2, 0.7, 1)], 3: [(1.2, 0.7, 1)] }
+        def SphereLight "lamp" { float inputs:radius = 0.1
+            float inputs:intensity = 1000 }
+    }
+"""
+    file = stage("lamps_in_time.usda", cube("c", 0) + lamps, camera=CAMERA[:CAMERA.index("    def DomeLight")])
+    code, said = run("render", file, "-o", os.path.join(FOLDER, "lamps.#.exr"), "--frames", "1:3", "--size", "48x48", "--spp", "64", "--quiet")
+    assert code == 0 and not said, said
+    for frame in (1, 2, 3):
+        still = picture(file, "--time", str(frame))[0]
+        near(mean(os.path.join(FOLDER, "lamps.%d.exr" % frame), "48x48+0+0"), mean(still, "48x48+0+0"), 0.02)
+
+
 # Settings -------------------------------------------------------------------------------------------
 
 def test_the_only_settings_count_and_products_are_written():
@@ -672,6 +690,25 @@ def test_a_pass_has_its_settings_and_what_it_draws():
     assert mean(picture(sky, "--pass", "/World/p")[0], "3x3+0+22")[3] == 0
     code, said = run("check", file, "--pass", "/World/q")
     assert code == 3 and "/World/p" in said, (code, said)
+
+
+def test_a_pass_hides_what_an_instancer_draws():
+    body = """    def Xform "protos"
+    {
+        token visibility = "invisible"
+%s    }
+    def PointInstancer "many"
+    {
+        rel prototypes = </World/protos/c>
+        int[] protoIndices = [0]
+        point3f[] positions = [(0, 0, 0)]
+    }
+""" % cube("c", 0)
+    for name, hides in (("all", ""), ("shown", "renderVisibility:excludes = </World/many>\n        uniform bool collection:renderVisibility:includeRoot = 1"),
+                        ("seen", "cameraVisibility:excludes = </World/many>"), ("pruned", "prune:includes = </World/many>")):
+        made = '    def RenderPass "p"\n    {\n        %s\n    }\n' % ("rel collection:" + hides if hides else "")
+        r, _, b, _ = mean(picture(stage("pass_%s.usda" % name, body + made), "--pass", "/World/p")[0], "3x3+22+22")
+        assert (r > 2 * b) == (name == "all"), (name, r, b)
 
 
 def test_a_product_has_a_window_of_its_own():
