@@ -152,6 +152,11 @@ typedef struct AlabasterApi {
                                           const AlabasterParameter* primvars, size_t count);
   /* set_setting of several settings, all or none. */
   AlabasterStatus (*set_settings)(AlabasterDelegate*, const AlabasterParameter* settings, size_t count);
+
+  /* Of a material with this subsurfaceColor and scatterAnisotropy (clamped to 0 to 1, -0.9 to 0.9), the share of light
+     that each event below the surface absorbs: 1 - the single-scattering albedo. It falls from 1 to 0 as the colour
+     rises. Any thread, at any time. */
+  AlabasterStatus (*absorbed_share)(double color, double anisotropy, double* share);
 } AlabasterApi;
 
 /* Null if the library has another version. The table lives as long as the library is loaded. */

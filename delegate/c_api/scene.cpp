@@ -1,3 +1,4 @@
+#include "core/subsurface/medium.h"
 #include "delegate/c_api/values.h"
 #include "delegate/host/scene_fields.h"
 #include "delegate/support/nearest_name.h"
@@ -164,6 +165,11 @@ AlabasterStatus field_type(const char* kind, const char* name, int32_t* type, in
   });
 }
 
+AlabasterStatus absorbed_share(double color, double anisotropy, double* share) {
+  return guarded_at_any_time(
+      [&] { required(share, "share") = one_minus_alpha(color, AlbedoInversion::exact, anisotropy); });
+}
+
 }  // namespace
 
 void add_scene_functions(AlabasterApi* api) {
@@ -178,6 +184,7 @@ void add_scene_functions(AlabasterApi* api) {
   api->get_prims = get_prims;
   api->field_type = field_type;
   api->scene_edit_instances = scene_edit_instances;
+  api->absorbed_share = absorbed_share;
 }
 
 }  // namespace alabaster::hd::c_api

@@ -104,6 +104,11 @@ void add_scene(py::module_& module) {
     for (const size_t length : shape_of(values, name)) shape.append(length);
     return shape;
   });
+  module.def("_absorbed_share", [](double color, double anisotropy) {
+    double share = 0;
+    c_api::check(c_api::api().absorbed_share(color, anisotropy, &share));
+    return share;
+  });
 }
 
 }  // namespace alabaster::python

@@ -40,7 +40,7 @@ CORE_SEEN_BY = {  # room of delegate -> the rooms of core that it may include
     # of camera, light, material, scene and session the tables of parameters
     "host": ["camera", "color", "denoise", "digest", "film", "files", "images", "light", "material", "math", "scene", "session"],
     "archive": ["digest", "files", "memory", "texture"],
-    "c_api": ["math"],
+    "c_api": ["math", "subsurface"],
     "gltf": ["files", "images", "material", "math", "memory", "subsurface", "texture"],
     "description": ["files", "math", "memory", "texture"],
     "usd": ["files"],

@@ -12,8 +12,7 @@ import hdalabaster
 import numpy as np
 
 HERE = pathlib.Path(__file__).resolve().parent
-sys.path[:0] = [str(HERE.parent / "matrix"), str(HERE.parent / "benchmark/peers")]
-from formulas import exact_alpha  # noqa: E402
+sys.path.insert(0, str(HERE.parent / "matrix"))
 from measure import Series, picture, renderer_of  # noqa: E402
 from scenes import box  # noqa: E402
 
@@ -43,28 +42,12 @@ ROWS = (
 )
 
 
-def color_of(alpha):
-    """The colour whose single-scattering albedo is alpha."""
-    low, high = 0.0, 1.0
-    for _ in range(60):
-        middle = (low + high) / 2
-        low, high = (middle, high) if exact_alpha(middle) < alpha else (low, middle)
-    return low
-
-
-def medium(absorption, scattering, ior):
-    extinction = absorption + scattering
-    color = color_of(scattering / extinction)
-    distance = 1 / (extinction * (1.9 - color + 3.5 * (color - 0.8) ** 2))  # Chiang, Kutz, Burley 2016, eq. 2 and 3
-    return {"baseColor": (color,) * 3, "scatterDistance": (distance,) * 3, "ior": ior, "specTrans": 1.0, "roughness": 0.0}
-
-
 def drawn(row):
     scene, top = hdalabaster.Scene(), 0.0
     for k, (thickness, absorption, scattering) in enumerate(row.layers):
         points, faces = box(DEEP, top, DEEP, (-DEEP, top - thickness, -DEEP))
         top -= thickness
-        scene.set_material(f"/medium{k}", **medium(absorption, scattering, row.ior))
+        scene.set_material(f"/medium{k}", **hdalabaster.medium(absorption, scattering, 0, row.ior, unit=1e-3))
         scene.set_mesh(f"/layer{k}", np.float32(points), [np.int32(f) for f in faces], material=f"/medium{k}")
     scene.set_light("/sky", "domeLight", intensity=1.0, visibleToCamera=True)
     down = np.array([[1, 0, 0, 0], [0, 0, -1, 0], [0, 1, 0, 0], [0.1, 5, 0.07, 1]], float)

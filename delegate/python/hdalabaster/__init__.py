@@ -5,6 +5,7 @@ _check_interpreter()
 
 from ._hdalabaster import (ArgumentError, Cancelled, Display, Error, NotFoundError, OutputError, Pixels, Primvar, Render, Renderer,
                          RenderError, Scene, SceneError, __version__, versions)
+from ._medium import medium
 from ._scene import SceneMethods as _SceneMethods
 from ._stage import load_stage
 
@@ -14,4 +15,4 @@ for _name, _method in vars(_SceneMethods).items():
 del _name, _method
 
 __all__ = ["ArgumentError", "Cancelled", "Display", "Error", "NotFoundError", "OutputError", "Pixels", "Primvar", "Render", "Renderer",
-           "RenderError", "Scene", "SceneError", "load_stage", "versions"]
+           "RenderError", "Scene", "SceneError", "load_stage", "medium", "versions"]

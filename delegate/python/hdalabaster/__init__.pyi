@@ -1,5 +1,5 @@
 from os import PathLike
-from typing import Any, Callable, Mapping, Optional, Protocol, Sequence, Tuple, TypedDict, Union, final
+from typing import Any, Callable, Literal, Mapping, Optional, Protocol, Sequence, Tuple, TypedDict, Union, final
 
 from typing_extensions import Unpack
 
@@ -90,6 +90,8 @@ class Scene(SceneMethods):
 
 def load_stage(stage: Any, scene: Optional[Scene] = None, *, time: Optional[float] = None, settings: str = "",
                purposes: Sequence[str] = (), refine_level: int = 2) -> Scene: ...
+def medium(mu_a: Union[float, _Array], mu_s: Union[float, _Array], g: float, n: float, per: Literal["mm", "cm", "m"] = "mm",
+           unit: float = 1.0) -> dict[str, Any]: ...
 
 @final
 class Pixels:

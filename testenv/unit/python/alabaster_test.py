@@ -23,6 +23,7 @@ from documentation_test import Documentation  # noqa: F401
 from doors_test import Doors  # noqa: F401
 from edits_test import Edits  # noqa: F401
 from ends_test import Ends  # noqa: F401
+from measuring_test import Medium  # noqa: F401
 from memory_test import Memory  # noqa: F401
 from square_scene import BACK, CORNERS, draw, moved, pixel, square
 from threads_test import Threads  # noqa: F401

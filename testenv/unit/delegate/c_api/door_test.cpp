@@ -44,6 +44,14 @@ TEST(DoorFields, HaveTypes) {
   EXPECT_EQ(api.field_type("mesh", "scheme", &type, nullptr), ALABASTER_INVALID_ARGUMENT);
 }
 
+TEST(DoorMedia, ColorsHaveAnAlbedo) {
+  const AlabasterApi& api = *alabaster_api(1);
+  double share = -1;
+  EXPECT_EQ(api.absorbed_share(0.5, 0, &share), ALABASTER_OK);
+  EXPECT_NEAR(share, 0.0886639, 1e-6);  // Chandrasekhar's half-space
+  EXPECT_EQ(api.absorbed_share(0.5, 0, nullptr), ALABASTER_INVALID_ARGUMENT);
+}
+
 // The camera stands to the right; the quad is a proxy below a root.
 TEST_F(Door, AFrameSelectsWhatIsDrawnAndFromWhere) {
   const std::vector<float> plain = render();
