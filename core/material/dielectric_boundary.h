@@ -5,6 +5,7 @@
 #include "core/material/disney_layers.h"
 #include "core/material/disney_parameters.h"
 #include "core/material/fresnel.h"
+#include "core/material/microfacet.h"
 #include "core/material/thin_film.h"
 
 namespace alabaster {
@@ -52,6 +53,17 @@ struct DielectricBoundary {
     const float reflected = choice_weight(s.reflected), passed = choice_weight(s.passed);
     if (reflected > 0) s.chance = reflected / (reflected + passed);
     return s;
+  }
+  /// What passes straight on. Facets of roughness alpha lean towards the viewer, where a film may reflect more than
+  /// the flat one does: then at most what those leave at cosines that slopes of up to four times alpha give.
+  Rgb passed_straight(float cosine, float alpha) const {
+    Rgb passed = shares(cosine).passed;
+    if (!(film.share > 0) || alpha <= kMinAlpha) return passed;
+    for (const float slopes : {0.25f, 0.5f, 1.0f, 2.0f, 4.0f}) {
+      const Rgb reflected = shares(lerp(cosine, 1.0f, std::min(1.0f, slopes * alpha))).reflected;
+      for (int c = 0; c < 3; ++c) passed[c] = std::min(passed[c], std::max(1 - reflected[c], 0.0f));
+    }
+    return passed;
   }
   /// Estimate of what a rough boundary reflects and lets through: as one that lies flat, but of reflection at least
   /// what tilted facets give.

@@ -146,7 +146,9 @@ BsdfValue DisneyTransmissiveBsdf::evaluate(const Vec3f& wi, Rgb* specular) const
 
 Rgb DisneyTransmissiveBsdf::straight() const {
   if (!(p_clear_ > 0) || !at_boundary([](const auto& lobe) { return lobe.is_straight(); })) return Rgb(0.0f);
-  const Rgb passed = at_boundary([&](const auto& lobe) { return lobe.boundary.shares(wo_.z).passed; });
+  const Rgb passed = at_boundary([&](const auto& lobe) {
+    return lobe.boundary.passed_straight(wo_.z, std::max(lobe.ggx.alpha_x, lobe.ggx.alpha_y));
+  });
   return passed * (passes_ * left_by_layers(-wo_, &DisneyLayers::over_clear));
 }
 

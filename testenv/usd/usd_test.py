@@ -595,8 +595,16 @@ def test_lights_of_points_come_and_go_with_the_frames():
     lamps = """    def PointInstancer "many"
     {
         rel prototypes = </World/many/lamp>
-        int[] protoIndices.timeSamples = { 1: [0], 2: [0, 0], 3: [0] }
-        point3f[] positions.timeSamples = { 1: [(-1.2, 0.7, 1)], 2: [(-1.2, 0.7, 1), (1.2, 0.7, 1)], 3: [(1.2, 0.7, 1)] }
+        int[] protoIndices.timeSamples = {
+            1: [0],
+            2: [0, 0],
+            3: [0],
+        }
+        point3f[] positions.timeSamples = {
+            1: [(-1.2, 0.7, 1)],
+            2: [(-1.2, 0.7, 1), (1.2, 0.7, 1)],
+            3: [(1.2, 0.7, 1)],
+        }
         def SphereLight "lamp" { float inputs:radius = 0.1
             float inputs:intensity = 1000 }
     }
