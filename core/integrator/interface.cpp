@@ -194,8 +194,9 @@ MediumStack interiors_at(const PathContext& context, Ray ray, Seeker seeker) {
     // Behind an opaque face is what is behind the clear ones.
     const DisneyMaterial* behind = nullptr;
     if (!v.material.transmits() && v.instance->prototype->mesh.closed) [[unlikely]]
-      if ((behind = clear_material(*v.instance)))
-        behind->evaluate({v.instance->prototype->mesh, hit, v.hit.uv}, &v.material);
+      behind = clear_material(*v.instance);
+    if (behind) [[unlikely]]
+      behind->evaluate({v.instance->prototype->mesh, hit, v.hit.uv}, &v.material);
     if (!v.material.transmits() || (is_camera && v.instance->options.camera_cull == CameraCull::all)) continue;
     // The way out of this body is not seen: the camera's ray would carry its interior on.
     if (is_camera && inside && is_culled(*v.instance, hit, ray.dir)) continue;

@@ -153,7 +153,8 @@ std::optional<TimeCodes> parse_time_codes(const std::string& text) {
     }
     const double steps = (last - first) / step;
     if (!(steps >= 0 && steps < double(kMostFrames))) return std::nullopt;
-    for (double i = 0; i <= std::floor(steps + 1e-6); ++i) all.codes.push_back(first + i * step);
+    const auto count = static_cast<int>(std::floor(steps + 1e-6));
+    for (int i = 0; i <= count; ++i) all.codes.push_back(first + i * step);
     if (all.codes.size() > kMostFrames) return std::nullopt;
   }
   return all.codes.empty() ? std::nullopt : std::optional(all);
