@@ -139,14 +139,18 @@ TEST(Contents, WhiteFacesOfTheBodyLoseNoLight) {
   }
 }
 
-// Nor behind an open mesh, where there is no wall ahead.
+// Nor behind an open mesh, where there is no wall ahead. It was a quarter, beside the little that is lost below any
+// sheet.
 TEST(Contents, ALabelOnASheetLosesNoLight) {
-  SceneBuilder b;
-  Mesh sheet = testing::plane_mesh(4);
-  sheet.triangle_material = {1, 0};
-  add(&b, b.prototype(sheet), white_body(0.05f));
-  b.description.instances.back().materials.push_back(b.material(white_body(0)));
-  EXPECT_GT(seen(b, {"beside it", {0.05, 3, -0.05}, {0.05, 0, -0.05}}, 64).mean(), 0.93);
+  const auto beside = [](const std::vector<uint8_t>& materials) {
+    SceneBuilder b;
+    Mesh sheet = testing::plane_mesh(4);
+    sheet.triangle_material.assign(materials.begin(), materials.end());
+    add(&b, b.prototype(sheet), white_body(0.05f));
+    b.description.instances.back().materials.push_back(b.material(white_body(0)));
+    return seen(b, {"beside it", {0.05, 3, -0.05}, {0.05, 0, -0.05}}, 64).mean();
+  };
+  EXPECT_GT(beside({1, 0}), beside({0, 0}) - 0.05);
 }
 
 // They let light neither in nor out, at once in a set as alone.
