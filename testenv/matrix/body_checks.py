@@ -12,7 +12,6 @@ FURNACE = 0.003
 CEILING = 1 + FURNACE
 LOSSLESS = 1 - FURNACE
 LAYERED = 0.85  # layers and rough facets keep some of the light: printed, and compared with Lambert where there is one
-LABELLED = LOSSLESS - FURNACE  # a diffuse lobe keeps .3 % of the light at some angles, and walks come to a label more than once
 LAYERED_CLEAR = 0.5  # they keep some each time that light passes a boundary from within
 SKY = {"intensity": 1.0, "visibleToCamera": True}
 OPPOSITE = (-0.8, 0.4, 0.45)  # 63 degrees from z
@@ -21,7 +20,7 @@ OPPOSITE = (-0.8, 0.4, 0.45)  # 63 degrees from z
 def least(scenery):
     """The least that a white scene shows in a sky of 1."""
     if not scenery.any(*LAYERS):
-        return LABELLED if scenery.any("label") else LOSSLESS
+        return LOSSLESS
     return LAYERED_CLEAR if scenery.kind != "opaque body" else LAYERED
 
 

@@ -340,8 +340,10 @@ def add_body(scene, body, draft, look):
         primvars["st"] = hdalabaster.Primvar(uvs, "faceVarying", role="textureCoordinate")
     given["subsets"] = {}
     if body.labelled:
+        # In white scenes a mirror: a diffuse lobe keeps .3 % of the light at some angles, and walks meet a label again and again.
+        label = {"metallic": 1.0, "roughness": 0.0} if look.white and not look.mask else {"specular": 0.0}
         color = (0.5,) * 3 if look.mask else (1.0,) * 3 if look.white else (0.3, 0.6, 0.9)
-        scene.set_material(body.path + "_label", baseColor=color, specular=0.0)
+        scene.set_material(body.path + "_label", baseColor=color, **label)
         given["subsets"][body.path + "_label"] = np.int32(np.flatnonzero(points[quads].mean(axis=1)[:, 0] > 0.3))
     if body.inner is not None:
         inner_points, inner_quads, inner_normals, inner_uvs = ball(32, False)

@@ -33,8 +33,6 @@ EXEMPT = [
               "walks cross the cavity, whose fibres keep light; Lambert's law sends none there (delegate/manual/artists.md, The layers of a material)"),
     Exemption(r"^glass \+ opacity \+ touching$", "reciprocity", 4.0, WALLS_OF_HOLLOWS),
     Exemption(r"^(glass|cloudy body) \+ opacity \+ pyramid$", "reciprocity", 80.0, WALLS_OF_HOLLOWS),
-    Exemption(r"^opaque body \+ cut \+ label$", "furnace, viewer", 4.0,
-              "walks that begin beside a label, below it, meet its diffuse lobe again and again; as a mirror it shows .9986 to 1.0021"),
     Exemption(r"^opaque body \+ cloudy body \+ opacity$", "furnace, light", 10.0,
               "walks in one body pass through others (delegate/manual/artists.md, Bodies that scatter as one)"),
 ]

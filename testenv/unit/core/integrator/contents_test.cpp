@@ -196,32 +196,32 @@ TEST(Contents, OneOfTheSameMediumChangesNothing) {
   }
 }
 
-// A wall between members of a union goes through it.
-TEST(Contents, OneBetweenTheMembersOfAUnionChangesNothing) {
-  DisneyParameters milk = clear_body(1.33f, 0.3f);
-  milk.base_color = Rgb(0.8f);
+DisneyParameters milk() {
+  DisneyParameters p = clear_body(1.33f, 0.3f);
+  p.base_color = Rgb(0.8f);
+  return p;
+}
+
+// Of two overlapping balls of milk in a set.
+void expect_no_change_by(const DisneyParameters& content, const Matrix4d& place) {
   SceneBuilder b;
   const auto ball = b.prototype(testing::sphere_mesh(1, 48, true));
-  add(&b, ball, milk, Matrix4d(), "milk");
-  add(&b, ball, milk, scaled_by(0.8) * moved_by(0.5, 0.2, 0.6), "milk");
+  add(&b, ball, milk(), Matrix4d(), "milk");
+  add(&b, ball, milk(), scaled_by(0.8) * moved_by(0.5, 0.2, 0.6), "milk");
   const Sight sight{"towards both", {0, 0, 5}, {0.5, 0.25, 0.7}};
   const auto without = seen(b, sight, 256);
-  add(&b, ball, milk, scaled_by(0.35) * moved_by(0.5, 0.25, 0.7));
+  add(&b, ball, content, place);
   EXPECT_TRUE(testing::plausible(testing::z_test(seen(b, sight, 256), without)));
+}
+
+// A wall between members of a union goes through it.
+TEST(Contents, OneBetweenTheMembersOfAUnionChangesNothing) {
+  expect_no_change_by(milk(), scaled_by(0.35) * moved_by(0.5, 0.25, 0.7));
 }
 
 // Nor is a segment of a path lost up to a wall that another member hides.
 TEST(Contents, WithoutAnyAUnionIsAsDenseAsWithAGrain) {
-  DisneyParameters milk = clear_body(1.33f, 0.3f);
-  milk.base_color = Rgb(0.8f);
-  SceneBuilder b;
-  const auto ball = b.prototype(testing::sphere_mesh(1, 48, true));
-  add(&b, ball, milk, Matrix4d(), "milk");
-  add(&b, ball, milk, scaled_by(0.8) * moved_by(0.5, 0.2, 0.6), "milk");
-  const Sight sight{"towards both", {0, 0, 5}, {0.5, 0.25, 0.7}};
-  const auto without = seen(b, sight, 256);
-  add(&b, ball, matt(Rgb(0.0f)), scaled_by(1e-3) * moved_by(-0.8, 0, 0));
-  EXPECT_TRUE(testing::plausible(testing::z_test(seen(b, sight, 256), without)));
+  expect_no_change_by(matt(Rgb(0.0f)), scaled_by(1e-3) * moved_by(-0.8, 0, 0));
 }
 
 // What is around it is found behind opaque faces as well.
