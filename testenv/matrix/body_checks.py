@@ -135,7 +135,7 @@ class LightFurnace:
 
     @classmethod
     def run(cls, scenery):
-        angle = cls.CONE if scenery.clear else 0.0
+        angle = cls.CONE if scenery.clear or scenery.any("label") else 0.0  # no eye meets the mirrored parallel light
         scene, camera = scene_of(scenery, Look())
         cameras, area = meter(scene, *features.bounds(scenery.draft()))
         distant(scene, features.VIEW, angle, lightLink="bodies", shadowLink="bodies")
