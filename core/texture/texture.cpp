@@ -391,6 +391,21 @@ bool is_image(const TextureSource& source, const DiagnosticSink& sink) {
   return ImageReader().open(source, {std::numeric_limits<size_t>::max()}, sink);
 }
 
+std::optional<Vec2i> whole_image_size(const std::string& path) {
+  ImageReader reader;
+  TextureSource source;
+  source.path = path;
+  if (!reader.open(source, {std::numeric_limits<size_t>::max()}, {})) return {};
+  const Vec2i size(reader.layout().width, reader.layout().height);
+  ImageRows rows;
+  for (int y = 0; y < size.y;) {
+    const int count = reader.read_rows(y, rows, {});
+    if (count == 0) return {};
+    y += count;
+  }
+  return size;
+}
+
 // `load`: of one image. Null if one cannot be loaded.
 template <class Load>
 static std::shared_ptr<const Texture> load_set(const TextureSource& source, const std::vector<UdimTile>& tiles,

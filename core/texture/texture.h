@@ -90,4 +90,7 @@ std::shared_ptr<const Texture> load_texture(const TextureSource& source, const C
 /// True if the file opens as an image, or each of a set does; nothing is decoded. Otherwise a report says why not.
 bool is_image(const TextureSource& source, const DiagnosticSink& sink);
 
+/// Width and height of a file's picture, all of which decodes; of an EXR its display window.
+std::optional<Vec2i> whole_image_size(const std::string& path);
+
 }  // namespace alabaster

@@ -26,8 +26,8 @@ struct PictureArguments {
 /// Empty: not given.
 struct RenderArguments : SceneArguments, PictureArguments {
   std::vector<hd::description::Override> settings;  // of the flags that name a render setting
-  std::vector<double> frames;
-  std::optional<double> fps;
+  FrameList frames;
+  std::optional<double> fps, start_frame;
   std::optional<std::pair<double, double>> shutter;  // open and close, in frames
   std::optional<hd::Vec2i> size;
   std::optional<hd::Rect2i> crop;
@@ -38,7 +38,7 @@ struct RenderArguments : SceneArguments, PictureArguments {
   std::optional<std::pair<uint32_t, uint32_t>> samples;  // begin and end
   std::string checkpoint;                                // file
   std::optional<double> checkpoint_interval;             // seconds
-  bool quiet = false, keep_going = false, resume = false;
+  bool quiet = false, keep_going = false, resume = false, skip_existing = false;
 };
 int run_render(const RenderArguments& arguments);
 
@@ -46,7 +46,6 @@ int run_render(const RenderArguments& arguments);
 struct UsdrecordArguments {
   RenderArguments render;
   std::string output, mask, purposes = "proxy", camera, renderer, color_correction = "sRGB";
-  std::optional<TimeCodes> frames;
   int width = 960;
   bool default_time = false, without_camera_light = false, shows_domes = false;
 };

@@ -38,8 +38,9 @@ class FarmCommand {
                                            hd::support::Suggestion(a_.engine, known));
     if (a_.render.outputs.empty()) console_.usage_error("farm", "There is nothing to write: add -o FILE.");
     for (const auto& [flag, given] :
-         {std::pair{"--frames", !a_.render.frames.empty()}, std::pair{"--pixel", a_.render.pixel.has_value()},
-          std::pair{"--stats", !a_.render.stats.empty()}})
+         {std::pair{"--frames", !a_.render.frames.numbers.empty()}, std::pair{"--pixel", a_.render.pixel.has_value()},
+          std::pair{"--stats", !a_.render.stats.empty()}, std::pair{"--start-frame", a_.render.start_frame.has_value()},
+          std::pair{"--skip-existing", a_.render.skip_existing}})
       if (given) console_.usage_error(flag, "It cannot be given with farm, which renders one frame in parts.");
     console_.require_usage("farm", same_file_twice(a_.render.outputs));
     products_ = make_products(a_.render, {}, "farm", console_);

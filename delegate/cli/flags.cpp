@@ -123,41 +123,35 @@ std::optional<std::pair<uint32_t, uint32_t>> parse_samples(const std::string& te
   return std::pair(numbers[0], numbers[1]);
 }
 
-std::optional<std::vector<double>> parse_frames(const std::string& text) {
-  std::vector<uint32_t> range = parse_numbers<uint32_t>(text, ":");
-  if (range.size() == 2) range.push_back(1);
-  if (range.size() != 3 || range[2] == 0 || range[0] > range[1] || (range[1] - range[0]) / range[2] >= kMostFrames)
-    return std::nullopt;
-  std::vector<double> frames;
-  for (uint64_t frame = range[0]; frame <= range[1]; frame += range[2]) frames.push_back(double(frame));
-  return frames;
-}
-
-std::optional<TimeCodes> parse_time_codes(const std::string& text) {
-  TimeCodes all;
+std::optional<FrameList> parse_frames(const std::string& text) {
+  FrameList all;
   std::istringstream specs(text + ",");
   for (std::string spec; std::getline(specs, spec, ',');) {
-    const size_t by = spec.find('x');
-    std::vector<double> range = parse_numbers<double>(spec.substr(0, by), ":");
-    const bool has_step = by != std::string::npos, is_one = range.size() == 1;
-    if (range.empty() || range.size() > 2 || (has_step && is_one)) return std::nullopt;
-    const double first = range.front(), last = range.back();
-    double step = last < first ? -1 : 1;
-    if (has_step) {
-      const std::string word = spec.substr(by + 1);
+    if (const size_t by = spec.find('x'); by != std::string::npos && spec.find(':') < by) spec[by] = ':';
+    std::vector<double> range;
+    std::istringstream words(spec + ":");
+    for (std::string word; std::getline(words, word, ':');) {
       const auto number = parse_number(word, -kMost, kMost);
       if (!number) return std::nullopt;
-      step = *number;
+      range.push_back(*number);
       if (const size_t point = word.find('.'); point != std::string::npos)
         all.digits = std::max(all.digits, word.size() - point - 1);
     }
+    if (range.empty() || range.size() > 3) return std::nullopt;
+    const double first = range[0], last = range.size() > 1 ? range[1] : first;
+    const double step = range.size() > 2 ? range[2] : last < first ? -1 : 1;
     const double steps = (last - first) / step;
     if (!(steps >= 0 && steps < double(kMostFrames))) return std::nullopt;
     const auto count = static_cast<int>(std::floor(steps + 1e-6));
-    for (int i = 0; i <= count; ++i) all.codes.push_back(first + i * step);
-    if (all.codes.size() > kMostFrames) return std::nullopt;
+    for (int i = 0; i <= count; ++i) all.numbers.push_back(first + i * step);
+    if (all.numbers.size() > kMostFrames) return std::nullopt;
   }
-  return all.codes.empty() ? std::nullopt : std::optional(all);
+  return all.numbers.empty() ? std::nullopt : std::optional(all);
+}
+
+std::optional<double> parse_frame(const std::string& text) {
+  const auto number = parse_numbers<int32_t>(text, "");
+  return number.size() == 1 ? std::optional(double(number[0])) : std::nullopt;
 }
 
 std::optional<uint32_t> parse_tasks(const std::string& text) {

@@ -64,14 +64,16 @@ std::optional<PixelChoice> parse_pixel(const std::string& text);
 std::optional<std::pair<double, double>> parse_interval(const std::string& text);
 /// "begin:end", whole numbers, 0 <= begin < end <= 1048576.
 std::optional<std::pair<uint32_t, uint32_t>> parse_samples(const std::string& text);
-/// "first:last" and "first:last:step" as the frames' numbers, 1 to 100,000 of them.
-std::optional<std::vector<double>> parse_frames(const std::string& text);
-struct TimeCodes {
-  std::vector<double> codes;
+/// Frames, which are time codes of a stage.
+struct FrameList {
+  std::vector<double> numbers;
   size_t digits = 0;  // after the point, that a file's name needs to tell them apart
 };
-/// usdrecord's lists of "code", "first:last" and "first:lastxstep", also backwards; 1 to 100,000 of them.
-std::optional<TimeCodes> parse_time_codes(const std::string& text);
+/// Lists as usdrecord has them: "number", "first:last" and "first:lastxstep", also backwards, and "first:last:step"; 1
+/// to 100,000 of them.
+std::optional<FrameList> parse_frames(const std::string& text);
+/// A whole number of 32 bits.
+std::optional<double> parse_frame(const std::string& text);
 /// A whole number from 1 to 10,000.
 std::optional<uint32_t> parse_tasks(const std::string& text);
 

@@ -92,12 +92,20 @@ void add_picture_options(CLI::App* c, PictureArguments* a, const char* aov_help)
   add_repeated(c, "--aov", &a->aovs, "NAME", aov_help);
 }
 
+constexpr const char* kNoFrames =
+    "is no list of frames, at most 100000: write 101, 101:105, 105:101, 101:109x2 or 101:104x0.5, several between "
+    "commas.";
+
 void add_frames(CLI::App* c, RenderArguments* a) {
-  add_parsed(c, "--frames", &a->frames, parse_frames,
-             "is not a range of frames, at most 100000: write first:last or first:last:step, in whole numbers.",
-             "A:B[:STEP]",
-             "Render the frames from A to B, each to files of its own: -o frame.####.exr. Frame N shows the models at "
-             "N / fps seconds and has a noise pattern of its own");
+  add_parsed(
+      c, "--frames", &a->frames, parse_frames, kNoFrames, "LIST",
+      "Render these frames, each to files of its own: -o frame.####.exr, frame.%04d.exr or frame.$F4.exr. 1:5 is "
+      "a range, 1:9x2 every second frame, 1,7:9 a list. Frame N shows the models at N / fps seconds, or at the "
+      "stage's time code N, and has a noise pattern of its own");
+  add_parsed(c, "--start-frame", &a->start_frame, parse_frame, "is not a whole number.", "N",
+             "The frame that shows models of glTF at 0 seconds; default: 0");
+  c->add_flag("--skip-existing", a->skip_existing,
+              "Leave out the frames whose files are there already, whole and of the frame's size");
   add_parsed(c, "--fps", &a->fps, parse_positive, "is not a number of frames per second above 0.", "N",
              "Frames per second, for --frames and --shutter; default: 24");
   add_parsed(c, "--shutter", &a->shutter, parse_interval, "is not a shutter: write open:close in frames.", "OPEN:CLOSE",
@@ -144,7 +152,9 @@ void add_render_options(CLI::App* c, RenderArguments* a) {
              "the upper left corner of the frame; pixels beyond its edges (overscan) are allowed if the scene's crop "
              "has them. Without SAMPLE, list the samples that the pixel has without adaptive sampling, and follow "
              "the brightest");
-  c->add_option("--stats", a->stats, "Write the render's statistics as JSON")->type_name("FILE.json");
+  c->add_option("--stats", a->stats,
+                "Write the render's statistics as JSON; with --frames and stats.####.json, those of each frame")
+      ->type_name("FILE.json");
   add_keep_going(c, &a->keep_going);
   c->add_flag("--quiet", a->quiet, "Print errors and warnings only");
   c->footer(kExitCodes);
@@ -167,7 +177,8 @@ CLI::App* add_render(CLI::App& app, RenderArguments* a) {
   return c;
 }
 
-constexpr const char* kNotOfFarm[] = {"--frames", "--pixel", "--stats", "--target-error", "--time-limit"};
+constexpr const char* kNotOfFarm[] = {"--frames", "--start-frame",  "--skip-existing", "--pixel",
+                                      "--stats",  "--target-error", "--time-limit"};
 
 CLI::App* add_farm(CLI::App& app, FarmArguments* a) {
   CLI::App* c = app.add_subcommand(
@@ -351,10 +362,8 @@ CLI::App* add_usdrecord(CLI::App& app, UsdrecordArguments* u) {
        "framed")
       ->type_name("NAME");
   c->add_flag("-d,--defaultTime", u->default_time, "The stage's default values; default: its start");
-  add_parsed(c, "-f,--frames", &u->frames, parse_time_codes,
-             "are no time codes, at most 100000: write 101, 101:105, 105:101, 101:109x2 or 101:104x0.5, several "
-             "between commas.",
-             "SPEC,...", "Time codes: 101, 101:105, 105:101, 101:109x2, 101:104x0.5");
+  add_parsed(c, "-f,--frames", &a->frames, parse_frames, kNoFrames, "SPEC,...",
+             "Time codes: 101, 101:105, 105:101, 101:109x2, 101:104x0.5");
   add_parsed(c, "-c,--complexity", &a->complexity, parse_complexity, "is not low, medium, high or veryhigh.", "LEVEL",
              "low (the default: subdivision surfaces are not refined), medium, high or veryhigh");
   c->add_option("--colorCorrectionMode", u->color_correction,

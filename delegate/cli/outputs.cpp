@@ -71,14 +71,56 @@ std::vector<hd::RenderProduct> make_products(const PictureArguments& a, const st
   return products;
 }
 
+hd::Rect2i product_window(const hd::RenderSettingsDescription& frame, const hd::RenderProduct& product) {
+  const bool has_size = product.width > 0 && product.height > 0 && !frame.crop;
+  return has_size ? hd::Rect2i{0, 0, product.width, product.height} : frame.window();
+}
+
+bool is_there(const hd::RenderSettingsDescription& frame, const hd::RenderProduct& product) {
+  hd::Rect2i window = product_window(frame, product);
+  if (is_exr(product) && frame.crop) window = {0, 0, frame.width, frame.height};  // which its display window is
+  return hd::host::PictureSize(product.file) == hd::Vec2i(window.width(), window.height());
+}
+
+std::optional<FramePlace> frame_place(const std::string& file) {
+  const size_t name = file.rfind('/') + 1;  // 0 without a slash
+  const auto is_digit = [&](size_t i) { return i < file.size() && file[i] >= '0' && file[i] <= '9'; };
+  for (size_t at = file.size(); at-- > name;) {
+    if (file[at] == '#') {
+      const auto begin_of = [&](size_t end) { return std::max(file.find_last_not_of('#', end) + 1, name); };
+      FramePlace place{begin_of(at), at + 1, at + 1 - begin_of(at), 0};
+      if (place.begin >= name + 2 && file[place.begin - 1] == '.' && file[place.begin - 2] == '#')
+        place.digits = place.width, place.begin = begin_of(place.begin - 2), place.width = at + 1 - place.begin;
+      return place;
+    }
+    if (file[at] != '%' && !(file[at] == '$' && at + 1 < file.size() && file[at + 1] == 'F')) continue;
+    size_t end = at + (file[at] == '%' ? 1 : 2), width = 0;
+    for (; is_digit(end) && width < 10; ++end) width = 10 * width + size_t(file[end] - '0');
+    if (file[at] == '%' && (end >= file.size() || file[end++] != 'd')) continue;
+    return FramePlace{at, end, std::max(width, size_t(1)), 0};
+  }
+  return {};
+}
+
 std::string frame_file(const std::string& file, double frame) {
-  const size_t last = file.rfind('#'), slash = file.rfind('/');
-  if (last == std::string::npos || (slash != std::string::npos && last < slash)) return {};
-  const auto begin_of = [&](size_t end) { return file.find_last_not_of('#', end) + 1; };
-  size_t first = begin_of(last), digits = 0;
-  if (first >= 2 && file[first - 1] == '.' && file[first - 2] == '#')
-    digits = last + 1 - first, first = begin_of(first - 2);
-  return file.substr(0, first) + formatted("%0*.*f", int(last + 1 - first), int(digits), frame) + file.substr(last + 1);
+  const auto place = frame_place(file);
+  if (!place) return {};
+  return file.substr(0, place->begin) + formatted("%0*.*f", int(place->width), int(place->digits), frame) +
+         file.substr(place->end);
+}
+
+void check_frame_names(const std::vector<std::string>& files, const FrameList& frames, Console& console) {
+  for (const std::string& file : files) {
+    const auto place = frame_place(file);
+    if (!place)
+      console.usage_error("--frames", "All frames would go to '" + file +
+                                          "': give the name a place for their numbers, such as frame.####.exr.");
+    if (place->digits < frames.digits)
+      console.usage_error("--frames", "These frames need " + std::to_string(frames.digits) +
+                                          " digits after the point, and '" + file + "' has " +
+                                          std::to_string(place->digits) + ": write for example ###." +
+                                          std::string(frames.digits, '#') + ".");
+  }
 }
 
 std::string same_file_twice(const std::vector<std::string>& files) {

@@ -28,14 +28,19 @@ class RenderCommand {
     catch_interrupts();
     check_combinations();
     check_outputs();
-    load();
-    if (a_.stage.recorded_width) begin_record();
-    require_inputs(a_.inputs, session_, a_.scene, &console_);
-    if (!a_.pixel) set_products();
-    session_.start(console_.sink());
+    try {
+      load();
+      if (a_.stage.recorded_width) begin_record();
+      require_inputs(a_.inputs, session_, a_.scene, &console_);
+      if (!a_.pixel) set_products();
+      session_.start(console_.sink());
+    } catch (const Exit& end) {
+      if (end.code != kUsage) write_stats(stats_, stats_file(), end.code);
+      throw;
+    }
     if (a_.pixel) return trace_pixel();
     const int code = render();
-    write_stats(code);
+    if (!has_stats_of_frames()) write_stats(stats_, a_.stats, code);
     if (code == kDone || code == kDegraded) messages_.summarize(stats_, code == kDegraded);
     // A degraded part ends with 0, so that a farm does not repeat it. The merge ends with 6.
     return code == kDegraded && a_.samples ? kDone : code;
@@ -44,7 +49,7 @@ class RenderCommand {
  private:
   // Flags that need others, or exclude them.
   void check_combinations() {
-    const bool frames = !a_.frames.empty(), no_checkpoint = a_.checkpoint.empty();
+    const bool frames = !a_.frames.numbers.empty(), no_checkpoint = a_.checkpoint.empty();
     const auto is_spp = [](const hd::description::Override& one) { return one.place == "samples"; };
     const bool spp = std::any_of(a_.settings.begin(), a_.settings.end(), is_spp);
     const struct {
@@ -54,6 +59,8 @@ class RenderCommand {
         {a_.fps && !frames && !a_.shutter, "--fps", "It needs --frames or --shutter."},
         {frames && (a_.time || a_.pixel), "--frames",
          "It cannot be given with --time or --pixel, which show one frame."},
+        {a_.start_frame && !frames, "--start-frame", "It needs --frames."},
+        {a_.skip_existing && !frames, "--skip-existing", "It needs --frames."},
         {a_.samples && spp, "--samples", "It cannot be given with --spp: its end says how many samples there are."},
         {a_.pixel && !no_checkpoint, "--checkpoint", "It cannot be given with --pixel."},
         {a_.resume && no_checkpoint, "--resume", "It needs --checkpoint FILE."},
@@ -65,32 +72,28 @@ class RenderCommand {
 
   // Checks the flags about files before the scene is read. Whether products can be written is planned with its frames.
   void check_outputs() {
-    if (!a_.frames.empty()) check_frame_names(a_.outputs);
+    if (!a_.frames.numbers.empty()) check_frame_names(a_.outputs, a_.frames, console_);
+    if (has_stats_of_frames()) check_frame_names({a_.stats}, a_.frames, console_);
     check_checkpoint_files(a_, console_);
     std::vector<std::string> files = a_.outputs;
     if (!a_.stats.empty()) files.push_back(a_.stats);
     if (!a_.checkpoint.empty()) files.push_back(a_.checkpoint);
     console_.require_usage("render", same_file_twice(files));
-    if (!a_.stats.empty()) console_.require(kOutput, a_.stats, hd::support::OutputFault(a_.stats));
+    if (!a_.stats.empty()) console_.require(kOutput, stats_file(), hd::support::OutputFault(stats_file()));
     if (!a_.outputs.empty()) products_ = make_products(a_, {}, "render", console_);
-  }
-
-  void check_frame_names(const std::vector<std::string>& files) {
-    for (const std::string& file : files)
-      if (frame_file(file, 0).empty())
-        console_.usage_error("--frames", "All frames would go to '" + file +
-                                             "': give the name a place for their numbers, such as frame.####.exr.");
   }
 
   template <class Work>
   void timed_load(const Work& work) {
     const Stopwatch watch;
     work();
-    stats_.add_load(watch.wall(), watch.cpu());
+    for (RunStats* stats : {&stats_, &of_frame_stats_}) stats->add_load(watch.wall(), watch.cpu());
   }
 
   void load() {
     timed_load([&] { open_scene(a_, load_options(a_), console_, console_.sink(), &session_); });
+    if (a_.start_frame && session_.file.info.timeCodesPerSecond > 0)
+      console_.usage_error("--start-frame", "The frames of a stage are its time codes: leave it out.");
   }
 
   // Products that the stage's settings name are written in the place of the file that usdrecord is given.
@@ -101,7 +104,7 @@ class RenderCommand {
     if (!session_.scene.GetRenderSettings(session_.file.settings).products.empty())
       a_.outputs.clear(), products_.clear();
     const auto& range = session_.file.info.range;
-    if (a_.frames.empty()) say_time_code(a_.stage.at_default_time ? NAN : range ? (*range)[0] : 0);
+    if (a_.frames.numbers.empty()) say_time_code(a_.stage.at_default_time ? NAN : range ? (*range)[0] : 0);
   }
 
   void say_time_code(double code) const {
@@ -154,10 +157,10 @@ class RenderCommand {
   void check_names(const std::vector<hd::RenderProduct>& products) {
     std::vector<std::string> files;
     for (const hd::RenderProduct& product : products) files.push_back(product.file);
-    if (!a_.frames.empty()) {
-      check_frame_names(files);
+    if (!a_.frames.numbers.empty()) {
+      check_frame_names(files, a_.frames, console_);
       files.clear();
-      for (const double frame : a_.frames)
+      for (const double frame : a_.frames.numbers)
         for (const hd::RenderProduct& product : products) {
           files.push_back(frame_file(product.file, frame));
           // A description's file lies in its folder once it has its number, too. Its writer judges that again.
@@ -167,7 +170,10 @@ class RenderCommand {
     }
     console_.require(kInput, a_.scene, same_file_twice(files));
     if (a_.outputs.empty()) console_.require(kInput, a_.scene, input_overwritten(files, session_, a_.scene));
-    if (!a_.stats.empty()) files.push_back(a_.stats);
+    if (has_stats_of_frames())
+      for (const double frame : a_.frames.numbers) files.push_back(frame_file(a_.stats, frame));
+    else if (!a_.stats.empty())
+      files.push_back(a_.stats);
     const std::vector<std::string> checkpoints = checkpoint_files(a_);
     files.insert(files.end(), checkpoints.begin(), checkpoints.end());
     console_.require_usage("render", input_overwritten(files, session_, a_.scene));
@@ -175,10 +181,12 @@ class RenderCommand {
   }
 
   int render() {
-    const int code = a_.frames.empty() ? render_frame() : render_frames();
+    const bool is_alone = a_.frames.numbers.empty();
+    const int code = is_alone ? render_frame(frame_number(session_.scene.GetRenderSettings(session_.file.settings)))
+                              : render_frames();
     if (code == kInterrupted) {
       for (const std::string& file : written_)
-        console_.note((a_.frames.empty() ? "interrupted: wrote the picture so far to " : "interrupted: wrote ") + file);
+        console_.note((is_alone ? "interrupted: wrote the picture so far to " : "interrupted: wrote ") + file);
       if (written_.empty()) console_.note("interrupted: nothing was written");
       if (!a_.checkpoint.empty()) console_.note("the same command with --resume continues from the checkpoint");
     }
@@ -189,30 +197,57 @@ class RenderCommand {
   int render_frames() {
     const auto all = session_.scene.GetAllRenderSettings();
     const std::map<hd::Path, hd::RenderSettingsDescription> described(all.begin(), all.end());
+    const std::vector<double>& frames = a_.frames.numbers;
+    const double start = a_.start_frame.value_or(0), codes = session_.file.info.timeCodesPerSecond;
+    const Stopwatch watch;
+    size_t rendered = 0;
     int code = kDone;
-    for (size_t i = 0; i < a_.frames.size(); ++i) {
+    for (size_t i = 0; i < frames.size(); ++i) {
       if (interrupted()) return kInterrupted;
-      const double frame = a_.frames[i];
-      if (i > 0) timed_load([&] { session_.pose(frame, console_.sink()); });
+      const double frame = frames[i];
+      if (i > 0) of_frame_stats_ = {};
       for (const hd::Path& path : settings_paths()) {
         hd::RenderSettingsDescription settings = described.at(path);
         settings.frame = std::floor(std::abs(frame));  // of its noise
         for (hd::RenderProduct& product : settings.products) product.file = frame_file(product.file, frame);
         session_.scene.SetRenderSettings(path, std::move(settings));
       }
-      const double codes = session_.file.info.timeCodesPerSecond;
-      const double seconds = frame / a_.fps.value_or(codes > 0 ? codes : 24);
+      if (a_.skip_existing && has_all_files()) {
+        console_.note(formatted("frame %g is there (%zu of %zu)", frame, i + 1, frames.size()));
+        continue;
+      }
+      if (i > 0) timed_load([&] { session_.pose(frame - start, console_.sink()); });
       say_time_code(frame);
-      console_.note(formatted("frame %g at %.4g s (%zu of %zu)", frame, seconds, i + 1, a_.frames.size()));
-      const int one = render_frame();
+      console_.note(formatted("frame %g at %.4g s (%zu of %zu)", frame,
+                              (frame - start) / a_.fps.value_or(codes > 0 ? codes : 24), i + 1, frames.size()));
+      const size_t before = written_.size();
+      const int one = render_frame(frame);
+      if (has_stats_of_frames()) write_stats(of_frame_stats_, frame_file(a_.stats, frame), one);
       if (one != kDone) code = one;
       if (one != kDone && one != kDegraded) break;
+      messages_.end_frame(frame, i + 1, watch.wall() / double(++rendered),
+                          {written_.begin() + std::ptrdiff_t(before), written_.end()});
     }
     return code;
   }
 
+  bool has_all_files() {
+    for (const hd::Path& path : settings_paths()) {
+      const hd::RenderSettingsDescription frame = session_.scene.GetRenderSettings(path);
+      for (const hd::RenderProduct& product : frame.products)
+        if (!is_there(frame, product)) return false;
+    }
+    return true;
+  }
+
+  bool has_stats_of_frames() const { return !a_.frames.numbers.empty() && frame_place(a_.stats); }
+  /// The file for what comes before the first frame is rendered.
+  std::string stats_file() const {
+    return has_stats_of_frames() ? frame_file(a_.stats, a_.frames.numbers[0]) : a_.stats;
+  }
+
   // All renders of the frame are planned before the first begins.
-  int render_frame() {
+  int render_frame(double number) {
     // An invalid product is a fault of the command line or of the description.
     const bool named = !a_.outputs.empty() || !a_.display.empty() || !a_.view.empty() || !a_.look.empty();
     std::vector<hd::host::RecordOptions> renders;
@@ -223,8 +258,9 @@ class RenderCommand {
       options.faults = session_.faults();
       options.aovs = part_aovs_;
       options.of_frame = of_frame_;
-      set_checkpoint(a_, session_.scene.GetRenderSettings(path), console_, &options);
+      set_checkpoint(a_, number, console_, &options);
       options.cancel = &interrupted();
+      options.drops_incomplete = !a_.frames.numbers.empty();
       options.diagnostics = console_.sink();
       options.writing = [] { set_writing(true); };
       options.plan = hd::host::PlanFrame(session_.scene, path, *session_.delegate(), options);
@@ -241,7 +277,7 @@ class RenderCommand {
       };
       const RecordResult result = hd::host::RecordFrame(session_.index(), &session_.scene, path, *options++);
       console_.end_progress();
-      stats_.add_render(frame, result);
+      for (RunStats* stats : {&stats_, &of_frame_stats_}) stats->add_render(frame, number, result);
       written_.insert(written_.end(), result.written.begin(), result.written.end());
       messages_.add(frame, result);
       const int one = exit_code(result);
@@ -327,21 +363,17 @@ class RenderCommand {
         {failed ? hd::Severity::error : hd::Severity::warning, "render.sample", "", what + " To see its path, " + way});
   }
 
-  void write_stats(int code) {
-    if (a_.stats.empty()) return;
+  void write_stats(const RunStats& stats, const std::string& file, int code) {
+    if (file.empty()) return;
     hd::Dictionary settings;
-    for (const hd::RenderSettingDescriptor& descriptor : session_.delegate()->GetRenderSettingDescriptors())
-      settings[descriptor.key.str()] = session_.delegate()->GetRenderSetting(descriptor.key);
-    const char* status = code == kDone          ? "done"
-                         : code == kInterrupted ? "interrupted"
-                         : code == kDegraded    ? "degraded"
-                                                : "failed";
+    if (session_.delegate())
+      for (const hd::RenderSettingDescriptor& descriptor : session_.delegate()->GetRenderSettingDescriptors())
+        settings[descriptor.key.str()] = session_.delegate()->GetRenderSetting(descriptor.key);
     set_writing(true);
     try {
       console_.write_file(
-          a_.stats,
-          stats_.to_json(a_.scene, status, settings).dump(2, ' ', false, nlohmann::json::error_handler_t::replace) +
-              "\n",
+          file,
+          stats.to_json(a_.scene, code, settings).dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + "\n",
           "The statistics", code == kInterrupted ? hd::support::Flush::none : hd::support::Flush::disk);
     } catch (const Exit&) {
       if (code == kDone || code == kDegraded) throw;  // else the command ends by what came before
@@ -350,9 +382,9 @@ class RenderCommand {
 
   RenderArguments a_;
   Console console_;
-  SceneSession session_{!a_.frames.empty()};
+  SceneSession session_{!a_.frames.numbers.empty()};
   RenderMessages messages_{a_, session_, &console_};
-  RunStats stats_;
+  RunStats stats_, of_frame_stats_;  // of the run, and of the present frame of --frames
   std::vector<hd::RenderProduct> products_;
   std::vector<std::string> written_;
   std::vector<std::string> part_aovs_;  // of a part without files

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "delegate/cli/outputs.h"
 #include "delegate/cli/render_options.h"
 #include "delegate/host/denoiser_library.h"
 #include "delegate/support/lookup.h"
@@ -29,14 +30,6 @@ double noise_in(const hd::Dictionary& stats) {
 double present_noise_in(const hd::Dictionary& stats) {
   const double measured = number_in(stats, "error.samples"), present = number_in(stats, "numCompletedSamples");
   return noise_in(stats) * (measured > 0 && present > measured ? std::sqrt(measured / present) : 1);
-}
-
-/// The pixels of a product's file.
-std::string product_size(const hd::RenderSettingsDescription& frame, const std::string& file) {
-  for (const hd::RenderProduct& product : frame.products)
-    if (product.file == file && product.width > 0 && product.height > 0 && !frame.crop)
-      return size_option(product.width, product.height);
-  return size_of(frame.window());
 }
 
 // Relative RMSE above which a picture looks grainy, and above which its denoised one lacks detail.
@@ -129,7 +122,7 @@ void RenderMessages::estimate(const hd::RenderSettingsDescription& frame, const 
   if (number_in(frame.settings, "targetError") > 0 && noise < 0) return;
   estimated_ = true;
   const double one = progress.seconds / progress.fraction;
-  const auto frames = double(std::max<size_t>(a_.frames.size(), 1));
+  const auto frames = double(std::max<size_t>(a_.frames.numbers.size(), 1));
   const bool by_time_alone =
       number_in(frame.settings, "timeLimit") > 0 && !(number_in(frame.settings, "targetError") > 0);
   if (one * frames < kLong || by_time_alone) return;
@@ -147,10 +140,23 @@ std::string RenderMessages::shorter(const hd::RenderSettingsDescription& frame) 
 }
 
 void RenderMessages::add(const hd::RenderSettingsDescription& frame, const hd::host::RecordResult& result) {
-  for (const std::string& file : result.written) written_.emplace_back(file, product_size(frame, file));
+  const bool is_alone = a_.frames.numbers.empty();
+  if (is_alone)
+    for (const std::string& file : result.written)
+      for (const hd::RenderProduct& product : frame.products)
+        if (product.file == file) written_.emplace_back(file, size_of(product_window(frame, product)));
   noise_ = noise_in(result.stats);
   denoised_ = result.stats.contains("denoiser") && !result.stats.contains("denoise.error");
-  if (const std::string text = noise_text(result.stats); !text.empty()) console_.note(text);
+  if (const std::string text = noise_text(result.stats); is_alone && !text.empty()) console_.note(text);
+}
+
+void RenderMessages::end_frame(double number, size_t done, double seconds, const std::vector<std::string>& written) {
+  const size_t all = a_.frames.numbers.size();
+  std::string text = formatted("frame %g: %zu of %zu done", number, done, all);
+  if (noise_ >= 0) text += formatted(", noise %.2f %%", 100 * noise_);
+  for (const std::string& file : written) text += ", wrote " + file;
+  if (done < all) text += ", " + time_text(seconds * double(all - done)) + " left";
+  console_.note(text);
 }
 
 void RenderMessages::summarize(const RunStats& stats, bool degraded) {

@@ -18,7 +18,9 @@ class RenderMessages {
   RenderMessages(const RenderArguments& arguments, const SceneSession& session, Console* console);
   /// While `frame` is rendered.
   void progress(const hd::RenderSettingsDescription& frame, const hd::host::RecordProgress& progress);
-  /// `frame` is over.
+  /// Frame `number` of --frames, the `done`th, is over. `seconds`: of a frame.
+  void end_frame(double number, size_t done, double seconds, const std::vector<std::string>& written);
+  /// A render of `frame` is over.
   void add(const hd::RenderSettingsDescription& frame, const hd::host::RecordResult& result);
   /// All frames are over, and rendered.
   void summarize(const RunStats& stats, bool degraded);

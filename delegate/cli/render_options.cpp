@@ -37,7 +37,7 @@ int most_samples(const Overrides& settings) {
 }
 
 std::string checkpoint_file(const RenderArguments& a, double frame) {
-  return a.frames.empty() || a.checkpoint.empty() ? a.checkpoint : frame_file(a.checkpoint, frame);
+  return a.frames.numbers.empty() || a.checkpoint.empty() ? a.checkpoint : frame_file(a.checkpoint, frame);
 }
 
 }  // namespace
@@ -57,7 +57,7 @@ hd::description::LoadOptions load_options(const RenderArguments& a) {
     settings.emplace_back("--target-error or --time-limit", "samples", most_samples(settings));
   }
   hd::description::LoadOptions options = scene_load_options(a, std::move(settings));
-  if (!a.frames.empty()) options.frame = a.frames[0];
+  if (!a.frames.numbers.empty()) options.frame = a.frames.numbers[0] - a.start_frame.value_or(0);
   if (a.shutter) options.shutter = {a.shutter->first, a.shutter->second};
   options.size = a.size, options.crop = a.crop;
   options.frames_per_second = a.fps;
@@ -85,10 +85,7 @@ std::string noise_text(const hd::Dictionary& stats) {
 }
 
 void check_checkpoint_files(const RenderArguments& a, Console& console) {
-  if (!a.checkpoint.empty() && !a.frames.empty() && frame_file(a.checkpoint, 0).empty())
-    console.usage_error("--checkpoint", "All frames would go to '" + a.checkpoint +
-                                            "': give the name a place for their numbers, such as "
-                                            "part.####.checkpoint.");
+  if (!a.checkpoint.empty() && !a.frames.numbers.empty()) check_frame_names({a.checkpoint}, a.frames, console);
   for (const std::string& file : checkpoint_files(a)) {
     console.require(kOutput, file, hd::support::OutputFault(file));
     if (!a.resume && std::filesystem::exists(file))
@@ -118,15 +115,14 @@ void check_divisible(const char* option, const SceneSession& session, Console& c
 
 std::vector<std::string> checkpoint_files(const RenderArguments& a) {
   if (a.checkpoint.empty()) return {};
-  if (a.frames.empty()) return {a.checkpoint};
+  if (a.frames.numbers.empty()) return {a.checkpoint};
   std::vector<std::string> files;
-  for (const double frame : a.frames) files.push_back(frame_file(a.checkpoint, frame));
+  for (const double frame : a.frames.numbers) files.push_back(frame_file(a.checkpoint, frame));
   return files;
 }
 
-void set_checkpoint(const RenderArguments& a, const hd::RenderSettingsDescription& settings, Console& console,
-                    hd::host::RecordOptions* options) {
-  options->checkpoint = checkpoint_file(a, frame_number(settings));
+void set_checkpoint(const RenderArguments& a, double number, Console& console, hd::host::RecordOptions* options) {
+  options->checkpoint = checkpoint_file(a, number);
   if (a.checkpoint_interval) options->checkpoint_seconds = *a.checkpoint_interval;
   options->resume = a.resume && std::filesystem::exists(options->checkpoint);
   if (a.resume && !options->resume)

@@ -9,7 +9,7 @@
 
 namespace alabaster::cli {
 
-/// The number of the frame, in statistics and in names of checkpoints.
+/// The number of a single frame, in statistics.
 uint32_t frame_number(const hd::RenderSettingsDescription& settings);
 
 /// The first frame's, where there are --frames.
@@ -28,8 +28,8 @@ void check_divisible(const char* option, const SceneSession& session, Console& c
 
 /// The files of all frames; none without --checkpoint.
 std::vector<std::string> checkpoint_files(const RenderArguments& arguments);
-/// Sets the options of the recording of a frame.
-void set_checkpoint(const RenderArguments& arguments, const hd::RenderSettingsDescription& frame, Console& console,
+/// Sets the options of the recording of a frame. `number`: by --frames.
+void set_checkpoint(const RenderArguments& arguments, double number, Console& console,
                     hd::host::RecordOptions* options);
 /// Takes the products from the scene, for a part that writes no picture, and returns their AOVs, which its sum will
 /// need.

@@ -1,9 +1,10 @@
 #include "delegate/cli/stats_file.h"
 
 #include <algorithm>
+#include <cmath>
 #include <sstream>
 
-#include "delegate/cli/render_options.h"
+#include "delegate/cli/exit_codes.h"
 #include "delegate/support/json_values.h"
 #include "delegate/support/lookup.h"
 #include "delegate/support/process_usage.h"
@@ -51,10 +52,11 @@ void RunStats::add_load(double wall, double cpu) {
   load_cpu_ += cpu;
 }
 
-void RunStats::add_render(const hd::RenderSettingsDescription& settings, const hd::host::RecordResult& result) {
+void RunStats::add_render(const hd::RenderSettingsDescription& settings, double frame,
+                          const hd::host::RecordResult& result) {
   stats_.push_back(result.stats);
   resolutions_.push_back({settings.width, settings.height});
-  frames_.push_back(frame_number(settings));
+  frames_.push_back(std::nearbyint(frame) == frame ? json(int64_t(frame)) : json(frame));
   written_.insert(written_.end(), result.written.begin(), result.written.end());
 }
 
@@ -71,7 +73,7 @@ hd::Dictionary RunStats::noisiest() const {
   return found == stats_.end() ? hd::Dictionary() : *found;
 }
 
-json RunStats::to_json(const std::string& scene, const std::string& status, const hd::Dictionary& settings) const {
+json RunStats::to_json(const std::string& scene, int code, const hd::Dictionary& settings) const {
   const auto count = [&](const char* key) { return static_cast<uint64_t>(total(key)); };
   const auto phase = [&](const std::string& name) {
     return json{{"wall", total("phase." + name + ".wall")}, {"cpu", total("phase." + name + ".cpu")}};
@@ -79,7 +81,11 @@ json RunStats::to_json(const std::string& scene, const std::string& status, cons
   json out;
   out["versions"] = lines_of(AlabasterVersions());
   out["scene"] = scene;
-  out["status"] = status;
+  out["status"] = code == kDone          ? "done"
+                  : code == kInterrupted ? "interrupted"
+                  : code == kDegraded    ? "degraded"
+                                         : "failed";
+  out["exitCode"] = code;
   const hd::Dictionary first = stats_.empty() ? hd::Dictionary() : stats_.front();
   if (first.contains("scene.faults")) out["faults"] = lines_of(first.at("scene.faults").text_or(""));
   out["settings"] = dictionary_json(settings);

@@ -12,9 +12,9 @@ namespace alabaster::cli {
 class RunStats {
  public:
   void add_load(double wall, double cpu);  // also of each pose
-  void add_render(const hd::RenderSettingsDescription& settings, const hd::host::RecordResult& result);
+  void add_render(const hd::RenderSettingsDescription& settings, double frame, const hd::host::RecordResult& result);
   /// `settings`: the effective values of every render setting.
-  nlohmann::json to_json(const std::string& scene, const std::string& status, const hd::Dictionary& settings) const;
+  nlohmann::json to_json(const std::string& scene, int code, const hd::Dictionary& settings) const;
 
   double load_wall() const { return load_wall_; }
   double total(const std::string& key) const;

@@ -4,6 +4,7 @@
 #include "delegate/cli/commands.h"
 #include "delegate/cli/console.h"
 #include "delegate/cli/exit_codes.h"
+#include "delegate/cli/outputs.h"
 
 namespace alabaster::cli {
 namespace {
@@ -19,33 +20,13 @@ std::vector<std::string> words_of(const std::string& text) {
   return words;
 }
 
-/// The one placeholder of a name, "###" or "###.###"; empty: it has none, or several.
-std::string placeholder_of(const std::string& file) {
-  const size_t first = file.find('#');
-  if (first == std::string::npos) return {};
-  size_t end = std::min(file.find_first_not_of('#', first), file.size());
-  if (end + 1 < file.size() && file[end] == '.' && file[end + 1] == '#')
-    end = std::min(file.find_first_not_of('#', end + 1), file.size());
-  return file.find('#', end) == std::string::npos ? file.substr(first, end - first) : std::string();
-}
-
-void check_placeholder(const UsdrecordArguments& u, Console& console) {
-  const std::string placeholder = placeholder_of(u.output);
-  if (!u.frames) {
-    if (!placeholder.empty())
-      console.usage_error("usdrecord",
-                          "'" + u.output + "' has a place for a frame's number, but there is no --frames.");
-    return;
-  }
-  if (placeholder.empty())
-    console.usage_error("--frames", "'" + u.output + "' must have one place for the frames' numbers: ### or ###.###.");
-  const size_t point = placeholder.find('.');
-  const size_t digits = point == std::string::npos ? 0 : placeholder.size() - point - 1;
-  if (digits < u.frames->digits)
-    console.usage_error("--frames", "These time codes need " + std::to_string(u.frames->digits) +
-                                        " digits after the point, and '" + u.output + "' has " +
-                                        std::to_string(digits) + ": write for example ###." +
-                                        std::string(u.frames->digits, '#') + ".");
+void check_places(const UsdrecordArguments& u, Console& console) {
+  const auto place = frame_place(u.output);
+  if (u.render.frames.numbers.empty() && place)
+    console.usage_error("usdrecord", "'" + u.output + "' has a place for a frame's number, but there is no --frames.");
+  if (place && frame_place(frame_file(u.output, 0)))
+    console.usage_error("usdrecord",
+                        "'" + u.output + "' has several places for a frame's number: write one ### or ###.###.");
 }
 
 }  // namespace
@@ -56,8 +37,9 @@ int run_usdrecord(UsdrecordArguments u) {
   hd::host::StageOptions& stage = render.stage;
   if (!stage.settings.empty() && !stage.pass.empty())
     console.usage_error("usdrecord", "Give --renderSettingsPrimPath or --renderPassPrimPath, not both.");
-  if (u.frames && u.default_time) console.usage_error("usdrecord", "Give --frames or --defaultTime, not both.");
-  check_placeholder(u, console);
+  if (!render.frames.numbers.empty() && u.default_time)
+    console.usage_error("usdrecord", "Give --frames or --defaultTime, not both.");
+  check_places(u, console);
   stage.recorded_width = std::max(u.width, 1);
   stage.hides_domes = !u.shows_domes;
   stage.at_default_time = u.default_time;
@@ -70,7 +52,6 @@ int run_usdrecord(UsdrecordArguments u) {
   }
   stage.camera = u.camera;
   if (!render.complexity) render.complexity = 0;
-  if (u.frames) render.frames = u.frames->codes;
   render.outputs = {u.output};
   if (u.color_correction != "openColorIO") render.color_space = u.color_correction == "sRGB" ? "sRGB" : "raw";
   if (!u.renderer.empty() && u.renderer != "Alabaster")

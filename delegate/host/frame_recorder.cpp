@@ -10,6 +10,7 @@
 #include <thread>
 
 #include "core/math/float_environment.h"
+#include "core/texture/texture.h"
 #include "delegate/host/frame_request.h"
 #include "delegate/host/product_metadata.h"
 #include "delegate/host/recorded_checkpoints.h"
@@ -209,7 +210,8 @@ class Recording {
     if (!sync()) return;
     if (!interrupted() && have_buffers() && scene_is_whole() && resume()) render();
     collect_stats();
-    if (rendered_ && (succeeded() || result_.status == RecordStatus::interrupted)) write();
+    const bool is_cancelled = result_.status == RecordStatus::interrupted;
+    if (rendered_ && (succeeded() || (is_cancelled && !options_.drops_incomplete))) write();
     if (const std::string& fault = checkpoints_.last_fault(); !fault.empty() && succeeded())
       end({RecordStatus::output_failed, RecordedCheckpoints::kCode, fault});
   }
@@ -499,6 +501,14 @@ RecordResult RecordFrame(RenderIndex* index, RetainedSceneDelegate* scene, const
                          const RecordOptions& options) {
   const FloatEnvironment environment;
   return Recording(index, scene, settings, options).run();
+}
+
+std::optional<Vec2i> PictureSize(const std::string& file) {
+  try {
+    return whole_image_size(file);
+  } catch (const std::exception&) {  // memory was refused
+    return {};
+  }
 }
 
 }  // namespace alabaster::hd::host

@@ -56,6 +56,7 @@ struct RecordOptions {
   /// Polled at least every 20 ms. Once it is set the render ends, and the samples so far are written, marked
   /// incomplete.
   const std::atomic<bool>* cancel = nullptr;
+  bool drops_incomplete = false;  // the products of a render that is cancelled are not written
   FramePlan plan;  // PlanFrame's of the same settings and options; without pictures RecordFrame makes its own
   // Called from the calling thread. They may edit the scene, and even depopulate it: the recording owns its buffers.
   std::function<void(const RecordProgress&)> progress;  // about ten times a second
@@ -64,6 +65,9 @@ struct RecordOptions {
       picture;  // called once with each picture; its pixels are valid during the call
   DiagnosticSink diagnostics;
 };
+
+/// Width and height of a picture that a file holds whole; of an EXR those of its display window.
+ALABASTER_API std::optional<Vec2i> PictureSize(const std::string& file);
 
 struct RecordResult : RecordEnd {
   /// True if texels of a degraded picture were lost, or memory ran out in a later Sync.

@@ -38,7 +38,7 @@ CORE_SEEN_BY = {  # room of delegate -> the rooms of core that it may include
     "support": ["color", "files", "parameter"],
     "looks": ["color", "material", "subsurface"],  # chromaticities, the table of parameters, formulas
     # of camera, light, material, scene and session the tables of parameters
-    "host": ["camera", "color", "denoise", "digest", "film", "files", "images", "light", "material", "math", "scene", "session"],
+    "host": ["camera", "color", "denoise", "digest", "film", "files", "images", "light", "material", "math", "scene", "session", "texture"],
     "archive": ["digest", "files", "memory", "texture"],
     "c_api": ["math", "subsurface"],
     "gltf": ["files", "images", "material", "math", "memory", "subsurface", "texture"],

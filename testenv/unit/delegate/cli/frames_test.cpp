@@ -98,6 +98,88 @@ TEST_F(FramesTest, EveryFileHasTheNumberOfItsFrame) {
   EXPECT_EQ(frame_of("none.exr"), 0);
 }
 
+// promise: pipeline.frames.lists
+TEST_F(FramesTest, ListsAreThoseOfUsdrecordAndNamesHaveEveryKindOfPlace) {
+  const std::vector<std::pair<std::string, std::vector<std::string>>> names{
+      {"a.%04d.exr", {"a.0007.exr", "a.0003.exr", "a.0001.exr", "a.-001.exr"}},
+      {"b.$F3.exr", {"b.007.exr", "b.003.exr", "b.001.exr", "b.-01.exr"}},
+      {"c.$F.exr", {"c.7.exr", "c.3.exr", "c.1.exr", "c.-1.exr"}},
+      {"d#.%d.##.exr", {"d#.%d.07.exr", "d#.%d.03.exr", "d#.%d.01.exr", "d#.%d.-1.exr"}}};
+  for (const auto& [name, files] : names) {
+    ASSERT_EQ(render("moving.gltf", {"--frames", "7,3:-1x-2", "-o", name}), 0) << name;
+    for (const std::string& file : files) EXPECT_FALSE(pixels(file).empty()) << file;
+  }
+  std::string said;
+  ASSERT_EQ(render("moving.gltf", {"--frames", "1:2x0.5", "-o", "e.####.#.exr", "--stats", "e.json"}, &said), 0)
+      << said;
+  for (const char* file : {"e.0001.0.exr", "e.0001.5.exr", "e.0002.0.exr"}) EXPECT_FALSE(pixels(file).empty()) << file;
+  EXPECT_EQ(json::parse(std::ifstream(folder_ / "e.json"))["frames"], (json{1, 1.5, 2}));
+  EXPECT_EQ(render("moving.gltf", {"--frames", "1:2x0.5", "-o", "e.####.exr"}, &said), 2);
+  EXPECT_NE(said.find("need 1 digits after the point"), std::string::npos) << said;
+  EXPECT_EQ(render("moving.gltf", {"--frames", "1,2,1", "-o", "f.#.exr"}, &said), 2);
+  EXPECT_NE(said.find("are the same file"), std::string::npos) << said;
+}
+
+// promise: pipeline.frames.start
+TEST_F(FramesTest, TheStartFrameShowsTheModelsAtZeroSeconds) {
+  std::string said;
+  ASSERT_EQ(render("moving.gltf",
+                   {"--frames", "1001:1005x4", "--start-frame", "1001", "--fps", "8", "-o", "s.####.exr"}, &said),
+            0);
+  EXPECT_NE(said.find("frame 1005 at 0.5 s (2 of 2)"), std::string::npos) << said;
+  ASSERT_EQ(render("moving.gltf", {"--time", "0.5", "--set", "frame=1005", "-o", "alone.exr"}), 0);
+  EXPECT_EQ(pixels("s.1005.exr"), pixels("alone.exr"));
+}
+
+// promise: pipeline.frames.skip
+TEST_F(FramesTest, FramesThatAreThereAreSkippedIfTheyAreWholeAndOfTheirSize) {
+  std::vector<std::string> words{"--frames", "0:3", "--crop", "2,2,14,10", "-o", "k.#.exr", "-o", "k.#.png"};
+  ASSERT_EQ(render("moving.gltf", words), 0);
+  const auto bytes = [&](const std::string& file) {
+    std::ifstream in(folder_ / file, std::ios::binary);
+    return std::string(std::istreambuf_iterator<char>(in), {});
+  };
+  const std::string cut = bytes("k.1.png"), whole = bytes("k.3.exr");
+  std::ofstream(folder_ / "k.1.png", std::ios::binary) << cut.substr(0, cut.size() / 2);
+  std::ofstream(folder_ / "k.3.exr", std::ios::binary) << whole.substr(0, whole.size() - 9);
+  std::filesystem::copy_file(folder_ / "k.0.exr", folder_ / "k.2.exr",
+                             std::filesystem::copy_options::overwrite_existing);
+  words.insert(words.end(), {"--skip-existing", "--stats", "k.json"});
+  std::string said;
+  ASSERT_EQ(render("moving.gltf", words, &said), 0) << said;
+  EXPECT_NE(said.find("frame 0 is there (1 of 4)"), std::string::npos) << said;
+  EXPECT_EQ(json::parse(std::ifstream(folder_ / "k.json"))["frames"], (json{1, 3}))
+      << "2 is a whole picture, whatever it shows";
+  EXPECT_EQ(bytes("k.1.png"), cut);
+  EXPECT_FALSE(pixels("k.3.exr").empty());
+  words[3] = "0,0,8,8";
+  ASSERT_EQ(render("moving.gltf", words), 0);
+  EXPECT_EQ(json::parse(std::ifstream(folder_ / "k.json"))["frames"], (json{0, 1, 2, 3})) << "another size";
+  words[1] = "0,4";
+  ASSERT_EQ(render("moving.gltf", words), 0);
+  EXPECT_EQ(json::parse(std::ifstream(folder_ / "k.json"))["frames"], json::array({4}));
+}
+
+// promise: pipeline.stats.failed
+TEST_F(FramesTest, EachFrameHasStatisticsAndSoHasARunThatFails) {
+  ASSERT_EQ(render("moving.gltf", {"--frames", "0:4:4", "-o", "f.#.exr", "--stats", "f.##.json"}), 0);
+  for (const char* file : {"f.00.json", "f.04.json"}) {
+    const json stats = json::parse(std::ifstream(folder_ / file));
+    EXPECT_EQ(stats["status"], "done");
+    EXPECT_EQ(stats["renders"].size(), 1u);
+  }
+  EXPECT_EQ(json::parse(std::ifstream(folder_ / "f.04.json"))["files"], json::array({"f.4.exr"}));
+  write("broken.gltf", "{");
+  EXPECT_EQ(render("broken.gltf", {"-o", "b.exr", "--stats", "b.json"}), 3);
+  json stats = json::parse(std::ifstream(folder_ / "b.json"));
+  EXPECT_EQ(stats["status"], "failed");
+  EXPECT_EQ(stats["exitCode"], 3);
+  EXPECT_EQ(render("moving.gltf", {"-o", "b.exr", "--stats", "b.json", "--set", "memoryLimit=1"}), 4);
+  stats = json::parse(std::ifstream(folder_ / "b.json"));
+  EXPECT_EQ(stats["status"], "failed");
+  EXPECT_EQ(stats["exitCode"], 4);
+}
+
 TEST_F(FramesTest, StatisticsHaveTheFrameOfAnArchive) {
   Program convert(folder_, {"convert", "moving.gltf", "--set", "frame=7", "-o", "moving.alab"});
   ASSERT_EQ(convert.wait(), 0) << convert.err();
@@ -202,6 +284,11 @@ TEST_F(FramesTest, AnInterruptedSequenceKeepsTheFramesThatAreDone) {
   program.interrupt();
   EXPECT_EQ(program.wait(), 130);
   EXPECT_FALSE(pixels("f.0000.exr").empty());
+  EXPECT_EQ(program.err().find("incomplete"), std::string::npos);
+  for (const auto& entry : std::filesystem::directory_iterator(folder_)) {
+    const auto file = entry.path().extension() == ".exr" ? OIIO::ImageInput::open(entry.path().string()) : nullptr;
+    if (file) EXPECT_EQ(file->spec().get_int_attribute("alabaster/incomplete", 0), 0) << entry.path();
+  }
   const json stats = json::parse(std::ifstream(folder_ / "s.json"));
   EXPECT_EQ(stats["status"], "interrupted");
   EXPECT_LT(stats["files"].size(), 9999u);
