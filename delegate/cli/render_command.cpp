@@ -52,6 +52,9 @@ class RenderCommand {
     const bool frames = !a_.frames.numbers.empty(), no_checkpoint = a_.checkpoint.empty();
     const auto is_spp = [](const hd::description::Override& one) { return one.place == "samples"; };
     const bool spp = std::any_of(a_.settings.begin(), a_.settings.end(), is_spp);
+    std::vector<double> sorted = a_.frames.numbers;
+    std::sort(sorted.begin(), sorted.end());
+    const bool twice = std::adjacent_find(sorted.begin(), sorted.end()) != sorted.end();
     const struct {
       bool is_wrong;
       const char *flag, *text;
@@ -59,6 +62,7 @@ class RenderCommand {
         {a_.fps && !frames && !a_.shutter, "--fps", "It needs --frames or --shutter."},
         {frames && (a_.time || a_.pixel), "--frames",
          "It cannot be given with --time or --pixel, which show one frame."},
+        {twice, "--frames", "It names a frame twice."},
         {a_.start_frame && !frames, "--start-frame", "It needs --frames."},
         {a_.skip_existing && !frames, "--skip-existing", "It needs --frames."},
         {a_.samples && spp, "--samples", "It cannot be given with --spp: its end says how many samples there are."},

@@ -910,7 +910,7 @@ def test_usdrecord_takes_time_codes_and_patterns():
     assert apart(os.path.join(FOLDER, "t.001.0.png"), os.path.join(FOLDER, "t.-01.0.png")) > 0.1
     assert "nan" in record(file, os.path.join(FOLDER, "d.png"), "-w", "24", "-d")[-1]
     for words, needs in (((file, "t.png", "-f", "1:2"), "###"), ((file, "t.##.png"), "--frames"), ((file, "t.##.png", "-f", "1:2x0.25"), "2 digits"),
-                         ((file, "t.#.#.#.png", "-f", "1"), "###"), ((file, "t.#.png", "-f", "1:2x-1"), "time codes"), ((file, "t.png", "-c", "much"), "veryhigh")):
+                         ((file, "t.#.#.#.png", "-f", "1"), "###"), ((file, "t.#.png", "-f", "1:2x-1"), "list of frames"), ((file, "t.png", "-c", "much"), "veryhigh")):
         code, said = run("usdrecord", *words)
         assert code == 2 and needs in said, (words, code, said)
 

@@ -166,8 +166,9 @@ TEST_F(ProgramTest, StatisticsHaveTheirDocumentedKeys) {
     return names;
   };
   using Names = std::vector<std::string>;
-  EXPECT_EQ(keys(stats), (Names{"delegate", "error", "files", "frames", "peakMemory", "phases", "rays", "renders",
-                                "resolutions", "samples", "scene", "settings", "status", "versions", "walks"}));
+  EXPECT_EQ(keys(stats),
+            (Names{"delegate", "error", "exitCode", "files", "frames", "peakMemory", "phases", "rays", "renders",
+                   "resolutions", "samples", "scene", "settings", "status", "versions", "walks"}));
   EXPECT_EQ(keys(stats["phases"]), (Names{"build", "load", "refine", "render", "write"}));
   for (const auto& [name, phase] : stats["phases"].items()) {
     EXPECT_EQ(keys(phase), (Names{"cpu", "wall"})) << name;
