@@ -28,6 +28,7 @@ struct RenderArguments : SceneArguments, PictureArguments {
   std::vector<hd::description::Override> settings;  // of the flags that name a render setting
   FrameList frames;
   std::optional<double> fps, start_frame;
+  std::optional<uint32_t> turntable;                 // frames of a turn
   std::optional<std::pair<double, double>> shutter;  // open and close, in frames
   std::optional<hd::Vec2i> size;
   std::optional<hd::Rect2i> crop;
@@ -38,9 +39,9 @@ struct RenderArguments : SceneArguments, PictureArguments {
   std::optional<std::pair<uint32_t, uint32_t>> samples;  // begin and end
   std::string checkpoint;                                // file
   std::optional<double> checkpoint_interval;             // seconds
-  bool quiet = false, keep_going = false, resume = false, skip_existing = false;
+  bool quiet = false, keep_going = false, resume = false, skip_existing = false, turntable_lights = false;
 };
-int run_render(const RenderArguments& arguments);
+int run_render(RenderArguments arguments);
 
 /// As usdrecord has them.
 struct UsdrecordArguments {
@@ -52,9 +53,9 @@ struct UsdrecordArguments {
 int run_usdrecord(UsdrecordArguments arguments);
 
 struct InfoArguments : SceneArguments {
+  std::vector<hd::description::Override> settings;
   std::optional<double> predict;  // a relative RMSE
   std::optional<hd::Vec2i> size;
-  std::string threads;
   bool json = false;
 };
 int run_info(const InfoArguments& arguments);

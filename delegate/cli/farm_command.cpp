@@ -40,6 +40,7 @@ class FarmCommand {
     for (const auto& [flag, given] :
          {std::pair{"--frames", !a_.render.frames.numbers.empty()}, std::pair{"--pixel", a_.render.pixel.has_value()},
           std::pair{"--stats", !a_.render.stats.empty()}, std::pair{"--start-frame", a_.render.start_frame.has_value()},
+          std::pair{"--turntable", a_.render.turntable.has_value()},
           std::pair{"--skip-existing", a_.render.skip_existing}})
       if (given) console_.usage_error(flag, "It cannot be given with farm, which renders one frame in parts.");
     console_.require_usage("farm", same_file_twice(a_.render.outputs));

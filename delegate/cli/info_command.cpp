@@ -26,12 +26,6 @@ using hd::host::MeshDescription;
 using hd::host::RetainedSceneDelegate;
 using Json = nlohmann::ordered_json;
 
-// A studio and the soft dome are added after all overrides.
-bool is_added(const RetainedSceneDelegate& scene, const hd::Path& path) {
-  return path == hd::Path("/studio/backdrop") || path == hd::Path("/lights/default_dome") ||
-         scene.GetName(path).starts_with("studio_");
-}
-
 /// The name by which --set finds a prim, and its path.
 Json named(const RetainedSceneDelegate& scene, const hd::Path& path) {
   Json prim{{"path", path.str()}};
@@ -89,23 +83,19 @@ Json mesh_json(Json out, const MeshDescription& mesh, const WorldBox& box) {
 
 void add_geometry(hd::host::RetainedSceneDelegate& scene, Json* out) {
   size_t cage = 0, refined = 0;
-  WorldBox all;
   Json meshes = Json::array(), instancers = Json::array();
   const std::map<hd::Path, WorldBox> boxes = hd::description::MeshBoxes(scene);
   for (const auto& [path, mesh] : scene.GetMeshes()) {
     cage += cage_triangles(mesh);
     refined += refined_triangles(mesh);
-    const WorldBox& box = boxes.at(path);
-    meshes.push_back(mesh_json(named(scene, path), mesh, box));
-    for (int i = 0; i < 3 && mesh.visible && !is_added(scene, path); ++i)
-      all.min[i] = std::min(all.min[i], box.min[i]), all.max[i] = std::max(all.max[i], box.max[i]);
+    meshes.push_back(mesh_json(named(scene, path), mesh, boxes.at(path)));
   }
   for (const auto& [path, instancer] : scene.GetInstancers()) {
     size_t count = 0;
     for (const auto& [prototype, indices] : instancer.indices) count += indices.size();
     instancers.push_back({{"path", path.str()}, {"instances", count}});
   }
-  (*out)["bounds"] = box_json(all);
+  (*out)["bounds"] = box_json(objects_box(scene));
   (*out)["triangles"] = {{"modelled", cage}, {"rendered", refined}};
   (*out)["meshes"] = std::move(meshes);
   (*out)["instancers"] = std::move(instancers);
@@ -352,9 +342,7 @@ std::vector<std::string> text_lines(const std::string& text) {
 }
 
 hd::description::LoadOptions load_options(const InfoArguments& a) {
-  std::vector<hd::description::Override> flags;
-  if (!a.threads.empty()) flags.emplace_back("--threads " + a.threads, "threads", a.threads);
-  hd::description::LoadOptions options = scene_load_options(a, std::move(flags));
+  hd::description::LoadOptions options = scene_load_options(a, a.settings);
   options.size = a.size;
   return options;
 }

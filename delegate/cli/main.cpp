@@ -104,6 +104,10 @@ void add_frames(CLI::App* c, RenderArguments* a) {
       "stage's time code N, and has a noise pattern of its own");
   add_parsed(c, "--start-frame", &a->start_frame, parse_frame, "is not a whole number.", "N",
              "The frame that shows models of glTF at 0 seconds; default: 0");
+  add_parsed(c, "--turntable", &a->turntable, parse_tasks, "is not a whole number from 1 to 10000.", "N",
+             "Render one turn of the camera about the objects in N frames, 1 to N unless --frames chooses some. The "
+             "models keep their pose");
+  c->add_flag("--turntable-lights", a->turntable_lights, "Turn the lights with the camera");
   c->add_flag("--skip-existing", a->skip_existing,
               "Leave out the frames whose files are there already, whole and of the frame's size");
   add_parsed(c, "--fps", &a->fps, parse_positive, "is not a number of frames per second above 0.", "N",
@@ -113,12 +117,12 @@ void add_frames(CLI::App* c, RenderArguments* a) {
              "0:0.5 or -0.25:0.25. Default: the camera's own, else closed at once");
 }
 
-void add_setting_flags(CLI::App* c, RenderArguments* a) {
+void add_setting_flags(CLI::App* c, std::vector<hd::description::Override>* settings) {
   for (const SettingFlag& flag : kSettingFlags)
     c->add_option_function<std::string>(
          flag.flag,
-         [a, &flag](const std::string& text) {
-           a->settings.emplace_back(std::string(flag.flag) + " " + text, flag.setting, text);
+         [settings, &flag](const std::string& text) {
+           settings->emplace_back(std::string(flag.flag) + " " + text, flag.setting, text);
          },
          flag.help)
         ->type_name(flag.type);
@@ -141,7 +145,7 @@ void add_render_options(CLI::App* c, RenderArguments* a) {
   add_parsed(c, "--crop", &a->crop, parse_crop,
              "is not a rectangle: write four whole numbers, x0,y0,x1,y1, each from -2147483648 to 2147483647.",
              "X0,Y0,X1,Y1", "Region to render, in pixels from the upper left corner");
-  add_setting_flags(c, a);
+  add_setting_flags(c, &a->settings);
   c->add_flag(
       "--denoise", a->denoise,
       "Denoise the picture after its last sample (Open Image Denoise 2, if installed): .png, .tif and .jpg show "
@@ -177,8 +181,9 @@ CLI::App* add_render(CLI::App& app, RenderArguments* a) {
   return c;
 }
 
-constexpr const char* kNotOfFarm[] = {"--frames", "--start-frame",  "--skip-existing", "--pixel",
-                                      "--stats",  "--target-error", "--time-limit"};
+constexpr const char* kNotOfFarm[] = {"--frames",        "--start-frame", "--turntable", "--turntable-lights",
+                                      "--skip-existing", "--pixel",       "--stats",     "--target-error",
+                                      "--time-limit"};
 
 CLI::App* add_farm(CLI::App& app, FarmArguments* a) {
   CLI::App* c = app.add_subcommand(
@@ -308,15 +313,15 @@ CLI::App* add_convert(CLI::App& app, ConvertArguments* a) {
 }
 
 CLI::App* add_info(CLI::App& app, InfoArguments* a) {
-  CLI::App* c = app.add_subcommand("info", "Lists what a scene contains and what rendering it requires.");
-  add_scene_file(c, a);
-  add_ocio(c, a);
+  CLI::App* c = app.add_subcommand(
+      "info", "Lists what a scene contains and what rendering it requires. Takes render's options of the scene.");
+  add_scene_options(c, a);
   add_parsed(c, "--predict", &a->predict, parse_target_error,
              "is not a target error: write a relative RMSE above 0 and at most 1, for example 0.02.", "E",
              "Predict the cost of rendering to this relative RMSE (0.02 is two per cent) from a probe of a few "
              "seconds");
-  add_size(c, &a->size, "Resolution in pixels, for --predict");
-  c->add_option("--threads", a->threads, "Render threads, for --predict; 0 uses all cores")->type_name("N");
+  add_size(c, &a->size, "Resolution in pixels");
+  add_setting_flags(c, &a->settings);
   c->add_flag("--json", a->json, "Print one JSON document instead of text");
   return c;
 }
@@ -383,7 +388,7 @@ CLI::App* add_usdrecord(CLI::App& app, UsdrecordArguments* u) {
     c->add_flag(flag)->description("No effect");
   for (const char* flag : {"--resolver", "--traceToFile", "--traceFormat"})
     c->add_option(flag, "No effect")->type_name("WORD")->expected(1);
-  add_setting_flags(c, a);
+  add_setting_flags(c, &a->settings);
   add_repeated(c, "--set", &a->overrides, "KEY=VALUE", "Override a value, as in render");
   c->add_option("--variant", a->variant, "/PRIM{SET=CHOICE}, several one after the other")->type_name("NAME");
   add_repeated(c, "--aov", &a->aovs, "NAME", "Extra layer for .exr, as in render");

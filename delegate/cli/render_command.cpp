@@ -12,6 +12,7 @@
 #include "delegate/cli/render_options.h"
 #include "delegate/cli/stats_file.h"
 #include "delegate/cli/stopwatch.h"
+#include "delegate/cli/turntable.h"
 #include "delegate/support/output_file.h"
 #include "delegate/support/size_text.h"
 
@@ -22,7 +23,7 @@ using hd::host::RecordResult;
 
 class RenderCommand {
  public:
-  explicit RenderCommand(const RenderArguments& arguments) : a_(arguments), console_(arguments.quiet) {}
+  explicit RenderCommand(RenderArguments arguments) : a_(std::move(arguments)), console_(a_.quiet) {}
 
   int run() {
     catch_interrupts();
@@ -64,6 +65,8 @@ class RenderCommand {
          "It cannot be given with --time or --pixel, which show one frame."},
         {twice, "--frames", "It names a frame twice."},
         {a_.start_frame && !frames, "--start-frame", "It needs --frames."},
+        {a_.start_frame && a_.turntable, "--start-frame", "It cannot be given with --turntable."},
+        {a_.turntable_lights && !a_.turntable, "--turntable-lights", "It needs --turntable."},
         {a_.skip_existing && !frames, "--skip-existing", "It needs --frames."},
         {a_.samples && spp, "--samples", "It cannot be given with --spp: its end says how many samples there are."},
         {a_.pixel && !no_checkpoint, "--checkpoint", "It cannot be given with --pixel."},
@@ -203,6 +206,8 @@ class RenderCommand {
     const std::map<hd::Path, hd::RenderSettingsDescription> described(all.begin(), all.end());
     const std::vector<double>& frames = a_.frames.numbers;
     const double start = a_.start_frame.value_or(0), codes = session_.file.info.timeCodesPerSecond;
+    std::optional<Turntable> turntable;
+    if (a_.turntable) turntable.emplace(&session_, a_.turntable_lights);
     const Stopwatch watch;
     size_t rendered = 0;
     int code = kDone;
@@ -220,10 +225,16 @@ class RenderCommand {
         console_.note(formatted("frame %g is there (%zu of %zu)", frame, i + 1, frames.size()));
         continue;
       }
-      if (i > 0) timed_load([&] { session_.pose(frame - start, console_.sink()); });
+      std::string place = formatted("at %.4g s", (frame - start) / a_.fps.value_or(codes > 0 ? codes : 24));
+      if (turntable) {
+        const double degrees = 360 * (frame - 1) / *a_.turntable;
+        turntable->turn(degrees);
+        place = formatted("turned by %.4g degrees", degrees);
+      } else if (i > 0) {
+        timed_load([&] { session_.pose(frame - start, console_.sink()); });
+      }
       say_time_code(frame);
-      console_.note(formatted("frame %g at %.4g s (%zu of %zu)", frame,
-                              (frame - start) / a_.fps.value_or(codes > 0 ? codes : 24), i + 1, frames.size()));
+      console_.note(formatted("frame %g %s (%zu of %zu)", frame, place.c_str(), i + 1, frames.size()));
       const size_t before = written_.size();
       const int one = render_frame(frame);
       if (has_stats_of_frames()) write_stats(of_frame_stats_, frame_file(a_.stats, frame), one);
@@ -397,8 +408,10 @@ class RenderCommand {
 
 }  // namespace
 
-int run_render(const RenderArguments& arguments) {
-  return RenderCommand(arguments).run();
+int run_render(RenderArguments arguments) {
+  if (arguments.turntable && arguments.frames.numbers.empty())
+    for (uint32_t frame = 1; frame <= *arguments.turntable; ++frame) arguments.frames.numbers.push_back(frame);
+  return RenderCommand(std::move(arguments)).run();
 }
 
 }  // namespace alabaster::cli

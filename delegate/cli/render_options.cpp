@@ -57,7 +57,7 @@ hd::description::LoadOptions load_options(const RenderArguments& a) {
     settings.emplace_back("--target-error or --time-limit", "samples", most_samples(settings));
   }
   hd::description::LoadOptions options = scene_load_options(a, std::move(settings));
-  if (!a.frames.numbers.empty()) options.frame = a.frames.numbers[0] - a.start_frame.value_or(0);
+  if (!a.frames.numbers.empty() && !a.turntable) options.frame = a.frames.numbers[0] - a.start_frame.value_or(0);
   if (a.shutter) options.shutter = {a.shutter->first, a.shutter->second};
   options.size = a.size, options.crop = a.crop;
   options.frames_per_second = a.fps;

@@ -89,6 +89,22 @@ int SceneSession::fault_code() const {
   return stats.at("scene.outOfMemory").number_or(0) != 0 ? kRender : kInput;
 }
 
+bool is_added(const hd::host::RetainedSceneDelegate& scene, const hd::Path& path) {
+  return path == hd::Path("/studio/backdrop") || path == hd::Path("/lights/default_dome") ||
+         scene.GetName(path).starts_with("studio_");
+}
+
+hd::description::WorldBox objects_box(hd::host::RetainedSceneDelegate& scene) {
+  hd::description::WorldBox all;
+  const auto boxes = hd::description::MeshBoxes(scene);
+  for (const auto& [path, mesh] : scene.GetMeshes())
+    for (int i = 0; i < 3 && mesh.visible && !is_added(scene, path); ++i) {
+      all.min[i] = std::min(all.min[i], boxes.at(path).min[i]);
+      all.max[i] = std::max(all.max[i], boxes.at(path).max[i]);
+    }
+  return all;
+}
+
 std::set<std::string> scene_files(const SceneSession& session, const std::string& scene) {
   std::set<std::string> inputs{scene};
   const auto add_images = [&](const std::map<hd::Token, hd::Value>& parameters) {

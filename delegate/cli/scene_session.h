@@ -6,6 +6,7 @@
 
 #include "delegate/cli/console.h"
 #include "delegate/description/render_description.h"
+#include "delegate/description/scene_names.h"
 
 namespace alabaster::cli {
 
@@ -51,6 +52,11 @@ class SceneSession {
   std::unique_ptr<hd::RenderDelegate, Destroy> delegate_;
   std::unique_ptr<hd::host::RenderIndex> index_;
 };
+
+/// True of what a studio adds, and of the soft dome.
+bool is_added(const hd::host::RetainedSceneDelegate& scene, const hd::Path& path);
+/// The box of all visible meshes that were not added.
+hd::description::WorldBox objects_box(hd::host::RetainedSceneDelegate& scene);
 
 /// The scene's own file, and the files of its models, images and lights: those of a set of images one by one. Without
 /// the colour configuration.

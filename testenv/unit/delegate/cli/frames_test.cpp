@@ -160,6 +160,38 @@ TEST_F(FramesTest, FramesThatAreThereAreSkippedIfTheyAreWholeAndOfTheirSize) {
   EXPECT_EQ(json::parse(std::ifstream(folder_ / "k.json"))["frames"], json::array({4}));
 }
 
+// promise: pipeline.frames.turntable
+TEST_F(FramesTest, ATurntableIsATurnOfTheCameraAboutTheObjects) {
+  const auto scene = [&](const std::string& name, const std::string& eye, const std::string& lamp) {
+    write(name, R"({"gltf": [{"file": "framed.gltf"}], "settings": {"studio": "off"},
+                    "camera": {"lookAt": {"eye": )" +
+                    eye + R"(, "target": [0, 0, 0]}},
+                    "lights": [{"name": "key", "type": "sphereLight", "position": )" +
+                    lamp + R"(, "radius": 0.5, "intensity": 9}]})");
+  };
+  scene("turn.json", "[0, 1, 8]", "[0, 2, 3]");
+  scene("quarter.json", "[5.65685425, 1, 5.65685425]", "[0, 2, 3]");
+  scene("lights.json", "[5.65685425, 1, 5.65685425]", "[2.12132034, 2, 2.12132034]");
+  std::string said;
+  const auto mean_difference = [&](const std::string& a, const std::string& b) {
+    const std::vector<float> p = pixels(a), q = pixels(b);
+    double sum = 0;
+    for (size_t i = 0; i < p.size(); ++i) sum += std::abs(double(p[i]) - double(q[i]));
+    return sum / double(std::max<size_t>(p.size(), 1));
+  };
+  ASSERT_EQ(render("turn.json", {"--turntable", "8", "-o", "t.#.exr"}, &said), 0) << said;
+  EXPECT_NE(said.find("frame 2 turned by 45 degrees (2 of 8)"), std::string::npos) << said;
+  ASSERT_EQ(render("turn.json", {"--set", "frame=1", "-o", "alone.exr"}), 0);
+  EXPECT_EQ(pixels("t.1.exr"), pixels("alone.exr"));
+  ASSERT_EQ(render("quarter.json", {"--set", "frame=2", "-o", "quarter.exr"}), 0);
+  EXPECT_LT(mean_difference("t.2.exr", "quarter.exr"), 1e-4);
+  ASSERT_EQ(render("turn.json", {"--turntable", "8", "--turntable-lights", "--frames", "2", "-o", "l.#.exr"}), 0);
+  ASSERT_EQ(render("lights.json", {"--set", "frame=2", "-o", "lights.exr"}), 0);
+  EXPECT_LT(mean_difference("l.2.exr", "lights.exr"), 1e-4);
+  EXPECT_GT(mean_difference("l.2.exr", "t.2.exr"), 1e-3);
+  EXPECT_EQ(render("turn.json", {"--turntable-lights", "-o", "x.exr"}), 2);
+}
+
 // promise: pipeline.stats.failed
 TEST_F(FramesTest, EachFrameHasStatisticsAndSoHasARunThatFails) {
   ASSERT_EQ(render("moving.gltf", {"--frames", "0:4:4", "-o", "f.#.exr", "--stats", "f.##.json"}), 0);

@@ -59,6 +59,19 @@ TEST_F(PredictTest, PredictsSamplesAndMemory) {
 }
 
 // Most of a tiny render's time is the start of the program, its images and the libraries that write its file.
+TEST_F(PredictTest, TakesTheOptionsOfARender) {
+  const std::string scene = testing::source_file("testenv/scenes/sample/sample.json");
+  const auto listed = [&](std::vector<std::string> more) {
+    more.insert(more.begin(), {"info", scene, "--json", "--predict", "0.3", "--size", "24x16"});
+    EXPECT_EQ(run(more), 0) << err_;
+    return nlohmann::json::parse(out_);
+  };
+  const auto usual = listed({}),
+             lit = listed({"--dome", "1,1,1", "--quality", "preview", "--max-depth", "2", "--threads", "1"});
+  EXPECT_NE(usual["lights"], lit["lights"]);
+  EXPECT_GT(usual["prediction"]["samplesPerPixel"]["value"], lit["prediction"]["samplesPerPixel"]["value"]);
+}
+
 TEST_F(PredictTest, CountsTheStartOfTheProgram) {
   const auto cpu_of_children = [] {
     rusage usage{};

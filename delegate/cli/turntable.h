@@ -1,0 +1,23 @@
+// A turn of the camera about the objects of a scene.
+#pragma once
+
+#include "delegate/cli/scene_session.h"
+
+namespace alabaster::cli {
+
+/// Turns all cameras of a loaded scene about the vertical line through the middle of its objects. One thread.
+class Turntable {
+ public:
+  /// `lights`: they turn with the cameras, as if the objects turned the other way.
+  Turntable(SceneSession* session, bool lights);
+  /// From where the cameras stood at first, seen from above against the clock.
+  void turn(double degrees);
+
+ private:
+  SceneSession& session_;
+  std::vector<std::pair<hd::Path, hd::CameraDescription>> cameras_;
+  std::vector<std::pair<hd::Path, hd::host::LightDescription>> lights_;
+  hd::Vec3d middle_, up_;
+};
+
+}  // namespace alabaster::cli
