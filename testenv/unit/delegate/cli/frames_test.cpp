@@ -167,7 +167,7 @@ TEST_F(FramesTest, ATurntableIsATurnOfTheCameraAboutTheObjects) {
                     "camera": {"lookAt": {"eye": )" +
                     eye + R"(, "target": [0, 0, 0]}},
                     "lights": [{"name": "key", "type": "sphereLight", "position": )" +
-                    lamp + R"(, "radius": 0.5, "intensity": 9}]})");
+                    lamp + R"(, "radius": 0.5, "intensity": 90}]})");
   };
   scene("turn.json", "[0, 1, 8]", "[0, 2, 3]");
   scene("quarter.json", "[5.65685425, 1, 5.65685425]", "[0, 2, 3]");
