@@ -36,7 +36,7 @@ std::vector<float> expected(const Film& film) {
   return rgba;
 }
 
-// promise: pipeline.aov.denoised
+// promise: pipeline.aov.denoised, trade_off.bias.denoise
 TEST(DenoisedRender, IsReadyWhenTheRenderHasFinished) {
   const FakeOidn fake;
   const RenderRequest request = denoised_request(2);

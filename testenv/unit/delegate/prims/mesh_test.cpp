@@ -267,17 +267,6 @@ TEST(MeshSync, SecondsOfMeshesSyncedTogetherCountOnce) {
   EXPECT_LE(stage.stat("sync.refineSeconds") + stage.stat("sync.bvhSeconds"), process + kTick);
 }
 
-TEST(MeshSync, ARemovedPrimvarIsGone) {
-  Stage stage;
-  host::MeshDescription mesh = Stage::quad();
-  mesh.primvars["st"].value = Array<Vec2f>{{0, 0}, {1, 0}, {1, 1}, {0, 1}};
-  stage.scene.SetMesh("/m", mesh);
-  EXPECT_NE(stage.dump().find("uvs yes"), std::string::npos);
-  mesh.primvars.erase("st");
-  stage.scene.SetMesh("/m", mesh);
-  EXPECT_NE(stage.dump().find("uvs no"), std::string::npos);
-}
-
 TEST(MeshSync, SubsurfaceSetsAreNamedOrByMaterial) {
   Stage stage;
   MaterialNetwork wax;
@@ -330,27 +319,6 @@ TEST(MeshSync, HoldoutAndVisibleToCameraAreConstantFlags) {
     EXPECT_EQ(dump_with(name, Interpolation::constant, std::string("yes")), plain);
     EXPECT_EQ(stage.count(code.c_str()), 2u);
   }
-}
-
-TEST(MeshSync, StopEndsBuildingAndRestartTakesItUpAgain) {
-  Stage stage;
-  stage.scene.SetMesh("/m", Stage::quad());
-  stage.delegate->Stop();
-  EXPECT_EQ(stage.dump().find("instance /m"), std::string::npos);
-  stage.delegate->Restart();
-  EXPECT_NE(stage.dump().find("instance /m"), std::string::npos);
-}
-
-TEST(MeshSync, RefinementLevelAndScheme) {
-  Stage stage;
-  host::MeshDescription mesh = Stage::quad();
-  mesh.topology.scheme = "catmullClark";
-  mesh.displayStyle.refineLevel = 2;
-  stage.scene.SetMesh("/m", mesh);
-  EXPECT_NE(stage.dump().find("mesh points 25 triangles 32 normals yes"), std::string::npos) << stage.dump();
-  mesh.topology.scheme = "none";
-  stage.scene.SetMesh("/m", mesh);
-  EXPECT_NE(stage.dump().find("mesh points 4 triangles 2 "), std::string::npos) << "nothing to refine";
 }
 
 }  // namespace
