@@ -5,6 +5,7 @@
 #include <map>
 
 #include "delegate/cli/exit_codes.h"
+#include "delegate/host/scene_fields.h"
 
 namespace alabaster::cli {
 namespace {
@@ -56,10 +57,9 @@ void SceneSession::choose_colors(const std::string& asked, const hd::DiagnosticS
 // Their images would be decoded for nothing.
 void SceneSession::remove_unused_materials() {
   std::set<hd::Path> used, all;
-  for (const auto& [path, mesh] : scene.GetMeshes()) {
-    used.insert(mesh.material);
-    for (const hd::GeomSubset& subset : mesh.topology.geomSubsets) used.insert(subset.materialId);
-  }
+  for (const auto& [path, prim] : scene.GetPrims())
+    for (const auto& [name, value] : hd::host::GetFields(path, prim))
+      if (const auto* named = value.get<hd::Path>()) used.insert(*named);
   for (const auto& [path, network] : scene.GetMaterials()) all.insert(path);
   for (const hd::Path& path : all)
     if (!used.contains(path)) scene.Remove(path);

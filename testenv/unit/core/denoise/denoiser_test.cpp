@@ -157,31 +157,6 @@ std::unique_ptr<Film> small_film(float alpha) {
   return film;
 }
 
-// promise: pipeline.aov.denoised, trade_off.bias.denoise
-TEST(DenoiseFilm, LeavesColorAndShowsTheDenoisedBesideIt) {
-  const FakeOidn fake;
-  std::string problem;
-  const auto denoiser = Denoiser::load(&problem);
-  const auto film = small_film(1);
-  const auto color = film->resolve_float(Aov::color);
-  EXPECT_EQ(film->resolve_float(Aov::denoised), color);
-  const uint64_t revision = film->revision();
-  ASSERT_EQ(denoise_film(*denoiser, {}, film.get(), &problem), DenoiseStatus::done) << problem;
-  EXPECT_GT(film->revision(), revision);
-  EXPECT_EQ(film->resolve_float(Aov::color), color);
-  const auto denoised = film->resolve_float(Aov::denoised);
-  ASSERT_EQ(denoised.size(), color.size());
-  double sum = 0;  // the denoiser gets a picture whose geometric mean is from 1 to 2
-  for (size_t i = 0; i < color.size(); ++i) sum += i % 4 < 3 ? std::log2(double(color[i])) : 0;
-  const auto unit = float(std::exp2(std::floor(sum / (0.75 * double(color.size())))));
-  for (size_t i = 0; i < color.size(); i += 4) {
-    EXPECT_EQ(denoised[i], color[i] + 0.25f * unit);
-    EXPECT_EQ(denoised[i + 1], color[i + 1] + (0.125f + 0.5f) * unit);
-    EXPECT_EQ(denoised[i + 2], color[i + 2] + 0.5f * unit) << "albedo is clamped to 1";
-    EXPECT_EQ(denoised[i + 3], 1);
-  }
-}
-
 TEST(DenoiseFilm, IsBlackWhereNothingIsSeen) {
   const FakeOidn fake;
   std::string problem;
@@ -189,22 +164,6 @@ TEST(DenoiseFilm, IsBlackWhereNothingIsSeen) {
   const auto film = small_film(0);
   ASSERT_EQ(denoise_film(*denoiser, {}, film.get(), &problem), DenoiseStatus::done) << problem;
   for (const float v : film->resolve_float(Aov::denoised)) EXPECT_EQ(v, 0);
-}
-
-TEST(DenoiseFilm, KeepsTheFilmWhereItFails) {
-  const std::pair<const char*, const char*> faults[] = {{"out of memory", "there is not enough memory"},
-                                                        {"broken", "the network is broken"},
-                                                        {"not finite", "its picture has values that are not finite"}};
-  for (const auto& [fault, reason] : faults) {
-    const FakeOidn fake(fault);
-    std::string problem;
-    const auto denoiser = Denoiser::load(&problem);
-    ASSERT_NE(denoiser, nullptr) << problem;
-    const auto film = small_film(1);
-    EXPECT_EQ(denoise_film(*denoiser, {}, film.get(), &problem), DenoiseStatus::failed);
-    EXPECT_EQ(problem, reason);
-    EXPECT_EQ(film->resolve_float(Aov::denoised), film->resolve_float(Aov::color));
-  }
 }
 
 // ---- the real library -----------------------------------------------------------------------------------------------

@@ -1,8 +1,6 @@
 // The film of a part of the samples, appended to the film of those before, is the film of all.
 #include <gtest/gtest.h>
 
-#include <algorithm>
-#include <cstring>
 #include <random>
 
 #include "core/film/film.h"
@@ -73,44 +71,6 @@ TEST(FilmAppend, TwoPartsGiveTheBytesOfTheWholeForAllSplits) {
       ASSERT_TRUE(contents(tile) == whole) << at << " of " << end;
     }
   }
-}
-
-TEST(FilmAppend, ManyPartsGiveTheBytesOfTheWhole) {
-  std::mt19937 random(2);
-  for (int run = 0; run < 60; ++run) {
-    const auto end = static_cast<uint32_t>(1 + random() % 300);
-    std::vector<uint32_t> cuts{end};
-    for (size_t i = random() % 7; i > 0; --i) cuts.push_back(static_cast<uint32_t>(1 + random() % end));
-    std::sort(cuts.begin(), cuts.end());
-    FilmTile tile = tile_of({0, cuts[0]});
-    for (size_t i = 1; i < cuts.size(); ++i) tile.append(tile_of({cuts[i - 1], cuts[i]}));
-    ASSERT_TRUE(contents(tile) == contents(tile_of({0, end}))) << run;
-  }
-}
-
-TEST(FilmAppend, KeepsTheEarliestOfTheClosestSamples) {
-  const FilmTile whole = tile_of({0, 40});
-  for (size_t pixel = 0; pixel < kPixels; ++pixel) {
-    uint32_t closest = 0;
-    LightLayers unused;
-    for (uint32_t i = 1; i < 40; ++i)
-      if (sample(pixel, i, &unused).distance < sample(pixel, closest, &unused).distance) closest = i;
-    EXPECT_EQ(int_of(whole, pixel, Aov::prim_id), static_cast<int32_t>(closest));
-  }
-}
-
-TEST(FilmTile, IsRestoredFromItsPlanes) {
-  FilmTile from = tile_of({5, 40}), to(kPixels, ~0u, {false, {5, 40}});
-  const auto source = from.planes(), target = to.planes();
-  ASSERT_EQ(source.size(), target.size());
-  for (size_t i = 0; i < source.size(); ++i) {
-    ASSERT_EQ(source[i].size(), target[i].size());
-    std::memcpy(target[i].data(), source[i].data(), source[i].size());
-  }
-  EXPECT_TRUE(to.accept_planes());
-  EXPECT_EQ(contents(to), contents(from));
-  for (const auto& plane : to.planes()) std::memset(plane.data(), 0x7f, plane.size());
-  EXPECT_FALSE(to.accept_planes());
 }
 
 TEST(FilmTile, CountsRaysWhereItIsAskedTo) {

@@ -86,33 +86,6 @@ TEST(Film, PixelsWithoutASampleShowTheCornerOfTheirBlock) {
   }
 }
 
-TEST(Film, TilesCoverTheWindowOnce) {
-  const PixelRect window{-7, 3, 70, 41};
-  const Film film(window, 0);
-  std::vector<int> covered(static_cast<size_t>(window.width() * window.height()));
-  for (int t = 0; t < film.tile_count(); ++t) {
-    const PixelRect r = film.tile_rect(t);
-    for (int y = r.y0; y < r.y1; ++y)
-      for (int x = r.x0; x < r.x1; ++x) ++covered[static_cast<size_t>((y - 3) * window.width() + x + 7)];
-  }
-  for (const int c : covered) EXPECT_EQ(c, 1);
-}
-
-TEST(Film, ResolvePutsTilesInPlace) {
-  Film film({10, 20, 10 + 40, 20 + 35}, aov_bit(Aov::prim_id));
-  for (int t = 0; t < film.tile_count(); ++t) {
-    FilmTile tile = film.load_tile(t);
-    const PixelRect r = film.tile_rect(t);
-    size_t pixel = 0;
-    for (int y = r.y0; y < r.y1; ++y)
-      for (int x = r.x0; x < r.x1; ++x) tile.add(pixel++, sample(0, 1, y * 1000 + x));
-    film.store_tile(t, tile);
-  }
-  const auto ids = film.resolve_int(Aov::prim_id);
-  for (int y = 0; y < 35; ++y)
-    for (int x = 0; x < 40; ++x) EXPECT_EQ(ids[static_cast<size_t>(y * 40 + x)], (y + 20) * 1000 + x + 10);
-}
-
 // Readers take a lower revision for an older picture.
 TEST(Film, ItsRevisionNeverFalls) {
   Film film({0, 0, 64, 32}, 0);
@@ -132,36 +105,6 @@ TEST(Film, ItsRevisionNeverFalls) {
   first.join(), second.join();
   EXPECT_EQ(falls, 0);
   for (const int tile : {0, 1}) EXPECT_LT(film.revision(tile, Aov::color), film.revision()) << "tiles come first";
-}
-
-TEST(Film, UnrequestedPlanesResolveToBackground) {
-  Film film({0, 0, 1, 1}, aov_bit(Aov::color));
-  FilmTile tile = film.load_tile(0);
-  tile.add(0, sample(1, 1, 3));
-  film.store_tile(0, tile);
-  EXPECT_EQ(film.resolve_int(Aov::prim_id)[0], -1);
-  EXPECT_EQ(film.resolve_float(Aov::normal), (std::vector<float>{0, 0, 0}));
-}
-
-TEST(Film, KeepsTheLayersThatWereAskedFor) {
-  Film film({0, 0, 1, 1}, aov_bit(Aov::subsurface) | aov_bit(Aov::subsurface_single) | aov_bit(Aov::emission));
-  FilmTile tile = film.load_tile(0);
-  LightLayers layers;
-  layers.diffuse = Rgb(64);
-  layers.unscattered = {1, 0, 0};
-  layers.single = {0, 2, 0};
-  layers.multiple = {0, 0, 4};
-  layers.emission = {8, 16, 32};
-  tile.add(0, sample(1, 1, 3), &layers);
-  tile.add(0, sample(1, 1, 3), &layers);
-  layers = {};
-  tile.add(0, sample(1, 1, 3), &layers);
-  tile.add(0, sample(1, 1, 3), &layers);
-  film.store_tile(0, tile);
-  EXPECT_EQ(film.resolve_float(Aov::subsurface), (std::vector<float>{0.5f, 1, 2}));
-  EXPECT_EQ(film.resolve_float(Aov::subsurface_single), (std::vector<float>{0, 1, 0}));
-  EXPECT_EQ(film.resolve_float(Aov::emission), (std::vector<float>{4, 8, 16}));
-  EXPECT_EQ(film.resolve_float(Aov::diffuse), (std::vector<float>{0, 0, 0}));
 }
 
 TEST(Film, KeepsTheVectorsOfTheClosestSample) {
@@ -189,18 +132,6 @@ TEST(Film, KeepsTheVectorsOfTheClosestSample) {
   film.store_tile(0, tile);
   EXPECT_EQ(film.resolve_float(Aov::motion)[0], 1) << "of a closer part";
   EXPECT_EQ(FilmTile::bytes_per_pixel(aovs), FilmTile::bytes_per_pixel(0) + 4 + 3 * 12);
-}
-
-TEST(Aov, PrimvarsAreFoundByTheirPrefix) {
-  EXPECT_EQ(find_aov("primvars:st"), &kPrimvarAov);
-  EXPECT_EQ(find_aov("primvars:"), nullptr);
-  EXPECT_EQ(primvar_of_aov("primvars:a:b"), "a:b");
-  EXPECT_TRUE(primvar_of_aov("depth").empty());
-}
-
-TEST(Aov, IsFoundByItsName) {
-  for (const AovInfo& info : kAovs) EXPECT_EQ(find_aov(info.name), &info);
-  EXPECT_EQ(find_aov("colour"), nullptr);
 }
 
 TEST(Aov, UnrequestedAovIsItsBackground) {

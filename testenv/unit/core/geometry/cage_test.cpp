@@ -14,8 +14,8 @@ namespace {
 using test::cube_cage;
 using test::RecordingSink;
 
-constexpr float kNaN = std::numeric_limits<float>::quiet_NaN();
-constexpr float kInf = std::numeric_limits<float>::infinity();
+constexpr float kNotANumber = std::numeric_limits<float>::quiet_NaN();
+constexpr float kInfinity = std::numeric_limits<float>::infinity();
 
 struct BadInput {
   const char* name;
@@ -112,8 +112,8 @@ INSTANTIATE_TEST_SUITE_P(
         BadInput{"index_is_size", [](Cage& c) { c.face_vertex_indices[0] = 8; }, "mesh.faces.index", 5},
         BadInput{"index_1e8", [](Cage& c) { c.face_vertex_indices[0] = 100000000; }, "mesh.faces.index", 5},
         BadInput{"index_negative", [](Cage& c) { c.face_vertex_indices[23] = -1; }, "mesh.faces.index", 5},
-        BadInput{"point_nan", [](Cage& c) { c.points[0].y = kNaN; }, "mesh.points.nonfinite", 3},
-        BadInput{"point_inf", [](Cage& c) { c.points[7].x = -kInf; }, "mesh.points.nonfinite", 3},
+        BadInput{"point_nan", [](Cage& c) { c.points[0].y = kNotANumber; }, "mesh.points.nonfinite", 3},
+        BadInput{"point_inf", [](Cage& c) { c.points[7].x = -kInfinity; }, "mesh.points.nonfinite", 3},
         BadInput{"point_far", [](Cage& c) { c.points[7].x = 1e30f; }, "mesh.points.nonfinite", 3},
         BadInput{"large_face", [](Cage& c) { polygon(c, 2000); }, "mesh.faces.size", 1},
         BadInput{"huge_face", [](Cage& c) { polygon(c, 40000); }, "mesh.faces.large", 0},
@@ -149,7 +149,7 @@ INSTANTIATE_TEST_SUITE_P(
                  "mesh.creases.size", 6},
         BadInput{"crease_nan",
                  [](Cage& c) {
-                   crease(c, {0, 1}, kNaN);
+                   crease(c, {0, 1}, kNotANumber);
                  },
                  "mesh.creases.sharpness", 6},
         BadInput{"crease_below_zero",
@@ -159,7 +159,7 @@ INSTANTIATE_TEST_SUITE_P(
                  "mesh.creases.sharpness", 6},
         BadInput{"corner_beyond", [](Cage& c) { c.corner_indices = {8}, c.corner_sharpnesses = {1}; },
                  "mesh.corners.index", 6},
-        BadInput{"corner_nan", [](Cage& c) { c.corner_indices = {0}, c.corner_sharpnesses = {kNaN}; },
+        BadInput{"corner_nan", [](Cage& c) { c.corner_indices = {0}, c.corner_sharpnesses = {kNotANumber}; },
                  "mesh.corners.sharpness", 6},
         BadInput{"corner_no_sharpness", [](Cage& c) { c.corner_indices = {0}; }, "mesh.corners.size", 6},
         BadInput{"uv_short", [](Cage& c) { c.uvs = uvs(Interpolation::face_varying, 23); }, "mesh.uv.size", 6},
@@ -183,7 +183,7 @@ INSTANTIATE_TEST_SUITE_P(
         BadInput{"uv_nan",
                  [](Cage& c) {
                    c.uvs = uvs(Interpolation::vertex, 8);
-                   c.uvs[0].values[3].y = kNaN;
+                   c.uvs[0].values[3].y = kNotANumber;
                  },
                  "mesh.uv.nonfinite", 6},
         BadInput{"normals_short", [](Cage& c) { c.normals.values.assign(3, Vec3f(0, 0, 1)); }, "mesh.normals.size", 6},
@@ -192,7 +192,7 @@ INSTANTIATE_TEST_SUITE_P(
         BadInput{"only_holes",
                  [](Cage& c) {
                    c.face_vertex_counts = {4}, c.face_vertex_indices.resize(4);
-                   c.points[0].x = kInf;
+                   c.points[0].x = kInfinity;
                  },
                  "mesh.empty", 0}),
     [](const testing::TestParamInfo<BadInput>& info) { return std::string(info.param.name); });

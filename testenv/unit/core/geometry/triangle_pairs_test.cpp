@@ -10,45 +10,6 @@
 namespace alabaster {
 namespace {
 
-// A cage of triangles, two for each face of four corners of another.
-Cage cut_quads(const Cage& quads) {
-  Cage cut = quads;
-  cut.face_vertex_counts.clear(), cut.face_vertex_indices.clear();
-  for (size_t face = 0; face < quads.face_vertex_counts.size(); ++face) {
-    const int* const c = &quads.face_vertex_indices[4 * face];
-    for (const int corner : {c[0], c[1], c[2], c[0], c[2], c[3]}) cut.face_vertex_indices.push_back(corner);
-    cut.face_vertex_counts.insert(cut.face_vertex_counts.end(), 2, 3);
-  }
-  return cut;
-}
-
-TEST(TrianglePairs, QuadsOfAMeshArePairs) {
-  EXPECT_TRUE(are_pairs(build_mesh(test::cube_cage(), {}, {}).triangles));
-  EXPECT_TRUE(are_pairs(build_mesh(cut_quads(test::cube_cage()), {}, {}).triangles));
-  for (const auto scheme : {SubdivisionScheme::catmull_clark, SubdivisionScheme::bilinear})
-    for (const int level : {1, 2, 3}) {
-      RefinementOptions options;
-      options.level = level;
-      EXPECT_TRUE(are_pairs(build_mesh(test::cube_cage(scheme), options, {}).triangles)) << level;
-    }
-}
-
-TEST(TrianglePairs, OnlyACommonEdgeMakesAPair) {
-  EXPECT_FALSE(are_pairs({}));
-  EXPECT_FALSE(are_pairs({{0, 1, 2}}));
-  EXPECT_TRUE(are_pairs({{0, 1, 2}, {3, 2, 1}}));
-  EXPECT_FALSE(are_pairs({{0, 1, 2}, {3, 1, 2}})) << "wind along the edge in one direction";
-  EXPECT_FALSE(are_pairs({{0, 1, 2}, {3, 2, 1}, {4, 5, 6}}));
-  EXPECT_FALSE(turns_to_pair(Corners{0, 1, 2}, Corners{3, 4, 2}));
-  const auto turns = turns_to_pair(Corners{2, 0, 1}, Corners{1, 3, 2});
-  ASSERT_TRUE(turns);
-  Corners first{2, 0, 1}, second{1, 3, 2};
-  turn(&first, turns->first), turn(&second, turns->second);
-  EXPECT_TRUE(is_pair(first, second));
-  EXPECT_EQ(triangle_of(quad_of(first, second), false), first);
-  EXPECT_EQ(triangle_of(quad_of(first, second), true), second);
-}
-
 // Embree has the first mesh as quads, and the second, whose triangles start at other corners, as triangles.
 class QuadTracing : public ::testing::Test {
  protected:

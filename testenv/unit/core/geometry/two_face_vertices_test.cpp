@@ -133,32 +133,6 @@ Mesh refine(const Cage& cage, const DiagnosticSink& sink = {}) {
   return build_mesh(cage, options, sink);
 }
 
-TEST(TwoFaceVertices, CollapsedValuesAreThoseOfEachPoint) {
-  Cage cage;
-  cage.scheme = SubdivisionScheme::catmull_clark;
-  set_faces({{0, 1, 2, 3},
-             {4, 5, 1, 0},
-             {6, 7, 8, 9},
-             {5, 10, 11, 12, 13},
-             {14, 6, 9, 15},
-             {2, 1, 6, 14},
-             {1, 5, 13, 12, 7, 6},
-             {7, 12, 16, 17, 18, 19, 20}},
-            &cage);
-  UvPrimvar& uv = cage.uvs.emplace_back();
-  uv.interpolation = Interpolation::face_varying;
-  uv.indices = {0, 1,  1, 0, 0, 1,  1, 0, 2, 3, 4, 5, 1, 6, 7,  8,  9,  10, 2,
-                5, 11, 1, 1, 2, 10, 1, 1, 9, 8, 3, 2, 3, 8, 12, 13, 14, 14, 15};
-  std::mt19937 random(1);
-  const auto number = [&] { return static_cast<float>(random() % 1000) / 1000; };
-  for (int i = 0; i < 21; ++i) cage.points.emplace_back(number(), number(), number());
-  for (int i = 0; i < 16; ++i) uv.values.emplace_back(number(), number());
-  for (const FaceVaryingRule rule : kRules) {
-    cage.face_varying_rule = rule;
-    EXPECT_TRUE(same_bytes(refine(cage).uv_sets[0].values, refine(with_own_indices(cage)).uv_sets[0].values));
-  }
-}
-
 TEST(TwoFaceVertices, CollapsedValuesOfRandomCagesAreThoseOfEachPoint) {
   RandomCages cages(2);
   for (int i = 0; i < 300; ++i) {

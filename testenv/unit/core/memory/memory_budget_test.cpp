@@ -49,50 +49,6 @@ TEST(MemoryBudget, TheNumbersOfARefusalDifferWhereTheSizesDo) {
             "a frame needs 2.0 MiB more, but of the memory limit of 10.0 MiB 9.1 MiB are in use");
 }
 
-TEST(MemoryBudget, ReservationsGiveBackWhatTheyHold) {
-  const auto budget = std::make_shared<MemoryBudget>(100);
-  {
-    MemoryReservation a(budget, MemoryUse::scene, 60, "a");
-    MemoryReservation b = std::move(a);
-    EXPECT_EQ(budget->in_use(), 60u) << "moved, not copied";
-    b = MemoryReservation(budget, MemoryUse::frames, 30, "c");
-    EXPECT_EQ(budget->in_use(MemoryUse::scene), 0u);
-    EXPECT_EQ(budget->in_use(MemoryUse::frames), 30u);
-    b.shrink(50);
-    EXPECT_EQ(budget->in_use(), 30u) << "shrink() never grows";
-    b.resize(10, "b");
-    EXPECT_EQ(budget->in_use(), 10u);
-    budget->set_limit(5);
-    EXPECT_FALSE(b.try_resize(11));
-    EXPECT_TRUE(b.try_resize(10)) << "what is held stays";
-    EXPECT_EQ(budget->left(), 0u);
-  }
-  EXPECT_EQ(budget->in_use(), 0u);
-  MemoryReservation uncounted;
-  uncounted.resize(~size_t(0), "nobody counts");
-}
-
-TEST(MemoryBudget, ABufferCountsOnceUntilItsLastHolderIsGone) {
-  const auto budget = std::make_shared<MemoryBudget>(1000);
-  BufferReservations buffers(budget, MemoryUse::scene);
-  const std::vector<char> a(1), b(1);
-  auto first = buffers.hold(a.data(), 300, "a"), second = buffers.hold(a.data(), 300, "a");
-  EXPECT_EQ(budget->in_use(), 300u);
-  const auto other = buffers.hold(b.data(), 300, "b"), part = buffers.hold(a.data(), 100, "the beginning of a");
-  EXPECT_EQ(budget->in_use(), 700u);
-  EXPECT_THROW(buffers.hold(&b, 301, "c"), MemoryRefused);
-  first = nullptr;
-  EXPECT_EQ(budget->in_use(), 700u);
-  second = nullptr;
-  EXPECT_EQ(budget->in_use(), 400u);
-  first = buffers.hold(a.data(), 300, "a");
-  EXPECT_EQ(budget->in_use(), 700u) << "held again";
-  const std::vector<char> numbers(1000);
-  for (size_t i = 0; i < numbers.size(); ++i) buffers.hold(&numbers[i], 10, "for a moment");
-  EXPECT_EQ(budget->in_use(), 700u);
-  EXPECT_EQ(buffers.hold(a.data(), 300, "a"), first) << "what is held stays known";
-}
-
 TEST(MemoryBudget, ThreadsTogetherStayWithinTheLimit) {
   const auto budget = std::make_shared<MemoryBudget>(1000);
   std::atomic<size_t> granted{0};

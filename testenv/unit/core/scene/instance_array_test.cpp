@@ -201,26 +201,6 @@ TEST_F(InstanceArrayTest, IsTakenApartWhereInstancesMustBeKnownOneByOne) {
   EXPECT_EQ(compile()->arrays.size(), 1u);
 }
 
-TEST_F(InstanceArrayTest, FindsTheInstanceThatARayHits) {
-  const auto scene = compile();
-  int met = 0;
-  for (size_t i = 0; i < kCount; i += 7) {
-    const Vec3d center = transform_point(Vec3d(0, 0, 0), *places_[i]) - scene->origin;
-    TriangleHit hit;
-    ASSERT_TRUE(scene->top->intersect({Vec3f(center), {0, 0, 1}, 0.021f}, &hit));
-    const Instance& instance = scene->instance(hit.instance);
-    ASSERT_TRUE(instance.array);
-    EXPECT_EQ(instance.prim_id, 3);
-    std::optional<Placement> moved;
-    const Placement& placement = instance.at(hit, &moved);
-    if (instance.id_of(hit) != static_cast<int32_t>(i)) continue;  // inside of another sphere, too
-    ++met;
-    EXPECT_NEAR(length(Vec3d(placement.object_to_world.point({0, 0, 0})) - center), 0, 1e-6);
-    EXPECT_NEAR(length(placement.world_to_object.point(Vec3f(center))), 0, 1e-4);
-  }
-  EXPECT_GT(met, 600);
-}
-
 TEST_F(InstanceArrayTest, AnEditBuildsTheCellsThatItTouchesAndLooksAsFresh) {
   const auto first = compile();
   const size_t cells = first->arrays[0].placed->traced.cells.size();
@@ -237,15 +217,6 @@ TEST_F(InstanceArrayTest, AnEditBuildsTheCellsThatItTouchesAndLooksAsFresh) {
   EXPECT_EQ(picture(second, Aov::instance_id), picture(fresh, Aov::instance_id));
   const auto again = compile();
   EXPECT_EQ(again->top, second->top) << "nothing has moved";
-}
-
-TEST_F(InstanceArrayTest, ManyEditsChooseNewCells) {
-  auto last = compile();
-  const auto slots = last->arrays[0].placed->traced.slots;
-  for (size_t i = 0; i < kCount / 8; ++i) places_[i] = places_[kCount - 1 - i];
-  EXPECT_EQ(compile()->arrays[0].placed->traced.slots, slots);
-  places_[0] = placed(0, 0, 0);
-  EXPECT_NE(compile()->arrays[0].placed->traced.slots, slots) << "more than an eighth";
 }
 
 TEST_F(InstanceArrayTest, ArrayGrowsAndShrinksAtItsEnd) {
@@ -326,13 +297,6 @@ TEST_F(InstanceArrayTest, TheOriginDoesNotDependOnEdits) {
   const auto fresh = SnapshotCompiler(device_, sink_.sink()).compile(b_.description, 1);
   EXPECT_EQ(edited->origin, fresh->origin);
   EXPECT_EQ(picture(edited, Aov::color), picture(fresh, Aov::color));
-}
-
-TEST_F(InstanceArrayTest, ChoosesTheSameCellsWithInstancesThatAreNotDrawn) {
-  for (size_t i = 0; i < kCount; i += 3) places_[i] = std::nullopt;
-  const auto one = compile();
-  const auto other = SnapshotCompiler(device_, sink_.sink()).compile(b_.description, 1);
-  EXPECT_EQ(*one->arrays[0].placed->traced.slots, *other->arrays[0].placed->traced.slots);
 }
 
 TEST_F(InstanceArrayTest, AnArrayThatMemoryDoesNotHoldIsRefusedByName) {

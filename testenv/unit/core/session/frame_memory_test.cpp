@@ -2,7 +2,6 @@
 
 #include <gtest/gtest.h>
 
-#include "core/convergence/frame_error.h"
 #include "testenv/support/frame_memory_cases.h"
 
 namespace alabaster {
@@ -25,23 +24,6 @@ TEST(FilmMemory, BytesAreThoseOfTheFilm) {
     EXPECT_EQ(film->extras(), film_extras(c.settings)) << c.name;
     EXPECT_GE(frame_bytes(request.data_window, film->aovs(), c.settings), held_by(*film)) << c.name;
   }
-}
-
-// The noise of a pixel has 24 bytes, and its two scales have 16. Tables by number of samples, and what threads compute
-// with, do not grow with the frame.
-TEST(FilmMemory, ErrorEstimateTakesAThirdOfTheFilm) {
-  EXPECT_LE(frame_error_bytes({0, 0, 1000, 1000}, 64), 40'000'000u + 2000);
-}
-
-// A table of factors by number of samples.
-TEST(FilmMemory, GrowsWithTheNumberOfSamples) {
-  RenderSettings settings;
-  settings.samples = 1 << 20;
-  const size_t bytes = frame_bytes({0, 0, 1, 1}, 0, settings);
-  EXPECT_GE(bytes, sizeof(double) << 20);
-  settings.adaptive = true;
-  EXPECT_GE(frame_bytes({0, 0, 1, 1}, 0, settings), (sizeof(double) << 20) * 8);
-  EXPECT_EQ(frame_bytes({5, 5, 5, 9}, ~0u, settings), 0u);
 }
 
 }  // namespace

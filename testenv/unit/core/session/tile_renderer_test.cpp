@@ -51,30 +51,6 @@ std::vector<float> contents(const FilmTile& tile) {
   return all;
 }
 
-std::vector<float> render_passes(const TileRenderer& renderer, const PassSchedule& passes) {
-  FilmTile tile(kPixels, ~0u);
-  RenderCounters counters;
-  for (const SamplePass& pass : passes) EXPECT_TRUE(renderer.render(samples_of(pass), always, &tile, &counters));
-  EXPECT_EQ(counters.samples, passes.back().end * kPixels);
-  return contents(tile);
-}
-
-TEST(TileRenderer, SameTileAndPassGiveTheSameBytes) {
-  const RenderRequest request = mixed_request(8);
-  const TileRenderer renderer(request), another(request);
-  const auto first = render_passes(renderer, {{8}});
-  EXPECT_TRUE(same_bytes(first, render_passes(renderer, {{8}})));
-  EXPECT_TRUE(same_bytes(first, render_passes(another, {{8}})));
-}
-
-TEST(TileRenderer, PassesOfAnySizeGiveTheSameBytes) {
-  const RenderRequest request = mixed_request(8);
-  const TileRenderer renderer(request);
-  const auto whole = render_passes(renderer, {{8}});
-  EXPECT_TRUE(same_bytes(whole, render_passes(renderer, {{4}, {8}})));
-  EXPECT_TRUE(same_bytes(whole, render_passes(renderer, {{1, 8}, {1, 2}, {1}, {7, 2}, {7}, {8}})));
-}
-
 TEST(TileRenderer, ExposureScalesRadianceAlone) {
   const RenderRequest request = mixed_request(1);
   RenderRequest exposed = request;
@@ -150,54 +126,6 @@ TEST(TileRenderer, ExposureIsTheCauseOnlyOfWhatWasFiniteBeforeIt) {
     EXPECT_EQ(of(sums, NonfiniteCause::other), 16u) << exposure;
     EXPECT_EQ(sums.nonfinite_samples, 16u) << exposure;
   }
-}
-
-TEST(TileRenderer, ATileHoldsTheSamplesThatAreTracedOneByOne) {
-  const RenderRequest request = mixed_request(1);
-  const TileRenderer renderer(request);
-  FilmTile tile(kPixels, request.aovs);
-  RenderCounters counters;
-  LightLayers layers;
-  ASSERT_TRUE(renderer.render(samples_of({1}), always, &tile, &counters));
-  for (size_t pixel = 0; pixel < kPixels; pixel += 7) {
-    const int x = kRect.x0 + static_cast<int>(pixel % 20), y = kRect.y0 + static_cast<int>(pixel / 20);
-    const FilmSample sample = renderer.trace_sample({x, y, 0}, &counters, &layers);
-    std::array<float, 4> color{}, diffuse{};
-    tile.resolve(pixel, Aov::color, color.data());
-    tile.resolve(pixel, Aov::diffuse, diffuse.data());
-    EXPECT_EQ(Rgb(color[0], color[1], color[2]), sample.color);
-    EXPECT_EQ(Rgb(diffuse[0], diffuse[1], diffuse[2]), layers.diffuse);
-    EXPECT_EQ(int_of(tile, pixel, Aov::prim_id), sample.prim_id);
-  }
-}
-
-TEST(TileRenderer, OnlyTheGroupsAskedForAreTracedAndTheirRaysCounted) {
-  const RenderRequest request = mixed_request(2);
-  FilmTile tile(kPixels, request.aovs, {.rays = true, .range = {}});
-  RenderCounters counters;
-  TileSamples samples = samples_of({2});
-  samples.groups = 0b0110;
-  ASSERT_TRUE(TileRenderer(request).render(samples, always, &tile, &counters));
-  uint64_t sum = 0;
-  for (int y = kRect.y0; y < kRect.y1; ++y)
-    for (int x = kRect.x0; x < kRect.x1; ++x) {
-      const auto pixel = static_cast<size_t>(20 * (y - kRect.y0) + x - kRect.x0);
-      const bool traced = pixel_group(x, y) == 1 || pixel_group(x, y) == 2;
-      EXPECT_EQ(tile.rays(pixel) > 0, traced) << x << " " << y;
-      EXPECT_EQ(tile.samples(pixel), traced ? 2u : 0u);
-      sum += tile.rays(pixel);
-    }
-  EXPECT_EQ(sum, counters.rays());
-}
-
-TEST(TileRenderer, EndsBeforeTheSampleThatIsRefused) {
-  const RenderRequest request = mixed_request(4);
-  FilmTile tile(kPixels, request.aovs);
-  RenderCounters counters;
-  int left = 10;
-  EXPECT_FALSE(TileRenderer(request).render(
-      samples_of({4}), [&] { return left-- > 0; }, &tile, &counters));
-  EXPECT_EQ(counters.samples, 10u);
 }
 
 // In a ball that loses no light some walks are long.

@@ -1,10 +1,5 @@
 // Prims by named fields, through the C interface: refused fields change nothing, and the fields of each kind have an
 // effect.
-#include <OpenImageIO/imageio.h>
-#include <unistd.h>
-
-#include <filesystem>
-
 #include "testenv/support/build_paths.h"
 #include "testenv/unit/delegate/c_api/door_fixture.h"
 
@@ -187,71 +182,6 @@ TEST_F(DoorFields, PrimsOfFilesCanBeEdited) {
   for (const std::string& prim : prims) EXPECT_EQ(edit(scene_, prim.c_str(), {}), ALABASTER_OK) << api().last_error();
 }
 
-TEST_F(DoorFields, CategoriesLinkLights) {
-  const char* const near[] = {"near"};
-  const float lit = centre(render())[0];
-  EXPECT_GT(lit, 0);
-  ASSERT_EQ(edit(scene_, "/dome", {{"lightLink", word("near")}}), ALABASTER_OK);
-  EXPECT_EQ(centre(render())[0], 0);
-  ASSERT_EQ(edit(scene_, "/quad", {{"categories", array(ALABASTER_TOKEN, near, 1)}}), ALABASTER_OK);
-  EXPECT_EQ(centre(render())[0], lit);
-
-  // By instance: the second one, in the middle, has the category.
-  const float places[] = {-9, 0, 0, 0, 0, 0};
-  ASSERT_EQ(set(scene_, "/many", "instancer",
-                {{"primvars:hydra:instanceTranslations", array(ALABASTER_FLOAT3, places, 2)},
-                 {"prototypes:/quad", array(ALABASTER_INT, kInts, 2)}}),
-            ALABASTER_OK);
-  ASSERT_EQ(set_quad({}, "/many"), ALABASTER_OK);
-  EXPECT_EQ(centre(render())[0], 0);
-  ASSERT_EQ(edit(scene_, "/many", {{"categories:near", array(ALABASTER_INT, &kInts[0], 1)}}), ALABASTER_OK);
-  EXPECT_EQ(centre(render())[0], 0);
-  ASSERT_EQ(edit(scene_, "/many", {{"categories:near", array(ALABASTER_INT, &kInts[1], 1)}}), ALABASTER_OK);
-  EXPECT_EQ(centre(render())[0], lit);
-  ASSERT_EQ(edit(scene_, "/many", {{"categories:near", {}}}), ALABASTER_OK);
-  EXPECT_EQ(centre(render())[0], 0);
-}
-
-TEST_F(DoorFields, ClipPlanesCut) {
-  // Each keeps what its first three numbers point to: a half, and a quarter of the quad.
-  const float planes[] = {1, 0, 0, 0, 0, 1, 0, 0};
-  const auto covered = [&] {
-    const std::vector<float> pixels = render();
-    float alpha = 0;
-    for (size_t i = 3; i < pixels.size(); i += 4) alpha += pixels[i];
-    return alpha;
-  };
-  const float whole_quad = covered();
-  ASSERT_EQ(edit(scene_, "/camera", {{"clipPlanes", array(ALABASTER_FLOAT4, planes, 1)}}), ALABASTER_OK);
-  EXPECT_NEAR(covered(), whole_quad / 2, 0.1f * whole_quad);
-  ASSERT_EQ(edit(scene_, "/camera", {{"clipPlanes", array(ALABASTER_FLOAT4, planes, 2)}}), ALABASTER_OK);
-  EXPECT_NEAR(covered(), whole_quad / 4, 0.1f * whole_quad);
-  ASSERT_EQ(edit(scene_, "/camera", {{"clipPlanes", {}}}), ALABASTER_OK);
-  EXPECT_EQ(covered(), whole_quad);
-  const auto place = at(0, 6);
-  Fields free = camera(place);
-  free.push_back({"clipPlanes", array(ALABASTER_FLOAT4, planes, 2)});
-  frame_.free_camera = free.data(), frame_.free_camera_count = free.size();
-  EXPECT_NEAR(covered(), whole_quad / 4, 0.1f * whole_quad) << "of a free camera";
-}
-
-// The quad stands in the middle when the shutter opens and is gone when it closes.
-TEST_F(DoorFields, TheShutterSeesMotion) {
-  const auto here = at(0), away = at(4);
-  const AlabasterSample moving[] = {{0, matrix(here)}, {1, matrix(away)}};
-  ASSERT_EQ(edit(scene_, "/quad", {{"transform:samples", samples(moving)}}), ALABASTER_OK);
-  const auto middle = [&](float open, float close) {
-    EXPECT_EQ(edit(scene_, "/camera", {{"shutterOpen", number(open)}, {"shutterClose", number(close)}}), ALABASTER_OK);
-    return centre(render())[3];
-  };
-  EXPECT_EQ(middle(0, 0.01f), 1);
-  EXPECT_EQ(middle(0.9f, 1), 0);
-  set_samples(64);
-  const float blurred = middle(0, 1);
-  EXPECT_GT(blurred, 0.1f);
-  EXPECT_LT(blurred, 0.9f);
-}
-
 TEST_F(DoorFields, ACropAndASizeAreThoseOfTheFrame) {
   AlabasterFrame frame = {};
   frame.size = sizeof frame;
@@ -267,68 +197,6 @@ TEST_F(DoorFields, ACropAndASizeAreThoseOfTheFrame) {
   ASSERT_EQ(edit(scene_, "/settings", {{"crop", {}}, {"width", {}}, {"height", {}}}), ALABASTER_OK);
   ASSERT_EQ(api().frame_size(delegate_, &frame, &width, &height), ALABASTER_OK) << api().last_error();
   EXPECT_EQ(std::pair(width, height), std::pair(1280, 720));
-}
-
-/// Records into a folder of its own.
-class DoorProducts : public DoorFields {
- protected:
-  DoorProducts() { std::filesystem::create_directories(folder_); }
-  ~DoorProducts() override { std::filesystem::remove_all(folder_); }
-  std::string file(const char* name) const { return (folder_ / name).string(); }
-  /// The coverage in the middle of a file, its last channel.
-  static float coverage(const std::string& file) {
-    const auto image = OIIO::ImageInput::open(file);
-    if (!image) return -1;
-    const auto& spec = image->spec();
-    std::vector<float> pixels(size_t(spec.width) * size_t(spec.height) * size_t(spec.nchannels));
-    EXPECT_TRUE(image->read_image(0, 0, 0, spec.nchannels, OIIO::TypeDesc::FLOAT, pixels.data()));
-    return pixels[size_t((spec.height / 2 * spec.width + spec.width / 2 + 1) * spec.nchannels - 1)];
-  }
-  /// The files that were written.
-  std::vector<std::string> record() {
-    std::vector<std::string> written;
-    const auto add = [](void* user, const char*, const AlabasterValue* value) {
-      static_cast<std::vector<std::string>*>(user)->push_back(static_cast<const char*>(value->data));
-    };
-    EXPECT_EQ(api().record(delegate_, nullptr, add, &written), ALABASTER_OK) << api().last_error();
-    return written;
-  }
-
-  const std::filesystem::path folder_ =
-      std::filesystem::temp_directory_path() / ("door_products_" + std::to_string(getpid()));
-};
-
-TEST_F(DoorProducts, AreWrittenWithTheirLayers) {
-  const std::string first = file("a.exr"), second = file("b.png");
-  ASSERT_EQ(edit(scene_, "/settings",
-                 {{"products:0:file", word(first.c_str())},
-                  {"products:0:vars:color", word("color")},
-                  {"products:0:vars:far", word("depth")},
-                  {"products:0:vars:far:dataType", word("float")},
-                  {"products:1:file", word(second.c_str())},
-                  {"products:1:width", whole(8)},
-                  {"products:1:height", whole(4)}}),
-            ALABASTER_OK)
-      << api().last_error();
-  EXPECT_EQ(record(), (std::vector<std::string>{first, second}));
-  const auto layers = OIIO::ImageInput::open(first), other = OIIO::ImageInput::open(second);
-  ASSERT_TRUE(layers && other);
-  const auto& names = layers->spec().channelnames;
-  EXPECT_NE(std::find(names.begin(), names.end(), "far.Z"), names.end());
-  EXPECT_EQ(std::pair(layers->spec().width, other->spec().width), std::pair(kSide, 8));
-  EXPECT_EQ(other->spec().height, 4);
-}
-
-TEST_F(DoorProducts, PurposesSelectMeshes) {
-  const std::string picture = file("a.exr");
-  ASSERT_EQ(edit(scene_, "/quad", {{"renderTag", word("proxy")}}), ALABASTER_OK);
-  ASSERT_EQ(edit(scene_, "/settings", {{"products:0:file", word(picture.c_str())}}), ALABASTER_OK);
-  record();
-  EXPECT_EQ(coverage(picture), 0);
-  const char* const purposes[] = {"default", "proxy"};
-  ASSERT_EQ(edit(scene_, "/settings", {{"includedPurposes", array(ALABASTER_TOKEN, purposes, 2)}}), ALABASTER_OK);
-  record();
-  EXPECT_EQ(coverage(picture), 1);
 }
 
 }  // namespace

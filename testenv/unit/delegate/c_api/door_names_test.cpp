@@ -32,18 +32,6 @@ TEST_F(DoorNames, AnUnknownSettingIsAsWrongToGetAsToSet) {
   EXPECT_EQ(get(nullptr), ALABASTER_INVALID_ARGUMENT);
 }
 
-TEST_F(DoorNames, SettingsAreSetAllOrNone) {
-  const int32_t three = 3;
-  const AlabasterParameter mixed[] = {{"maxDepth", whole(three)}, {"sampels", whole(three)}};
-  EXPECT_EQ(api().set_settings(delegate_, mixed, 2), ALABASTER_INVALID_ARGUMENT);
-  int32_t depth = 0;
-  const auto read = [](void* to, const char*, const AlabasterValue* value) {
-    *static_cast<int32_t*>(to) = static_cast<int32_t>(*static_cast<const int64_t*>(value->data));
-  };
-  EXPECT_EQ(api().get_setting(delegate_, "maxDepth", read, &depth), ALABASTER_OK);
-  EXPECT_NE(depth, 3);
-}
-
 TEST_F(DoorNames, AnUnknownPathGetsTheNearest) {
   const float one = 1;
   EXPECT_EQ(api().remove(scene_, "/qaud"), ALABASTER_NOT_FOUND);

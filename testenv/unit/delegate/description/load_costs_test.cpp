@@ -1,8 +1,6 @@
 // Costs of loading a scene: files that are read, and time.
 #include <OpenImageIO/imageio.h>
 
-#include <ctime>
-#include <functional>
 #include <nlohmann/json.hpp>
 #include <random>
 
@@ -34,25 +32,6 @@ TEST_F(LoadCosts, AnImageThatIsNamedOftenIsOpenedOnce) {
   if (before == 0) GTEST_SKIP() << "the kernel counts no bytes that are read";
   ASSERT_TRUE(describe(R"({"gltf": [{"file": "patch.gltf"}], "lights": [)" + lights + "]}").ok) << errors();
   EXPECT_LT(bytes_read() - before, 8 * std::filesystem::file_size(file));
-}
-
-double cpu_ms_of(const std::function<void()>& work) {
-  const std::clock_t begin = std::clock();
-  for (int i = 0; i < 20; ++i) work();
-  return double(std::clock() - begin) * 1000 / CLOCKS_PER_SEC;
-}
-
-// Hosts load many files, or one after each edit.
-TEST_F(LoadCosts, TheSchemaIsReadForTheFirstFileAlone) {
-  write("small.json", R"({"gltf": [{"file": "patch.gltf"}]})");
-  load("small.json");
-  const double loads = cpu_ms_of([&] { load("small.json", with_overrides({"samples=4", "seed=3"})); });
-  ASSERT_TRUE(errors().empty()) << errors();
-  const double reads = cpu_ms_of([] {
-    for (const char* name : {"render_description", "render_settings", "camera", "lights", "disney_material"})
-      EXPECT_FALSE(nlohmann::json::parse(SchemaText(name)).empty());
-  });
-  EXPECT_LT(loads, reads);
 }
 
 }  // namespace

@@ -93,18 +93,6 @@ TEST(DisplacementSync, FollowsItsMaterialHoweverTheSceneIsEdited) {
   EXPECT_EQ(seen.stat("scene.faultCount"), -1);  // none
 }
 
-TEST(DisplacementSync, BindingAnotherMaterialIsEnough) {
-  Seen seen;
-  host::MeshDescription mesh = square();
-  mesh.material = Path();
-  seen.scene.SetMesh("/square", mesh);
-  seen.scene.SetMaterial("/m", displacing(grey("half.hdr", 0.5f)));
-  EXPECT_NEAR(seen.height(), 0, 1e-3f);
-  mesh.material = "/m";
-  seen.scene.SetMesh("/square", mesh);
-  EXPECT_NEAR(seen.height(), 0.5f, 1e-3f);
-}
-
 // An edit of the colour does not build the mesh again, and instances share it.
 TEST(DisplacementSync, AMeshIsBuiltOnceForItsInstancesAndOnlyWhenItsShapeChanges) {
   Seen seen;

@@ -83,15 +83,6 @@ TEST_F(EqualMeshes, MaterialsAndSubsetsOfEqualMeshesAreTheirOwn) {
   EXPECT_EQ(built(apart), 3);
 }
 
-TEST_F(EqualMeshes, AMeshThatComesLaterTakesTheShapeThatIsThere) {
-  stage_.scene.SetMesh("/a", cube("/red", -0.6));
-  EXPECT_EQ(built(), 1);
-  const double refined = stage_.stat("sync.refineSeconds");
-  stage_.scene.SetMesh("/b", cube("/grey", 0.6));
-  EXPECT_EQ(built(), 1);
-  EXPECT_EQ(stage_.stat("sync.refineSeconds"), refined);
-}
-
 TEST_F(EqualMeshes, AnEditOfOneLeavesTheOther) {
   stage_.scene.SetMesh("/a", cube("/red", -0.6));
   stage_.scene.SetMesh("/b", cube("/grey", 0.6));
@@ -137,19 +128,6 @@ TEST_F(EqualMeshes, FaultsAreReportedForEachMesh) {
     if (d.code.starts_with("mesh.")) named.push_back(d.where);
   std::sort(named.begin(), named.end());
   EXPECT_EQ(named, (std::vector<std::string>{"/a", "/b", "/c"}));
-}
-
-TEST_F(EqualMeshes, OfThoseThatDeformAlikeOneIsBuilt) {
-  for (const auto& [name, x] : {std::pair("/a", -0.6), std::pair("/b", 0.6)}) {
-    host::MeshDescription mesh = cube("/red", x);
-    const Value then = cube("/red", x, 1.5f).primvars["points"].value;
-    mesh.primvarSamples["points"] = {{0, 1}, {mesh.primvars["points"].value, then}};
-    stage_.scene.SetMesh(name, mesh);
-  }
-  host::CameraDescription camera = stage_.scene.GetCameras().at("/camera");
-  camera.parameters["shutterOpen"] = 0.0, camera.parameters["shutterClose"] = 1.0;
-  stage_.scene.SetCamera("/camera", camera);
-  EXPECT_EQ(built(), 1);
 }
 
 }  // namespace

@@ -1,4 +1,4 @@
-// Transform order and instance ids against numbers worked out by hand.
+// Instancers that are wrong, and large ones as they are edited. Places and numbers: testenv/conformance.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -9,113 +9,11 @@
 namespace alabaster::hd {
 namespace {
 
-struct Placed {
-  std::string name;
-  int id = 0;
-  Vec3d origin{0, 0, 0}, x{0, 0, 0};  // images of (0,0,0) and (1,0,0)
-};
-
-std::vector<Placed> placed_instances(Stage& stage) {
-  std::vector<Placed> all;
-  std::istringstream lines(stage.dump());
-  for (std::string line; std::getline(lines, line);) {
-    std::istringstream words(line);
-    std::string word;
-    words >> word;
-    if (word == "instance") {
-      Placed p;
-      words >> p.name >> word >> word >> word >> p.id;
-      all.push_back(p);
-    } else if (word == "transform" && !all.empty() && all.back().origin == Vec3d(0) && all.back().x == Vec3d(0)) {
-      std::string text = line.substr(line.find('('));
-      for (char& c : text)
-        if (c == '(' || c == ')' || c == ',') c = ' ';
-      std::istringstream numbers(text);
-      double m[4][4];
-      for (auto& row : m)
-        for (double& v : row) numbers >> v;
-      all.back().origin = {m[3][0], m[3][1], m[3][2]};
-      all.back().x = Vec3d(m[0][0], m[0][1], m[0][2]) + all.back().origin;
-    }
-  }
-  return all;
-}
-
-void expect_near(const Vec3d& a, const Vec3d& b) {
-  EXPECT_NEAR(a.x, b.x, 1e-6);
-  EXPECT_NEAR(a.y, b.y, 1e-6);
-  EXPECT_NEAR(a.z, b.z, 1e-6);
-}
-
-const float kHalf = std::sqrt(0.5f);
-
-// (1,0,0) -proto +x10-> (11,0,0) -M: y+1-> (11,1,0) -S: 2-> (22,2,0) -R: 90 deg about z-> (-2,22,0) -T: +z5-> (-2,22,5)
-// -instancer: +x100-> (98,22,5)
-TEST(Instancing, OrderIsPrototypeMatrixScaleRotationTranslationInstancer) {
-  Stage stage;
-  host::MeshDescription mesh = Stage::quad();
-  mesh.transform[3][0] = 10;
-  mesh.instancer = "/instancer";
-  host::InstancerDescription instancer;
-  Matrix4d up;
-  up[3][1] = 1;
-  instancer.primvars = {{"hydra:instanceTransforms", Array<Matrix4d>{up}},
-                        {"hydra:instanceScales", Array<Vec3f>{{2, 2, 2}}},
-                        {"hydra:instanceRotations", Array<Quatf>{Quatf(kHalf, 0, 0, kHalf)}},
-                        {"hydra:instanceTranslations", Array<Vec3f>{{0, 0, 5}}}};
-  instancer.indices["/mesh"] = {0};
-  instancer.transform[3][0] = 100;
-  stage.scene.SetMesh("/mesh", mesh);
-  stage.scene.SetInstancer("/instancer", instancer);
-  auto placed = placed_instances(stage);
-  ASSERT_EQ(placed.size(), 1u);
-  expect_near(placed[0].x, {98, 22, 5});
-
-  instancer.primvars["hydra:instanceRotations"] = Array<Vec4f>{{kHalf, 0, 0, kHalf}};  // real part first
-  stage.scene.SetInstancer("/instancer", instancer);
-  placed = placed_instances(stage);
-  ASSERT_EQ(placed.size(), 1u);
-  expect_near(placed[0].x, {98, 22, 5});
-}
-
-// Two outer points (x = 0, 100), three inner ones of which indices {2, 0} are drawn: id = outer * 2 + inner.
-TEST(Instancing, NestedIdsRunInnermostFastest) {
-  Stage stage;
-  host::MeshDescription mesh = Stage::quad();
-  mesh.instancer = "/inner";
-  host::InstancerDescription inner, outer;
-  inner.parent = "/outer";
-  inner.primvars["hydra:instanceTranslations"] = Array<Vec3f>{{1, 0, 0}, {2, 0, 0}, {3, 0, 0}};
-  inner.indices["/mesh"] = {2, 0};
-  inner.transform[3][1] = 7;
-  outer.primvars["hydra:instanceTranslations"] = Array<Vec3f>{{0, 0, 0}, {100, 0, 0}};
-  outer.primvars["hydra:instanceScales"] = Array<Vec3f>{{1, 1, 1}, {10, 10, 10}};
-  outer.indices["/inner"] = {0, 1};
-  stage.scene.SetMesh("/mesh", mesh);
-  stage.scene.SetInstancer("/inner", inner);
-  stage.scene.SetInstancer("/outer", outer);
-  const auto placed = placed_instances(stage);
-  ASSERT_EQ(placed.size(), 4u);
-  for (int i = 0; i < 4; ++i) EXPECT_EQ(placed[static_cast<size_t>(i)].id, i);
-  expect_near(placed[0].origin, {3, 7, 0});
-  expect_near(placed[1].origin, {1, 7, 0});
-  expect_near(placed[2].origin, {130, 70, 0});
-  expect_near(placed[3].origin, {110, 70, 0});
-}
-
-TEST(Instancing, ABadIndexLeavesItsNumberUnused) {
-  Stage stage;
-  host::MeshDescription mesh = Stage::quad();
-  mesh.instancer = "/i";
-  host::InstancerDescription instancer;
-  instancer.primvars["hydra:instanceTranslations"] = Array<Vec3f>{{0, 0, 0}, {1, 0, 0}};
-  instancer.indices["/mesh"] = {0, 9, -1, 1};
-  stage.scene.SetMesh("/mesh", mesh);
-  stage.scene.SetInstancer("/i", instancer);
-  const auto placed = placed_instances(stage);
-  ASSERT_EQ(placed.size(), 2u);
-  EXPECT_EQ(placed[1].id, 3);
-  EXPECT_EQ(stage.count("instancer.index"), 1u);
+size_t count_instances(const std::string& dump) {
+  std::istringstream lines(dump);
+  size_t count = 0;
+  for (std::string line; std::getline(lines, line);) count += line.starts_with("instance ");
+  return count;
 }
 
 TEST(Instancing, MissingInstancersAndCyclesAreReportedAndNotDrawn) {
@@ -132,7 +30,7 @@ TEST(Instancing, MissingInstancersAndCyclesAreReportedAndNotDrawn) {
   b.indices = {{"/a", {0}}};
   stage.scene.SetInstancer("/a", a);
   stage.scene.SetInstancer("/b", b);
-  EXPECT_TRUE(placed_instances(stage).empty());
+  EXPECT_EQ(count_instances(stage.dump()), 0u);
   EXPECT_EQ(stage.count("instancer.cycle"), 1u);
 }
 
@@ -159,22 +57,6 @@ TEST(Instancing, AnUnknownInstancerOrMaterialGetsTheNearestPath) {
                        "/a: instancer /mnay does not exist; the prim is not drawn; did you mean '/many'?",
                        "/b: material /look/wx does not exist; the default is used; did you mean '/look/wax'?",
                        "/c: material /something else does not exist; the default is used"}));
-}
-
-TEST(Instancing, AnInstancerWithoutIndicesDrawsNothingAndMayComeAndGo) {
-  Stage stage;
-  host::MeshDescription mesh = Stage::quad();
-  mesh.instancer = "/i";
-  stage.scene.SetMesh("/mesh", mesh);
-  stage.scene.SetInstancer("/i", {});
-  EXPECT_TRUE(placed_instances(stage).empty());
-  stage.scene.SetInstancer("/i", {.transform = {}, .parent = {}, .primvars = {}, .indices = {{"/mesh", {0, 1, 2}}}});
-  EXPECT_EQ(placed_instances(stage).size(), 3u) << "without primvars every index is the identity";
-  stage.scene.Remove("/i");
-  EXPECT_TRUE(placed_instances(stage).empty());
-  mesh.instancer = Path();
-  stage.scene.SetMesh("/mesh", mesh);
-  EXPECT_EQ(placed_instances(stage).size(), 1u);
 }
 
 // Two outer points and 5000 inner ones, some of which the indices lack.
@@ -247,7 +129,7 @@ TEST(Instancing, AnArrayHasThePlacesNumbersAndFaultsOfItsInstancesAlone) {
   Stage stage;
   Crowd crowd(&stage);
   const std::string array = stage.dump();
-  EXPECT_EQ(placed_instances(stage).size(), 2u * (Crowd::kPoints - 5));
+  EXPECT_EQ(count_instances(array), 2u * (Crowd::kPoints - 5));
   EXPECT_EQ(stage.count("instancer.index"), 1u);
   host::LightDescription lamp{.type = "sphereLight", .transform = {}, .parameters = {}};
   lamp.parameters["lightLink"] = Token("lit");

@@ -91,19 +91,6 @@ TEST(LightLinking, NoMoreThanEightCategoriesAreComparedWithThoseThatMeshesHave) 
   EXPECT_EQ(stage.count("light.link"), 16u) << "two lights name each";
 }
 
-TEST(LightLinking, AnInvisibleLightLightsNothingAndLinksNothing) {
-  LinkedStage stage;
-  stage.add_sun("left", "");
-  host::LightDescription sun = stage.scene.GetLights().at("/sun");
-  sun.visible = false;
-  stage.scene.SetLight("/sun", sun);
-  EXPECT_EQ(stage.row(), (std::array<float, 3>{0, 0, 0}));
-  EXPECT_EQ(stage.dump().find("category"), std::string::npos);
-  sun.visible = true;
-  stage.scene.SetLight("/sun", sun);
-  EXPECT_GT(stage.row()[0], 0);
-}
-
 TEST(LightLinking, ShadowsAreCastByTheirCategory) {
   LinkedStage stage;
   const auto all = stage.row();

@@ -5,8 +5,6 @@
 #include <numeric>
 #include <thread>
 
-#include "core/geometry/mesh.h"
-#include "testenv/support/cages.h"
 #include "testenv/support/drawing.h"
 #include "testenv/support/failing_memory.h"
 #include "testenv/support/stage.h"
@@ -52,20 +50,6 @@ TEST(MemoryLimit, AMeshThatItDoesNotHoldIsNamedAndThePictureStays) {
   EXPECT_EQ(drawing.stage.stat("scene.faultCount"), -1);
   EXPECT_EQ(Stage::pixels<float>(buffer), picture);
   EXPECT_LT(drawing.stage.stat("memoryInUse"), before + kMiB / 2) << "all of it was given back";
-}
-
-// promise: pipeline.memory.refusal
-TEST(MemoryLimit, ALimitThatIsRaisedHasTheNextCommitBuildWhatWasRefused) {
-  Drawing drawing(16);
-  drawing.stage.scene.SetMesh("/fine", refined_quad(8));
-  for (int i = 0; i < 3; ++i) EXPECT_FALSE(drawing.draw());
-  EXPECT_EQ(drawing.stage.count("scene.memory"), 1u) << "each commit tries again, and the first tells it";
-  EXPECT_NE(drawing.errors(), "");
-  drawing.stage.delegate->SetRenderSetting("memoryLimit", 1024);
-  EXPECT_TRUE(drawing.draw());
-  EXPECT_EQ(drawing.errors(), "");
-  EXPECT_EQ(drawing.stage.stat("scene.faultCount"), -1);
-  EXPECT_GT(drawing.stage.stat("memoryInUse"), 10 * kMiB);
 }
 
 /// A settings prim with this limit, in MiB.
@@ -153,38 +137,6 @@ TEST(MemoryLimit, ArraysThatMeshesShareCountOnce) {
   EXPECT_NEAR(growth(false), kMeshes * kBytes, kMeshes * kBytes / 10);
 }
 
-// A budget that does not hold what a pose was seen to take refuses it, so it holds all of it.
-TEST(MemoryLimit, APoseOfAMeshHoldsWhatItTakes) {
-  for (const bool displaced : {false, true})
-    for (const int level : {0, 2}) {
-      const int n = level == 0 ? 400 : 100;
-      Cage cage = test::grid_cage(n, SubdivisionScheme::catmull_clark);
-      cage.face_material.assign(cage.face_vertex_counts.size(), 0);
-      RefinementOptions options;
-      options.level = level;
-      if (displaced)
-        options.displace = [](alabaster::Mesh* mesh) {
-          for (Vec3f& p : mesh->points) p.z += 1;
-        };
-      const size_t cage_bytes = cage.points.size() * sizeof(Vec3f) +
-                                (cage.face_vertex_indices.size() + 2 * cage.face_vertex_counts.size()) * sizeof(int);
-      size_t taken = 0;
-      {
-        const testing::PeakMemory peak;
-        pose_mesh(cage, options, {cage.points, {}});
-        taken = peak.bytes();
-      }
-      ASSERT_GT(taken, cage_bytes) << displaced << level;
-      const auto poses_within = [&](size_t limit) {
-        MemoryReservation held(std::make_shared<MemoryBudget>(limit), MemoryUse::meshes);
-        options.memory = &held;
-        pose_mesh(cage, options, {cage.points, {}});
-      };
-      EXPECT_THROW(poses_within(taken - cage_bytes - 1), MemoryRefused) << displaced << level;
-      EXPECT_NO_THROW(poses_within(10 * taken)) << displaced << level;
-    }
-}
-
 // A deforming mesh takes memory for each pose of the shutter.
 TEST(MemoryLimit, AMeshThatItDoesNotHoldInAllPosesIsNamed) {
   Drawing drawing(14);
@@ -216,22 +168,6 @@ TEST(MemoryLimit, DelegatesHaveOneEach) {
   EXPECT_NE(small.errors(), "");
   EXPECT_EQ(large.errors(), "");
   EXPECT_LT(small.stage.stat("memoryInUse"), 16 * kMiB);
-}
-
-TEST(MemoryLimit, EditsGiveBackWhatTheyReplace) {
-  Drawing drawing(64);
-  const auto edit = [&](int step) {
-    host::MeshDescription mesh = refined_quad(6);
-    mesh.primvars["points"].value = Array<Vec3f>{{-1, -1, 0}, {1, -1, 0}, {1, 1, 0}, {-1, 1, float(step) / 100}};
-    drawing.stage.scene.SetMesh("/fine", mesh);
-    EXPECT_TRUE(drawing.draw()) << step;
-    return drawing.stage.stat("memoryInUse");
-  };
-  const double first = edit(1);
-  double last = 0;
-  for (int step = 2; step < 40; ++step) last = edit(step);
-  EXPECT_EQ(drawing.errors(), "");
-  EXPECT_LT(last, 4 * first) << "the scene of before may still be there, and the one that a pass lets go of";
 }
 
 AssetPath image_file(const std::string& name, const std::string& bytes) {
@@ -382,39 +318,6 @@ TEST(MemoryLimit, TangentsOfNormalMapsCount) {
     return drawing.stage.stat("memoryInUse");
   };
   EXPECT_GE(in_use(true), in_use(false) + 131072.0 * 3 * sizeof(uint32_t));
-}
-
-// promise: pipeline.memory.refusal
-TEST(MemoryLimit, TangentsThatItDoesNotHoldAreRefusedInTheNameOfTheMesh) {
-  Drawing drawing(256);
-  Stage& stage = drawing.stage;
-  const AssetPath map =
-      image_file("flat.hdr", "#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 1 +X 1\n" + std::string("\x80\x80\xff\x80"));
-  add_images(stage, map, {"clamp"});
-  host::MeshDescription mesh = refined_quad(8);
-  mesh.material = "/clamp";
-  mesh.primvars["st"] = {Interpolation::vertex, "textureCoordinate", Array<Vec2f>{{0, 0}, {1, 0}, {1, 1}, {0, 1}}, {}};
-  mesh.instancer = "/three";
-  host::InstancerDescription instancer;
-  instancer.primvars = {{"hydra:instanceTranslations", Array<Vec3f>{{0, 0, 0}, {1, 0, 0}, {2, 0, 0}}}};
-  instancer.indices["/mesh_clamp"] = {0, 1, 2};
-  stage.scene.SetInstancer("/three", instancer);
-  stage.scene.SetMesh("/mesh_clamp", mesh);
-  ASSERT_TRUE(drawing.draw());
-  ASSERT_EQ(drawing.errors(), "");
-  // Too little for the tangents that a normal map needs.
-  stage.delegate->SetRenderSetting("memoryLimit", static_cast<int64_t>(stage.stat("memoryInUse") / kMiB + 1.25));
-  MaterialNetwork mapped = stage.scene.GetMaterials().at("/clamp");
-  mapped.nodes["/m/surface"].inputConnections = {{"normal", {{"/m/map", "rgb"}}}};
-  stage.scene.SetMaterial("/clamp", mapped);
-  EXPECT_FALSE(drawing.draw());
-  EXPECT_EQ(stage.stat("scene.faultCount"), 1) << stage.text_stat("scene.faults");
-  EXPECT_EQ(stage.stat("scene.outOfMemory"), 1);
-  EXPECT_EQ(drawing.errors().find("/mesh_clamp: "), 0u);
-  stage.delegate->SetRenderSetting("memoryLimit", 256);
-  ASSERT_TRUE(drawing.draw());
-  EXPECT_EQ(stage.stat("scene.faultCount"), -1) << stage.text_stat("scene.faults");
-  EXPECT_EQ(drawing.errors(), "");
 }
 
 /// Instancers in each other, each of which places the next one twice. Returns the name of the innermost.

@@ -139,37 +139,6 @@ TEST(MeshSync, SubsurfaceInASetOfOpenMeshesIsReportedOnce) {
   EXPECT_EQ(said().size(), 1u) << "another report: one mesh less is open";
 }
 
-TEST(MeshSync, OpenClearMeshesOfASetAreReportedOnce) {
-  Stage stage;
-  MaterialNetwork clear = scattering();
-  for (auto& [path, node] : clear.nodes) node.parameters = {{"specTrans", 1.0f}};
-  stage.scene.SetMaterial("/glass", clear);
-  host::MeshDescription pane = Stage::quad();
-  pane.material = "/glass";
-  stage.scene.SetMesh("/alone", pane);
-  const auto said = [&](const char* set) {
-    for (const char* name : {"/b", "/c", "/d"}) {
-      pane.primvars["subsurfaceSet"] = {Interpolation::constant, {}, std::string(set), {}};
-      stage.scene.SetMesh(name, pane);
-    }
-    stage.index->SyncAll();
-    std::vector<std::string> texts;
-    for (const Diagnostic& d : stage.take_diagnostics())
-      if (d.code == "mesh.open") texts.push_back(d.where + ": " + d.text);
-    return texts;
-  };
-  for (const char* set : {"window", "byMaterial"}) {
-    std::vector<std::string> texts = said(set);
-    std::erase_if(texts, [](const std::string& text) { return text.starts_with("/alone: "); });
-    ASSERT_EQ(texts.size(), set == std::string("window") ? 1u : 0u) << set << ": the same report is not repeated";
-    for (const std::string& text : texts) {
-      EXPECT_EQ(text.find("/b: a clear material"), 0u) << text;
-      EXPECT_NE(text.find("2 other meshes of its subsurfaceSet are not closed either"), std::string::npos) << text;
-    }
-  }
-  EXPECT_EQ(said("").size(), 3u) << "each for itself";
-}
-
 TEST(MeshSync, SheetsThatAreDoubledAreOpenForScatteringAndClearMaterials) {
   Stage stage;
   host::MeshDescription doubled = Stage::quad();
@@ -267,17 +236,6 @@ TEST(MeshSync, SecondsOfMeshesSyncedTogetherCountOnce) {
   EXPECT_LE(stage.stat("sync.refineSeconds") + stage.stat("sync.bvhSeconds"), process + kTick);
 }
 
-TEST(MeshSync, ARemovedPrimvarIsGone) {
-  Stage stage;
-  host::MeshDescription mesh = Stage::quad();
-  mesh.primvars["st"].value = Array<Vec2f>{{0, 0}, {1, 0}, {1, 1}, {0, 1}};
-  stage.scene.SetMesh("/m", mesh);
-  EXPECT_NE(stage.dump().find("uvs yes"), std::string::npos);
-  mesh.primvars.erase("st");
-  stage.scene.SetMesh("/m", mesh);
-  EXPECT_NE(stage.dump().find("uvs no"), std::string::npos);
-}
-
 TEST(MeshSync, SubsurfaceSetsAreNamedOrByMaterial) {
   Stage stage;
   MaterialNetwork wax;
@@ -330,27 +288,6 @@ TEST(MeshSync, HoldoutAndVisibleToCameraAreConstantFlags) {
     EXPECT_EQ(dump_with(name, Interpolation::constant, std::string("yes")), plain);
     EXPECT_EQ(stage.count(code.c_str()), 2u);
   }
-}
-
-TEST(MeshSync, StopEndsBuildingAndRestartTakesItUpAgain) {
-  Stage stage;
-  stage.scene.SetMesh("/m", Stage::quad());
-  stage.delegate->Stop();
-  EXPECT_EQ(stage.dump().find("instance /m"), std::string::npos);
-  stage.delegate->Restart();
-  EXPECT_NE(stage.dump().find("instance /m"), std::string::npos);
-}
-
-TEST(MeshSync, RefinementLevelAndScheme) {
-  Stage stage;
-  host::MeshDescription mesh = Stage::quad();
-  mesh.topology.scheme = "catmullClark";
-  mesh.displayStyle.refineLevel = 2;
-  stage.scene.SetMesh("/m", mesh);
-  EXPECT_NE(stage.dump().find("mesh points 25 triangles 32 normals yes"), std::string::npos) << stage.dump();
-  mesh.topology.scheme = "none";
-  stage.scene.SetMesh("/m", mesh);
-  EXPECT_NE(stage.dump().find("mesh points 4 triangles 2 "), std::string::npos) << "nothing to refine";
 }
 
 }  // namespace

@@ -76,17 +76,6 @@ void expect_coverage(const std::vector<double>& row, double from, double to) {
   }
 }
 
-TEST(MotionSync, ATransformWithSamplesIsBlurred) {
-  MotionStage stage;
-  stage.mesh().transformSamples = sideways(-0.5, 0.5);
-  stage.set();
-  expect_coverage(stage.coverage(), -0.5, 0.5);
-  // The host's values of time 0 do not count where there are samples.
-  stage.mesh().transform = shifted(1.5);
-  stage.set();
-  expect_coverage(stage.coverage(), -0.5, 0.5);
-}
-
 TEST(MotionSync, TheShutterOfTheCameraDecidesAndMayChangeByItself) {
   MotionStage stage;
   stage.mesh().transformSamples = sideways(-1, 1);
@@ -112,14 +101,6 @@ TEST(MotionSync, PointsWithSamplesAreBlurred) {
     EXPECT_NEAR(row[size_t(x)], 0.25 * share_covered(at, -0.5, 0.5) + 0.75 * share_covered(at, 0.5, 0.5), 0.07) << x;
   }
   stage.open(0, 0.25);
-  expect_coverage(stage.coverage(), -0.5, 0.5);
-}
-
-TEST(MotionSync, TheCameraIsBlurredAgainstAStillScene) {
-  MotionStage stage;
-  host::CameraDescription camera = stage.scene.GetCameras().at("/camera");
-  camera.transformSamples = {{0, 1}, {camera.transform * shifted(0.5), camera.transform * shifted(-0.5)}};
-  stage.scene.SetCamera("/camera", camera);
   expect_coverage(stage.coverage(), -0.5, 0.5);
 }
 
@@ -165,19 +146,6 @@ TEST(MotionSync, AShutterWithoutLengthGivesTheBytesOfTheStillScene) {
                                             {points, points, Array<Vec3f>(std::vector<Vec3f>(4, Vec3f(2)))}};
   moving.set();
   EXPECT_EQ(moving.picture(), still.picture()) << "an open shutter shows the same of what does not move";
-}
-
-TEST(MotionSync, PicturesDoNotDependOnThreads) {
-  std::vector<float> first;
-  for (const int64_t threads : {1, 2, 5}) {
-    MotionStage stage;
-    stage.delegate->SetRenderSetting("threads", threads);
-    stage.mesh().transformSamples = sideways(-0.5, 0.5);
-    stage.set();
-    const auto picture = stage.picture();
-    if (first.empty()) first = picture;
-    EXPECT_EQ(picture, first) << threads << " threads";
-  }
 }
 
 // A fault is reported once, as a warning, and the prim is drawn without blur.

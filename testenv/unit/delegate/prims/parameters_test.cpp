@@ -28,19 +28,6 @@ TEST(Parameters, AMeshOptionOutOfRangeIsReported) {
   EXPECT_EQ(stage.count("parameter.range"), 1u);
 }
 
-TEST(Parameters, AnInvisibleLightGivesNoLight) {
-  Stage stage;
-  host::LightDescription light{.type = "cylinderLight", .transform = {}, .parameters = {}};
-  stage.scene.SetLight("/lamp", light);
-  EXPECT_NE(stage.dump().find("cylinderLight /lamp"), std::string::npos);
-  light.visible = false;
-  stage.scene.SetLight("/lamp", light);
-  EXPECT_EQ(stage.dump().find("/lamp"), std::string::npos);
-  light.visible = true;
-  stage.scene.SetLight("/lamp", light);
-  EXPECT_NE(stage.dump().find("cylinderLight /lamp"), std::string::npos);
-}
-
 TEST(Parameters, ColorTemperatureIsAColorOfTheRenderingSpace) {
   Stage stage;
   stage.scene.SetLight("/lamp", {.type = "sphereLight",
@@ -248,65 +235,11 @@ TEST(MaterialSync, TextureMemoryIsWhatTheHostSetsElseWhatASettingsPrimDoes) {
   EXPECT_EQ(memory({{"textureMemory", 64}}, {{"textureMemory", 1}}), held);
 }
 
-TEST(MaterialSync, AlphaComesFromTheImageThatIsReadForColors) {
-  Stage one, both;
-  EXPECT_LT(memory_with_image(both, {{"baseColor", "rgb"}, {"opacity", "a"}}),
-            memory_with_image(one, {{"baseColor", "rgb"}}) + 0x1p20);
-}
-
-TEST(MaterialSync, MayComeAfterAndGoBeforeTheMesh) {
-  Stage stage;
-  host::MeshDescription mesh = Stage::quad();
-  mesh.material = "/m";
-  stage.scene.SetMesh("/mesh", mesh);
-  EXPECT_NE(stage.dump().find("material default\n"), std::string::npos);
-  stage.scene.SetMaterial("/m", disney({{"metallic", 1.0f}}));
-  EXPECT_NE(stage.dump().find("  metallic 1\n"), std::string::npos);
-  stage.scene.Remove("/m");
-  EXPECT_NE(stage.dump().find("  metallic 0\n"), std::string::npos);
-}
-
-TEST(Delegate, UnknownTypesGiveNullAndFallbacksExist) {
-  Stage stage;
-  EXPECT_EQ(stage.delegate->CreateRprim("basisCurves", "/x"), nullptr);
-  EXPECT_EQ(stage.delegate->CreateSprim("portalLight", "/x"), nullptr);
-  EXPECT_EQ(stage.delegate->CreateBprim("openvdbAsset", "/x"), nullptr);
-  for (const Token& type : stage.delegate->GetSupportedSprimTypes()) {
-    Sprim* fallback = stage.delegate->CreateFallbackSprim(type);
-    ASSERT_NE(fallback, nullptr) << type.str();
-    EXPECT_TRUE(fallback->GetId().empty());
-    stage.delegate->DestroySprim(fallback);
-  }
-  for (const Token& type : stage.delegate->GetSupportedBprimTypes()) {
-    Bprim* fallback = stage.delegate->CreateFallbackBprim(type);
-    ASSERT_NE(fallback, nullptr) << type.str();
-    stage.delegate->DestroyBprim(fallback);
-  }
-}
-
-TEST(Delegate, AovsHaveFormatsAndUnknownOnesHaveNone) {
-  Stage stage;
-  EXPECT_EQ(stage.delegate->GetDefaultAovDescriptor("color").format, Format::float32vec4);
-  EXPECT_EQ(stage.delegate->GetDefaultAovDescriptor("depth").clearValue, Value(1.0f));
-  for (const char* id : {"primId", "instanceId", "elementId"}) {
-    EXPECT_EQ(stage.delegate->GetDefaultAovDescriptor(id).format, Format::int32);
-    EXPECT_EQ(stage.delegate->GetDefaultAovDescriptor(id).clearValue, Value(int32_t(-1)));
-  }
-  for (const char* name : {"alpha", "cameraDepth", "normal", "albedo", "sampleCount"})
-    EXPECT_NE(stage.delegate->GetDefaultAovDescriptor(name).format, Format::invalid) << name;
-  EXPECT_EQ(stage.delegate->GetDefaultAovDescriptor("lpe:C.*L").format, Format::invalid);
-}
-
 TEST(Delegate, VersionsNameWhatItStandsOn) {
   const std::string versions = AlabasterVersions();
   for (const char* name :
        {"Embree ", "OpenSubdiv 3.", "OpenImageIO 2.", "OpenColorIO 2.", "TBB 20", "Imath 3.", "tinygltf 2."})
     EXPECT_NE(versions.find(name), std::string::npos) << name << " in\n" << versions;
-}
-
-TEST(Delegate, AnotherAbiIsRefused) {
-  const DelegateOptions options;
-  EXPECT_EQ(CreateAlabasterRenderDelegate(kAbiVersion + 1, &options), nullptr);
 }
 
 TEST(Delegate, UnknownCommandsAndArgumentsAreErrors) {

@@ -61,32 +61,5 @@ TEST(BufferStore, TheOldPictureStaysWhereNothingIsDrawnYet) {
   EXPECT_EQ(shown(first), Pair(2, 0)) << "an ended render shows its own samples alone";
 }
 
-TEST(BufferStore, OnlyTilesThatHaveChangedMakeADifference) {
-  const std::shared_ptr<Film> film = film_of({1, 2});
-  const BufferSource source = source_of(film);
-  BufferStore first(kTwoTiles, source), second(kTwoTiles, source);
-  EXPECT_TRUE(first.update(source, nullptr));
-  EXPECT_FALSE(second.update(source, &first));
-  EXPECT_EQ(shown(second), Pair(1, 2));
-  film->store_tile(1, film_of({4})->load_tile(0));
-  EXPECT_TRUE(first.update(source, &second));
-  EXPECT_EQ(shown(first), Pair(1, 4));
-}
-
-TEST(BufferStore, AnotherAovSizeOrWindowDoesNotFit) {
-  const BufferSource source = source_of(film_of({1, 2}));
-  const BufferStore store(kTwoTiles, source);
-  BufferSource other = source;
-  other.aov = Aov::depth;
-  EXPECT_FALSE(store.fits(kTwoTiles, other));
-  other = source;
-  other.buffer_x = 1;
-  EXPECT_FALSE(store.fits(kTwoTiles, other));
-  EXPECT_FALSE(store.fits({.dimensions = {64, 31, 1}, .format = Format::float32}, source));
-  other = source_of(std::make_shared<Film>(PixelRect{0, 0, 64, 31}, aov_bit(Aov::camera_depth)));
-  EXPECT_FALSE(store.fits(kTwoTiles, other));
-  EXPECT_TRUE(store.fits(kTwoTiles, source));
-}
-
 }  // namespace
 }  // namespace alabaster::hd::rendering

@@ -79,22 +79,6 @@ class Checkpoints : public ::testing::Test {
   std::string file_;
 };
 
-TEST_F(Checkpoints, ARenderGoesOnFromThem) {
-  const std::string file = written();
-  Frame same, more({{"samples", 8}, {"threads", 1}}), whole({{"samples", 8}});
-  EXPECT_EQ(same.refusal(file), "");
-  EXPECT_EQ(same.stage.stat("numCompletedSamples"), 3);
-  EXPECT_EQ(more.refusal(file), "");
-  EXPECT_EQ(Stage::pixels<float>(more.buffer), whole.picture());
-  const Value described = same.stage.delegate->InvokeCommand("describeCheckpoint", {{"file", file}}).value;
-  const auto d = described.get_or(std::shared_ptr<const Dictionary>());
-  ASSERT_TRUE(d);
-  EXPECT_EQ(d->at("note").text_or(""), "of mine");
-  EXPECT_EQ(d->at("samples").number_or(0), 3);
-  EXPECT_EQ(d->at("complete"), Value(true));
-  EXPECT_FALSE(d->contains("meanSamples")) << "not measured";
-}
-
 TEST_F(Checkpoints, PixelsAreMeasuredOnRequest) {
   Frame frame({{"samples", 8}});
   const Dictionary request{{"file", written(frame)}, {"measure", true}};
@@ -328,37 +312,6 @@ TEST_F(Checkpoints, ALongNoteIsNotWritten) {
   EXPECT_NE(frame.command("writeCheckpoint", {{"file", file_}, {"note", note}}).find("note"), std::string::npos);
   EXPECT_EQ(frame.command("writeCheckpoint", {{"file", file_}, {"note", note.substr(1)}}), "");
   EXPECT_EQ(frame.command("describeCheckpoint", {{"file", file_}}), "");
-}
-
-TEST_F(Checkpoints, NothingIsWrittenWithoutARender) {
-  Frame frame;
-  EXPECT_EQ(frame.command("writeCheckpoint", {{"file", file_}}), "nothing has been rendered");
-  frame.picture();
-  EXPECT_NE(frame.command("writeCheckpoint", {{"file", (folder_ / "none" / "x").string()}}), "");
-  EXPECT_FALSE(std::filesystem::exists(file_));
-}
-
-TEST_F(Checkpoints, PartsOfAFrameAreShownAsTheWhole) {
-  const auto part = [&](int64_t begin, int64_t end, const char* name) {
-    Frame frame({{"firstSample", begin}, {"samples", end}});
-    frame.picture();
-    const std::string file = folder_ / name;
-    EXPECT_EQ(frame.command("writeCheckpoint", {{"file", file}}), "");
-    return file;
-  };
-  const std::string a = part(0, 3, "a"), b = part(3, 10, "b"), c = part(10, 12, "c");
-  Frame shown, whole({{"samples", 12}});
-  const auto show = [&](const Array<std::string>& files) {
-    return shown.command("showCheckpoints", {{"files", files}});
-  };
-  EXPECT_EQ(show({c, a, b}), "");
-  EXPECT_EQ(shown.picture(), whole.picture());
-  EXPECT_EQ(shown.stage.stat("numCompletedSamples"), 12);
-  EXPECT_EQ(show({a, c}), "samples 3:10 are missing: no part has them");
-  EXPECT_EQ(show({b, c}), "samples 0:3 are missing: no part has them");
-  EXPECT_NE(show({a, b, a}).find("has samples 0:3, of which another part has those before 3"), std::string::npos);
-  EXPECT_EQ(show({}), "");
-  EXPECT_NE(shown.picture(), whole.picture()) << "the scene again, with three samples";
 }
 
 // promise: farm.parts.refused

@@ -292,31 +292,5 @@ TEST_F(FailingAllocations, WhereMemoryRunsOutForAPartThePictureStays) {
   EXPECT_GE(stayed, 30);
 }
 
-TEST_F(FailingAllocations, SettingsAreSetAllOrNone) {
-  Stage stage;
-  const Dictionary settings = {
-      {"host:name", std::string("a text that is longer than any small string")}, {"maxDepth", 3}, {"samples", 7}};
-  int refused = 0;
-  for (size_t allowed = 0;; ++allowed) {
-    const uint32_t version = stage.delegate->GetRenderSettingsVersion();
-    bool is_set = false, failed = false;
-    {
-      const testing::FailingMemory failing(allowed, 1);
-      is_set = stage.delegate->SetRenderSettings(settings);
-      failed = failing.failed();
-    }
-    for (const auto& [name, value] : settings)
-      EXPECT_EQ(stage.delegate->GetRenderSetting(Token(name)).number_or(-1) == value.number_or(-1) &&
-                    stage.delegate->GetRenderSetting(Token(name)).text_or("") == value.text_or(""),
-                is_set)
-          << name << " after " << allowed << " allocations";
-    EXPECT_EQ(stage.delegate->GetRenderSettingsVersion(), version + (is_set ? 3 : 0));
-    if (!failed) break;
-    refused += !is_set;
-    for (const auto& [name, value] : settings) stage.delegate->SetRenderSetting(Token(name), {});
-  }
-  EXPECT_GE(refused, 5);
-}
-
 }  // namespace
 }  // namespace alabaster::hd

@@ -176,15 +176,5 @@ TEST_F(HitVectorAovs, SeveralAtOnceAndOneTooMany) {
   EXPECT_EQ(stage.count("pass.binding"), 1u);
 }
 
-TEST_F(HitVectorAovs, FormatsAreThoseOfTheContract) {
-  const auto described = [&](const char* aov) { return stage.delegate->GetDefaultAovDescriptor(aov); };
-  EXPECT_EQ(described("primvars:anything").format, Format::float32vec3);
-  EXPECT_EQ(described("primvars:anything").clearValue, Value(Vec3f(0)));
-  EXPECT_EQ(described("Neye").format, Format::float32vec3);
-  EXPECT_EQ(described("Peye").format, Format::float32vec3);
-  EXPECT_EQ(described("motion").format, Format::float32vec2);
-  EXPECT_EQ(described("primvars:").format, Format::invalid);
-}
-
 }  // namespace
 }  // namespace alabaster::hd

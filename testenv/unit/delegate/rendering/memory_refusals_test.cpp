@@ -1,9 +1,7 @@
 // A scene that the memory limit refuses: one report, and the last picture stays.
 #include <gtest/gtest.h>
 
-#include <chrono>
 #include <numeric>
-#include <thread>
 
 #include "testenv/support/drawing.h"
 
@@ -49,36 +47,6 @@ TEST(MemoryRefusals, ABodyIsRefusedOnceAndThePictureStays) {
   EXPECT_GT(stage.stat("sceneNumber"), number);
   EXPECT_EQ(stage.stat("scene.faultCount"), -1) << stage.text_stat("scene.faults");
   EXPECT_EQ(drawing.errors(), "");
-}
-
-// The numbers in a refusal differ from one commit to the next.
-TEST(MemoryRefusals, AMeshHasOneReportOverAllCommits) {
-  Drawing drawing(256);
-  Stage& stage = drawing.stage;
-  ASSERT_TRUE(drawing.draw());
-  const double before = stage.stat("memoryInUse");
-  stage.scene.SetMesh("/cube", Stage::cube(6));
-  ASSERT_TRUE(drawing.draw());
-  const double taken = stage.stat("memoryInUse") - before;
-  int refused = 0;
-  for (double mib = 1; mib < taken / kOneMiB; ++mib) {
-    stage.scene.Remove("/cube");
-    stage.delegate->SetRenderSetting("memoryLimit", 256);
-    ASSERT_TRUE(drawing.draw());
-    // The builder lets go of the scene before on its own thread.
-    for (int i = 0; i < 500 && stage.stat("memoryInUse") > before + kOneMiB / 4; ++i)
-      std::this_thread::sleep_for(std::chrono::milliseconds(10));
-    stage.delegate->SetRenderSetting("memoryLimit", static_cast<int64_t>(before / kOneMiB + mib));
-    stage.scene.SetMesh("/cube", Stage::cube(6));
-    const bool drawn = drawing.draw();
-    for (int i = 0; i < 2; ++i) EXPECT_EQ(drawing.draw(), drawn);
-    EXPECT_EQ(stage.count("scene.memory"), drawn ? 0u : 1u);
-    const std::string errors = drawing.errors();
-    if (drawn) continue;
-    EXPECT_EQ(errors.find("/cube: "), 0u) << errors;
-    ++refused;
-  }
-  EXPECT_GE(refused, 1);
 }
 
 /// Twenty thousand quads that emit, which are not an array: their hierarchy takes megabytes.

@@ -2,8 +2,6 @@
 
 #include <gtest/gtest.h>
 
-#include <cstring>
-
 #include "testenv/support/stage.h"
 
 namespace alabaster::hd {
@@ -128,41 +126,6 @@ TEST(PixelMemory, UnwritablePixelsAreReported) {
 }  // namespace
 
 namespace rendering {
-namespace {
-
-TEST(PixelMemory, TilesThatHaveChangedSinceAPictureAreWritten) {
-  const auto draw = [](Film* film, int tile) {
-    FilmSample sample;
-    sample.distance = sample.camera_depth = 1;
-    film->change_tile(tile, [&](FilmTile& pixels) {
-      for (size_t i = 0; i < 32 * 32; ++i) pixels.add(i, sample);
-    });
-  };
-  const RenderBufferDescriptor two_tiles{.dimensions = {64, 32, 1}, .format = Format::float32};
-  const auto film = std::make_shared<Film>(PixelRect{0, 0, 64, 32}, aov_bit(Aov::camera_depth));
-  BufferSource source;
-  source.film = film;
-  source.aov = Aov::camera_depth;
-  std::vector<BufferStore> pictures;
-  for (int i = 0; i < 4; ++i) {
-    if (i > 0) draw(film.get(), i % 2);
-    BufferStore next(two_tiles, source);
-    const BufferStore* const before = pictures.empty() ? nullptr : &pictures.back();
-    EXPECT_TRUE(next.update(source, before));
-    next.set_number(static_cast<uint64_t>(5 + i), before);
-    pictures.push_back(next);
-  }
-  const PixelRect left = film->tile_rect(0), right = film->tile_rect(1);
-  using Rects = std::vector<PixelRect>;
-  EXPECT_EQ(pictures[3].changes_since(8), Rects());
-  EXPECT_EQ(pictures[3].changes_since(7), Rects({right}));
-  EXPECT_EQ(pictures[3].changes_since(6), Rects({left, right}));
-  EXPECT_EQ(pictures[1].changes_since(5), Rects({right}));
-  int pixels = 0;
-  for (const PixelRect& rect : pictures[3].changes_since(4)) pixels += rect.width() * rect.height();
-  EXPECT_EQ(pixels, 64 * 32) << "before the first of them: all";
-}
-
-}  // namespace
+namespace {}  // namespace
 }  // namespace rendering
 }  // namespace alabaster::hd

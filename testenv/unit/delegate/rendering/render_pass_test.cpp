@@ -2,8 +2,6 @@
 #include <gtest/gtest.h>
 
 #include <chrono>
-#include <functional>
-#include <limits>
 #include <optional>
 #include <set>
 #include <thread>
@@ -92,20 +90,6 @@ TEST(RenderPass, ACameraThatDoesNotExistIsReportedWithTheNearest) {
             std::vector<std::string>{"/camrea: camera /camrea does not exist; did you mean '/camera'?"});
 }
 
-// A host that has waited until the render is over can resolve its last picture then.
-TEST(RenderPass, OneExecuteAfterAWaitReportsConvergence) {
-  Shot s;
-  s.pass->Execute(s.state);
-  ASSERT_TRUE(s.pass->WaitForConvergence(20));
-  EXPECT_FALSE(s.pass->IsConverged()) << "only Execute latches";
-  EXPECT_FALSE(s.buffer->IsConverged());
-  s.pass->Execute(s.state);
-  EXPECT_TRUE(s.pass->IsConverged());
-  EXPECT_TRUE(s.buffer->IsConverged());
-  EXPECT_EQ(s.pass->GetState(), PassState::converged);
-  EXPECT_EQ(s.stage.stat("fractionDone"), 1);
-}
-
 TEST(RenderPass, BeginsOnceItsSceneIsThereWithoutAnotherExecute) {
   Stage stage({{"samples", 1}});
   stage.add_basic_scene();
@@ -132,52 +116,6 @@ TEST(RenderPass, ABufferThatIsDestroyedBeforeTheSceneIsThereIsNotTouched) {
     stage.scene.Remove("/b");
     EXPECT_TRUE(pass->WaitForConvergence(20));
   }
-}
-
-TEST(RenderPass, NothingThatStaysTheSameRestarts) {
-  Shot s;
-  ASSERT_TRUE(s.finish());
-  const uint32_t version = s.stage.delegate->GetRenderSettingsVersion();
-  const double scene = s.stage.stat("sceneNumber");
-  for (int i = 0; i < 1000; ++i) s.stage.delegate->SetRenderSetting("samples", 1);
-  EXPECT_EQ(s.stage.delegate->GetRenderSettingsVersion(), version);
-  s.stage.scene.SetMesh("/quad", Stage::quad());
-  s.stage.index->GetChangeTracker().MarkDirty("/quad", dirty::kAll);  // dirty but unchanged
-  s.stage.index->GetChangeTracker().MarkDirty("/dome", dirty::kAll);
-  s.stage.scene.SetMaterial("/unused", {});
-  s.stage.index->SyncAll();
-  EXPECT_EQ(s.stage.stat("sceneNumber"), scene);
-  s.stage.delegate->SetRenderSetting("houdini:interactive", "moving");
-  EXPECT_EQ(s.stage.delegate->GetRenderSettingsVersion(), version + 1) << "unknown keys are kept";
-  EXPECT_EQ(s.stage.delegate->GetRenderSetting("houdini:interactive").text_or(""), "moving");
-  EXPECT_FALSE(s.restarts());
-}
-
-TEST(RenderPass, ChangedBindingsRestart) {
-  Shot s;
-  const auto expect_restart = [&](const char* what) {
-    s.stage.index->SyncAll();
-    EXPECT_TRUE(s.restarts()) << what;
-    EXPECT_TRUE(s.finish()) << what;
-  };
-  ASSERT_TRUE(s.finish());
-  s.stage.delegate->SetRenderSetting("seed", 5);
-  expect_restart("setting");
-  host::MeshDescription mesh = Stage::quad();
-  mesh.transform[3][0] = 0.5;
-  s.stage.scene.SetMesh("/quad", mesh);
-  expect_restart("transform");
-  mesh.visible = false;
-  s.stage.scene.SetMesh("/quad", mesh);
-  expect_restart("visibility");
-  s.state.framing.dataWindow.maxX = 6;
-  expect_restart("data window");
-  RenderBuffer* other = s.stage.add_buffer("/other", 8, 8, Format::float32);
-  s.stage.index->SyncAll();
-  s.state.aovBindings.push_back({"depth", other, {}});
-  expect_restart("bindings");
-  s.stage.scene.Remove("/dome");
-  expect_restart("light");
 }
 
 // A valid value that is not the default.
@@ -213,19 +151,6 @@ TEST(RenderPass, SettingsHaveTheEffectThatTheySay) {
   EXPECT_EQ(seen.size(), 3u);
 }
 
-TEST(RenderPass, ACameraMoveRestartsWithoutANewScene) {
-  Shot s;
-  ASSERT_TRUE(s.finish());
-  const double scene = s.stage.stat("sceneNumber"), refined = s.stage.stat("sync.refineSeconds");
-  host::CameraDescription camera = s.stage.scene.GetCameras().at("/camera");
-  camera.transform[3][0] = 0.25;
-  s.stage.scene.SetCamera("/camera", camera);
-  s.stage.index->SyncAll();
-  EXPECT_EQ(s.stage.stat("sceneNumber"), scene);
-  EXPECT_TRUE(s.restarts());
-  EXPECT_EQ(s.stage.stat("sync.refineSeconds"), refined);
-}
-
 TEST(RenderPass, TransformAndMaterialEditsRefineNothing) {
   Shot s;
   const double refined = s.stage.stat("sync.refineSeconds"), built = s.stage.stat("sync.bvhSeconds");
@@ -242,43 +167,6 @@ TEST(RenderPass, TransformAndMaterialEditsRefineNothing) {
   EXPECT_EQ(s.stage.stat("sync.bvhSeconds"), built);
   EXPECT_EQ(s.stage.stat("sync.refineWallSeconds"), refined_wall);
   EXPECT_EQ(s.stage.count("mesh.material"), 1u);
-}
-
-TEST(RenderPass, FailuresConvergeAndSayWhy) {
-  Shot s;
-  s.state.camera = "/nowhere";
-  s.pass->Execute(s.state);
-  EXPECT_TRUE(s.pass->IsConverged());
-  EXPECT_EQ(s.pass->GetState(), PassState::failed);
-  EXPECT_NE(s.stage.text_stat("error").find("/nowhere"), std::string::npos);
-  for (int i = 0; i < 10; ++i) s.pass->Execute(s.state);
-  EXPECT_EQ(s.stage.count("pass.failed"), 1u) << "told once";
-  s.state.camera = "/camera";
-  EXPECT_TRUE(s.finish());
-  EXPECT_EQ(s.pass->GetState(), PassState::converged);
-  EXPECT_EQ(s.stage.text_stat("error"), "");
-}
-
-TEST(RenderPass, AFramingThatCannotBeRenderedFailsAndSaysWhy) {
-  constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
-  const auto error_of = [](const std::function<void(Framing&)>& change) {
-    Shot s;
-    const RenderPassState sound = s.state;
-    change(s.state.framing);
-    s.pass->Execute(s.state);
-    EXPECT_TRUE(s.pass->IsConverged());
-    EXPECT_EQ(s.pass->GetState(), PassState::failed);
-    s.pass->Execute(s.state);
-    EXPECT_EQ(s.stage.count("pass.failed"), 1u) << "told once";
-    const std::string error = s.stage.text_stat("error");
-    s.state = sound;
-    EXPECT_TRUE(s.finish());
-    EXPECT_EQ(s.pass->GetState(), PassState::converged);
-    return error;
-  };
-  EXPECT_NE(error_of([](Framing& f) { f.pixelAspectRatio = kNan; }).find("pixel aspect ratio"), std::string::npos);
-  EXPECT_NE(error_of([](Framing& f) { f.displayMax.x = -8; }).find("display window"), std::string::npos);
-  EXPECT_NE(error_of([](Framing& f) { f.dataWindow.maxY = -3; }).find("data window"), std::string::npos);
 }
 
 // 2^40 pixels of 156 bytes: about 171 TB.
@@ -340,32 +228,6 @@ TEST(RenderPass, TheSettingsPrimGivesCameraAndSettingsAndTheHostOverrides) {
   EXPECT_EQ(s.pass->GetState(), PassState::converged);
 }
 
-TEST(RenderPass, FailureIsReportedAfterWaiting) {
-  Shot s;
-  host::CameraDescription away = s.stage.scene.GetCameras().at("/camera");
-  away.transform[3][0] = 1e30;
-  s.stage.scene.SetCamera("/camera", away);
-  s.stage.index->SyncAll();
-  s.stage.wait_for_scene();
-  s.pass->Execute(s.state);
-  EXPECT_TRUE(s.pass->WaitForConvergence(20));
-  EXPECT_EQ(s.pass->GetState(), PassState::failed);
-  const Dictionary stats = s.stage.delegate->GetRenderStats();
-  ASSERT_TRUE(stats.contains("error"));
-  EXPECT_NE(stats.at("error").text_or("").find("no ray of the camera"), std::string::npos);
-}
-
-TEST(BackgroundControl, StoppedPassStaysStoppedUntilExecute) {
-  Shot s(kEndless);
-  s.pass->Execute(s.state);
-  s.stage.delegate->Stop();
-  s.stage.delegate->Restart();
-  EXPECT_EQ(s.pass->GetState(), PassState::stopped);
-  EXPECT_TRUE(s.pass->WaitForConvergence(5)) << "nothing runs";
-  s.pass->Execute(s.state);
-  EXPECT_EQ(s.pass->GetState(), PassState::rendering);
-}
-
 TEST(BackgroundControl, ARestartThatFollowsNoStopLeavesAllRendersRunning) {
   Shot s(kEndless);
   RenderBuffer* other_buffer = s.stage.add_buffer("/other", 8, 8, Format::float32vec4);
@@ -377,31 +239,6 @@ TEST(BackgroundControl, ARestartThatFollowsNoStopLeavesAllRendersRunning) {
   EXPECT_EQ(s.pass->GetState(), PassState::rendering);
   EXPECT_EQ(other->GetState(), PassState::rendering);
   EXPECT_FALSE(other->WaitForConvergence(0.05));
-}
-
-TEST(BackgroundControl, AHoldOutlastsARestartAndUndoesNoStop) {
-  Shot s(kEndless);
-  RenderDelegate& delegate = *s.stage.delegate;
-  s.pass->Execute(s.state);
-  std::shared_ptr<const void> hold = delegate.HoldStopped();
-  EXPECT_TRUE(delegate.IsStopped());
-  EXPECT_TRUE(s.pass->WaitForConvergence(5)) << "no worker runs";
-  delegate.Restart();
-  s.pass->Execute(s.state);
-  EXPECT_EQ(s.pass->GetState(), PassState::stopped) << "it is still held";
-  std::shared_ptr<const void> second = delegate.HoldStopped();
-  hold.reset();
-  EXPECT_TRUE(delegate.IsStopped()) << "by the second hold";
-  second.reset();
-  EXPECT_FALSE(delegate.IsStopped());
-  s.pass->Execute(s.state);
-  EXPECT_EQ(s.pass->GetState(), PassState::rendering);
-  hold = delegate.HoldStopped();
-  delegate.Stop();
-  hold.reset();
-  EXPECT_TRUE(delegate.IsStopped()) << "by Stop";
-  delegate.Restart();
-  EXPECT_FALSE(delegate.IsStopped());
 }
 
 TEST(BackgroundControl, APauseFromBeforeHoldsTheFirstRenderAndAnEditEndsIt) {

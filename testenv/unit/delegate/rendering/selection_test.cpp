@@ -208,53 +208,5 @@ TEST(Selection, PassesThatAreExecutedOnceBothEnd) {
   }
 }
 
-// The picture of one pass stays while a scene is built for another.
-TEST(Selection, AnotherSelectionLeavesAConvergedPassAlone) {
-  Tagged stage;
-  Tagged::View a = stage.view("/a"), b = stage.view("/b");
-  EXPECT_EQ(stage.drawn(a), (Names{"geometry", "render"}));
-  b.state.renderTags = {"proxy"};
-  b.pass->Execute(b.state);
-  EXPECT_EQ(a.pass->GetState(), PassState::converged);
-  EXPECT_TRUE(a.buffer->IsConverged());
-  EXPECT_EQ(stage.drawn(b), (Names{"proxy"}));
-  EXPECT_EQ(a.pass->GetState(), PassState::converged);
-}
-
-TEST(Selection, APassWithTheDefaultMayComeLast) {
-  Tagged stage;
-  Tagged::View a = stage.view("/a");
-  a.state.renderTags = {"proxy"};
-  EXPECT_EQ(stage.drawn(a), (Names{"proxy"}));
-  Tagged::View b = stage.view("/b");
-  EXPECT_EQ(stage.drawn(b), (Names{"geometry", "render"}));
-}
-
-// The order, and tags that are listed twice, make no other selection.
-TEST(Selection, TheSameInAnotherOrderIsNoOtherScene) {
-  Tagged stage;
-  Tagged::View view = stage.view("/ids");
-  stage.drawn(view);
-  const double number = stage.stat("sceneNumber");
-  view.state.renderTags = {"render", "geometry", "render"};
-  view.state.collection.rootPaths = {};
-  EXPECT_EQ(stage.drawn(view), (Names{"geometry", "render"}));
-  EXPECT_EQ(stage.stat("sceneNumber"), number);
-}
-
-TEST(Selection, AnEditedTagIsFollowed) {
-  Tagged stage;
-  Tagged::View view = stage.view("/ids");
-  stage.drawn(view);
-  const double refined = stage.stat("sync.refineWallSeconds");
-  stage.add("/set/geometry", "guide", -1.5);
-  stage.index->SyncAll();
-  EXPECT_EQ(stage.drawn(view), (Names{"render"}));
-  stage.add("/set/geometry", "geometry", -1.5);
-  stage.index->SyncAll();
-  EXPECT_EQ(stage.drawn(view), (Names{"geometry", "render"}));
-  EXPECT_EQ(stage.stat("sync.refineWallSeconds"), refined);
-}
-
 }  // namespace
 }  // namespace alabaster::hd

@@ -47,77 +47,6 @@ TEST(Plan, KeepsTheBudgetAndUsesIt) {
   }
 }
 
-TEST(Plan, TheReferenceGetsItsShare) {
-  const auto jobs = simulate(12, 0.05, 600);
-  double reference = 0;
-  for (const FinishedJob& job : jobs)
-    if (job.job.configuration == kReference) reference += job.total_seconds;
-  EXPECT_GE(reference, 0.5 * kReferenceShare * 600);
-  uint64_t samples = 0;
-  for (const auto& [key, count] : replicas(jobs))
-    if (key.first == kReference) samples = std::max(samples, key.second);
-  EXPECT_GE(replicas(jobs).at({kReference, samples}), kReferenceReplicas - 1);
-}
-
-TEST(Plan, AllConfigurationsGetTwoRungsBeforeAnyGetsThree) {
-  std::set<std::pair<int, uint64_t>> seen;
-  for (const FinishedJob& finished : simulate(8, 0.02, 60)) {
-    const Job& job = finished.job;
-    if (job.configuration != kReference && job.samples > 4)
-      for (int c = 0; c < 8; ++c) {
-        EXPECT_TRUE(seen.count({c, 1}));
-        EXPECT_TRUE(seen.count({c, 4}));
-      }
-    seen.insert({job.configuration, job.samples});
-  }
-  EXPECT_TRUE(seen.count({0, 64}));
-}
-
-TEST(Plan, ReplicasOfARungTakeTurns) {
-  std::map<uint64_t, std::vector<int>> order;  // replicas in the order of rendering
-  for (const FinishedJob& finished : simulate(8, 0.02, 60))
-    if (finished.job.configuration != kReference) order[finished.job.samples].push_back(finished.job.replica);
-  for (const uint64_t samples : {1u, 4u, 16u}) {
-    EXPECT_EQ(order[samples].size(), 16u);
-    EXPECT_TRUE(std::is_sorted(order[samples].begin(), order[samples].end())) << samples;
-  }
-}
-
-TEST(Plan, NothingIsBegunThatCannotBeCompleted) {
-  for (const double budget : {7.0, 15.0, 31.0, 77.0, 200.0}) {
-    for (const auto& [key, count] : replicas(simulate(8, 0.02, budget))) {
-      if (key.first == kReference) continue;
-      EXPECT_EQ(count, kReplicas) << budget << ": " << key.first << ", " << key.second;
-    }
-  }
-}
-
-TEST(Plan, RemainingTimeGoesToStragglersBeforeTheReference) {
-  // The reference has used its share. One of three configurations takes a little more than its fair share for the third
-  // rung.
-  std::vector<FinishedJob> finished;
-  const auto add = [&](int c, uint64_t samples, int replica, double each) {
-    finished.push_back({{c, samples, replica}, each * double(samples), each * double(samples)});
-  };
-  for (int replica = 0; replica < 2; ++replica)
-    for (const uint64_t samples : {1u, 4u, 16u})
-      for (int c = 0; c < 3; ++c)
-        if (c < 2 || samples < 16) add(c, samples, replica, c < 2 ? 0.1 : 1);
-  add(kReference, 1, 0, 0.625);
-  for (int replica = 0; replica < kReferenceReplicas; ++replica) add(kReference, 8, replica, 0.625);
-  StudyState state;
-  state.configurations = 3;
-  state.budget = 100;
-  state.spent = 50;
-  state.reference_samples = 8;
-  for (const uint64_t samples : {32u, 64u, 128u})
-    for (const int c : {0, 1})
-      for (const int replica : {0, 1}) add(c, samples, replica, 0.1);
-  state.finished = finished;
-  ASSERT_GT(2 * expected_seconds(state, {2, 16, 0}), 60.0 / 3);
-  EXPECT_EQ(next_job(state), (Job{2, 16, 0}));
-}
-
 // Adaptive sampling begins at 32 samples: below these its pictures are the base's.
 TEST(Plan, AConfigurationBeginsWhereItHasAnEffect) {
   std::vector<FinishedJob> finished;
@@ -140,19 +69,6 @@ TEST(Plan, AConfigurationBeginsWhereItHasAnEffect) {
   EXPECT_EQ(count.at({1, 32}), 2);
   EXPECT_EQ(count.at({0, 32}), 2);
   EXPECT_EQ(count.at({1, 64}), 2);
-}
-
-TEST(Plan, ForecastIsWhatHappens) {
-  const auto jobs = simulate(6, 0.05, 100);
-  StudyState state;
-  state.configurations = 6;
-  state.budget = 100;
-  const std::span<const FinishedJob> calibrated(jobs.data(), 7);
-  state.finished = calibrated;
-  state.spent = total({calibrated.begin(), calibrated.end()});
-  const Forecast ahead = forecast(state);
-  EXPECT_EQ(ahead.jobs.size(), jobs.size() - 7);
-  EXPECT_NEAR(ahead.seconds, total(jobs) - state.spent, 1e-6);
 }
 
 TEST(Plan, TooSmallABudgetStillGivesAReference) {
