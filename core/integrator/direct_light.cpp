@@ -3,6 +3,7 @@
 #include "core/integrator/interface.h"
 #include "core/integrator/path_record.h"
 #include "core/integrator/see_through.h"
+#include "core/integrator/subsurface_scatter.h"
 #include "core/sampling/mis.h"
 
 namespace alabaster {
@@ -13,7 +14,7 @@ Rgb visibility(const PathContext& context, const Vec3f& p, const LightSample& li
   const Ray ray{p, light.wi, light.shadow_length(), context.time};
   if (light.on_mesh && !media.empty()) [[unlikely]] {
     const TriangleHit hit{light.distance, light.place.x, light.place.y, light.triangle, light.instance, context.time};
-    if (is_hidden_boundary(context, ray, hit, media)) return Rgb(0.0f);
+    if (is_hidden_boundary(context, ray, hit, media) || is_lit_by_walks(context, media, hit)) return Rgb(0.0f);
   }
   ++context.counters.shadow_rays;
   if (light.shadow_link != 0) [[unlikely]]

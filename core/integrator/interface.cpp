@@ -150,7 +150,7 @@ Meeting resolve_interface(const PathContext& context, const PixelSampler& sample
     else
       cross_interface(*v, inside, &media);
     if (v->air_beyond) path->air = *v->air_beyond;
-    path->pass(*v->instance, v->origins[Vertex::kFarSide].p, path->ray.dir);
+    path->pass(*v);
     return Meeting::hidden;
   }
 

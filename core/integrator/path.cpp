@@ -11,6 +11,12 @@ namespace alabaster {
 
 namespace {
 
+// The way along a ray from the surface at its vertex to its origin beside it. Grazing directions count as if they rose
+// by a sixteenth.
+float gap_before(const SurfacePoint& hit, const Vec3f& direction) {
+  return hit.offset / std::max(std::abs(dot(direction, hit.ng)), 0x1p-4f);
+}
+
 // True if the vertex is on what stands in one of the media, or on an opaque face of its body.
 bool stands_within(const SceneSnapshot& scene, const MediumStack& media, const Vertex& v) {
   for (uint32_t i = 0; i < media.size(); ++i)
@@ -110,18 +116,20 @@ void Path::leave(const PathContext& context, const Vertex& v, const VertexBsdf& 
   }
   from_vertex = !passes_sheet && !goes_cloudy;
   hidden_boundary = nullptr;
+  gap = media.empty() ? 0 : gap_before(v.hit, sample.wi);
   ray = {origin, sample.wi, std::numeric_limits<float>::infinity(), ray.time};
   branches = 1;
   ++depth;
   if (passes_sheet || was_within) ++uncounted;
 }
 
-void Path::pass(const Instance& boundary, const Vec3f& origin, const Vec3f& direction) {
-  ray = {origin, direction, std::numeric_limits<float>::infinity(), ray.time};
+void Path::pass(const Vertex& boundary) {
+  ray = {boundary.origins[Vertex::kFarSide].p, ray.dir, std::numeric_limits<float>::infinity(), ray.time};
+  gap = gap_before(boundary.hit, ray.dir);
   pdf = std::numeric_limits<float>::infinity();
   straight = 0;
   from_vertex = depth > 0;  // the camera's ray sees lights as they are
-  hidden_boundary = &boundary;
+  hidden_boundary = boundary.instance;
 }
 
 void Path::enter(const PathContext& context, Vertex* v, float roulette) {

@@ -88,6 +88,8 @@ struct Path {
   LightSampleContext light_context;
   Vec3f light_origin{0, 0, 0};
   float straight = 0;  // distance from there to the ray's origin; 0: it is the ray's origin
+  /// In a medium: the way along the ray from the surface that it left to its origin, which a walk has come already.
+  float gap = 0;
   /// The ray meets lights with a shadow link, too: it begins where lights were sampled, or at a hidden boundary, before
   /// which those that it casts no shadow of have been met.
   bool from_vertex = false;
@@ -142,8 +144,8 @@ struct Path {
   void forget_ended_stays(const SceneSnapshot& scene);
   /// Bounces off the vertex, or through it, by the sampled lobe.
   void leave(const PathContext& context, const Vertex& v, const VertexBsdf& bsdf, const ScatterSample& sample);
-  /// Goes straight on from `origin`, at a boundary that is no vertex.
-  void pass(const Instance& boundary, const Vec3f& origin, const Vec3f& direction);
+  /// Goes straight on beyond a boundary that is no vertex.
+  void pass(const Vertex& boundary);
   /// Goes below the surface. The vertex at the walk's exit is the next one.
   void enter(const PathContext& context, Vertex* v, float roulette);
 };

@@ -17,6 +17,10 @@ bool is_wall_of(const Interior& medium, const Instance& around, const TriangleHi
   return hit.instance == medium.instance || (around.body && around.body->is_union() && met.body == around.body);
 }
 
+bool is_clear_wall(const Instance& instance, const TriangleHit& hit) {
+  return instance.material(hit.triangle).constants.spec_trans > 0;
+}
+
 /// The surfaces of the body that an interior belongs to.
 class OwnWalls final : public HitFilter {
  public:
@@ -203,6 +207,16 @@ std::optional<LobeEntry> take_lobe_entry(const SubsurfaceBody& body, Path* path)
   return entered;
 }
 
+/// The stay in the body begins, by the lobe at the entry.
+LobeEntry lobe_entry_of(const Vertex& entry, const Path& path) {
+  return {entry.instance->body,
+          entry.triangle,
+          entry.hit.ng,
+          path.media,
+          layers_entered(entry, path.ray.dir),
+          entry.material.subsurface_weight};
+}
+
 /// A path goes into the medium: that counts where it meets something there. Returns the factor of the throughput.
 Rgb enter_medium(const Vertex& entry, MediumStack* media) {
   const Rgb indices = media->indices();
@@ -226,8 +240,7 @@ void enter_interior(const PathContext& context, const Vertex& entry, Path* path)
     path->throughput *= enter_medium(entry, &path->media);
     return;
   }
-  path->lobe_entries.push_back({entry.instance->body, entry.triangle, entry.hit.ng, path->media,
-                                layers_entered(entry, path->ray.dir), entry.material.subsurface_weight});
+  path->lobe_entries.push_back(lobe_entry_of(entry, *path));
   path->throughput *= enter_by_lobe(entry, &path->media);
 }
 
@@ -239,19 +252,25 @@ Rgb scale_within(const Vertex& entry, const Path& path) {
   return scale * enter_by_lobe(entry, &media);
 }
 
-/// The walls of a body.
-class WallsOf final : public HitFilter {
+/// The walls of a body, or what is opaque and not of it.
+class WallsOrCovers final : public HitFilter {
  public:
-  WallsOf(const SceneSnapshot& scene, const SubsurfaceBody& body) : scene_(scene), body_(body) {}
-  bool stops(const TriangleHit& hit) const noexcept override { return scene_.instance(hit.instance).body == &body_; }
+  WallsOrCovers(const SceneSnapshot& scene, const SubsurfaceBody& body, bool walls)
+      : scene_(scene), body_(body), walls_(walls) {}
+  bool stops(const TriangleHit& hit) const noexcept override {
+    const Instance& met = scene_.instance(hit.instance);
+    return walls_ ? met.body == &body_ : met.body != &body_ && !met.material(hit.triangle).transmits();
+  }
 
  private:
   const SceneSnapshot& scene_;
   const SubsurfaceBody& body_;
+  const bool walls_;
 };
 
-/// Where the walk met a clear wall that lies on one of its own body, it leaves by that: *exit becomes it.
-void prefer_own_wall(const PathContext& context, const SubsurfaceBody& body, SubsurfaceExit* exit) {
+/// Where walls lie on each other the walk may have met either of them: *exit becomes the body's own before another
+/// clear one, and what is opaque before its own clear one.
+void choose_wall(const PathContext& context, const SubsurfaceBody& body, WalkContents* contents, SubsurfaceExit* exit) {
   const Instance& instance = context.scene.instance(exit->hit.instance);
   const DisneyMaterial& material = instance.material(exit->hit.triangle);
   if (!material.transmits() || material.constants.thin) return;
@@ -263,12 +282,14 @@ void prefer_own_wall(const PathContext& context, const SubsurfaceBody& body, Sub
   const Vec3f near = offset_point(s.p, s.ng, s.offset), far = far_side_of(s);
   const Ray across{near, -s.ng, length(far - near), exit->hit.time};
   ++context.counters.bounce_rays;
-  TriangleHit own;
-  const WallsOf walls(context.scene, body);
-  if (!context.scene.top->intersect(across, &own, &walls)) return;
-  if (!body.leaves(context.scene.instance(own.instance).member, own, exit->direction)) return;
-  exit->hit = own;
-  exit->is_content = false;
+  TriangleHit other;
+  const WallsOrCovers sought(context.scene, body, exit->is_content);
+  if (!context.scene.top->intersect(across, &other, &sought)) return;
+  if (exit->is_content ? !body.leaves(context.scene.instance(other.instance).member, other, exit->direction)
+                       : contents->beyond(other, exit->direction).has_value())
+    return;
+  exit->hit = other;
+  exit->is_content = !exit->is_content;
 }
 
 }  // namespace
@@ -284,7 +305,7 @@ Exit find_exit(const PathContext& context, const PixelSampler& sampler, Path* pa
   // Walk. Where no walk is followed, the twin has its expectation.
   SubsurfaceEntry start{entry.triangle, entry.instance->member, entry.hit,
                         entry.frame.n,  path->throughput,       entry.medium};
-  if (is_within) start.within = path->ray;
+  if (is_within) start.within = path->ray, start.gap = path->gap;
   const bool has_twin = control && !is_black(control->light);
   if (has_twin) DCHECK(entry.medium->medium.albedo == entry.material.medium_albedo());
   Rgb twin = has_twin ? path->throughput * control->albedo : Rgb(0.0f);
@@ -311,7 +332,8 @@ Exit find_exit(const PathContext& context, const PixelSampler& sampler, Path* pa
   path->throughput = exit->throughput;
 
   // Meet what stands in the body, or an opaque face of its own, in its medium. A profile ends there.
-  if (exit->is_content) prefer_own_wall(context, body, &*exit);
+  if (contents) [[unlikely]]
+    choose_wall(context, body, &*contents, &*exit);
   if (exit->is_content || is_opaque_at(context, *exit, body)) [[unlikely]] {
     if (context.mode() == SubsurfaceMode::diffusion) {
       if (record) record->end("the light met an opaque surface from below");
@@ -329,6 +351,7 @@ Exit find_exit(const PathContext& context, const PixelSampler& sampler, Path* pa
   const bool may_cross = !path->media.empty() || !body.touched.empty();
   const bool is_back =
       may_cross && cross_to_media(context, sampler, entry, entered ? &*entered : nullptr, path, &*exit);
+  path->forget_ended_stays(context.scene);                 // of media that end with this one
   if (body.is_union() && !path->air.empty()) [[unlikely]]  // the walk left the union's medium
     path->air.leave(body.members.front().instance);
   const Instance& instance = context.scene.instance(exit->hit.instance);
@@ -349,18 +372,27 @@ Exit find_exit(const PathContext& context, const PixelSampler& sampler, Path* pa
       clear.u = u;
       clear.material.metallic = clear.material.diff_trans = 0;
       clear.material.spec_trans = 1;
+      const auto stay = is_within || !is_occupied(context, body) ? entered : std::optional(lobe_entry_of(entry, *path));
       path->ray = arriving;
       if (!is_within) path->throughput *= kMeanDiffuseTransmittance;
       if (record) record->leave_body(*clear.instance, exit->hit, clear.hit, path->throughput);
       const Meeting met = resolve_interface(context, sampler, &clear, path);
       path->throughput *= index_factor(index, path->media.indices());
       if (met == Meeting::replaced) {  // the path is still in the body
+        if (stay) path->lobe_entries.push_back(*stay);
         path->meet_within(exit->direction);
         v->triangle = clear.triangle;
         return Exit::within;
       }
       *v = clear;
-      return met == Meeting::visible ? Exit::vertex : Exit::passes;
+      if (met == Meeting::visible) {
+        const Rgb glow = path->throughput * clear.material.emission;
+        path->add(glow);
+        if (record) record->meet_light(glow);
+        return Exit::vertex;
+      }
+      path->forget_ended_stays(context.scene);
+      return Exit::passes;
     }
   }
   if (may_cross) path->throughput *= index_factor(index, path->media.indices());
@@ -444,12 +476,13 @@ bool find_wall_ahead(const PathContext& context, const Path& path, TriangleHit* 
 
 void make_vertex_within(const PathContext& context, const Path& path, Vertex* v) {
   make_vertex(context, v->triangle, path, v);
-  v->material.emission = Rgb(0.0f);  // it is not seen straight
+  v->material.emission = Rgb(0.0f);
   set_within(v);
 }
 
 void set_within(Vertex* v) {
   v->kind = Vertex::Kind::within;
+  if (is_clear_wall(*v->instance, v->triangle)) v->material.emission = Rgb(0.0f);  // is_lit_by_walks()
   if (v->has_medium()) return;
   for (const DisneyMaterial* material : v->instance->materials)
     if (material->scatters()) {
@@ -458,6 +491,15 @@ void set_within(Vertex* v) {
       drop_unresolved_distances(v);
       return;
     }
+}
+
+bool is_lit_by_walks(const PathContext& context, const MediumStack& media, const TriangleHit& hit) {
+  const Interior& medium = *media.current();
+  const Instance& met = context.scene.instance(hit.instance);
+  if (!medium.scatters || context.mode() != SubsurfaceMode::walk || !is_clear_wall(met, hit)) return false;
+  if (!met.body || !is_wall_of(medium, context.scene.instance(medium.instance), hit, met)) return false;
+  const uint8_t flags = met.body->members[met.member].shells->flags(hit.triangle);
+  return !(flags & (MeshShells::kOpen | MeshShells::kInner));
 }
 
 void find_own_wall(const PathContext& context, const Path& path, TriangleHit* hit) {

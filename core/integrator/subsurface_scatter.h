@@ -44,6 +44,10 @@ void make_vertex_within(const PathContext& context, const Path& path, Vertex* v)
 /// material that scatters.
 void set_within(Vertex* v);
 
+/// True if a ray in the media would meet a clear wall of the medium that light walks in: what that emits inwards walks
+/// meet where they leave by it.
+bool is_lit_by_walks(const PathContext& context, const MediumStack& media, const TriangleHit& hit);
+
 /// `*hit`: the surface that the path's ray has met. A ray in a medium that light walks in ignores clear bodies of a
 /// lower rank (rank_clear_bodies()), as walks do: `*hit` becomes the wall of the medium. Clear bodies of a higher rank
 /// are seen by rays that come in straight, and not by walks.

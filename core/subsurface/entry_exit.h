@@ -27,6 +27,7 @@ struct SubsurfaceEntry {
   /// The path came to the surface through the medium, from a camera inside or past a surface of the same body: it walks
   /// on along this ray instead of entering.
   std::optional<Ray> within = {};
+  float gap = 0;  // the medium before that ray's origin, which the walk has to come through
 };
 
 struct SubsurfaceExit {

@@ -60,7 +60,8 @@ void part_at_entry(const WalkBeginning& beginning, const WalkMedium& medium, con
 
 // Distance from the surface to where the walk begins, along its direction. Grazing directions, which would have been
 // long under way, count as if they rose by a sixteenth.
-float entry_distance(const WalkBeginning& beginning) {
+float entry_distance(const WalkBeginning& beginning, const SubsurfaceEntry& entry) {
+  if (entry.within) return entry.gap;
   return beginning.depth / std::max(dot(beginning.start.direction, beginning.start.inward), 0x1p-4f);
 }
 
@@ -108,7 +109,7 @@ std::optional<SubsurfaceExit> RandomWalk::carry(const SubsurfaceBody& body, cons
     if (end) record->push_back({WalkStep::Kind::exit, end->direction, recording.exit_distance(end->hit)});
     return end;
   };
-  const float distance = entry_distance(beginning);
+  const float distance = entry_distance(beginning, entry);
   const auto end = body.is_union() ? walk(UnionTracer(body, {entry.member, beginning.p, distance,
                                                              enters_from_behind(body, entry), time, contents}))
                                    : walk(MeshTracer(body, {beginning.p, distance, maps.to_object, time}));

@@ -25,6 +25,7 @@ class Row(NamedTuple):
     ior: float
     reflectance: float
     error: float = 5e-5
+    half: float = DEEP  # mm of the layers' half width
 
 
 ROWS = (
@@ -32,6 +33,7 @@ ROWS = (
     Row("half-space, albedo .5", ((DEEP, 5, 5),), 1.0, 0.11523),
     Row("half-space, albedo .9", ((DEEP, 1, 9),), 1.0, 0.41495),
     Row("half-space, albedo .99", ((DEEP, 0.1, 9.9),), 1.0, 0.75272),
+    Row("10,000 mean free paths wide", ((1000, 1, 9),), 1.0, 0.41495, half=1000.0),
     # Giovanelli 1955, with the mirror's .04.
     Row("half-space of index 1.5", ((DEEP, 1, 9),), 1.5, 0.2600),
     # Adding-doubling (iadpython) and a photon Monte Carlo, which agree.
@@ -45,7 +47,7 @@ ROWS = (
 def drawn(row):
     scene, top = hdalabaster.Scene(), 0.0
     for k, (thickness, absorption, scattering) in enumerate(row.layers):
-        points, faces = box(DEEP, top, DEEP, (-DEEP, top - thickness, -DEEP))
+        points, faces = box(row.half, top, row.half, (-row.half, top - thickness, -row.half))
         top -= thickness
         scene.set_material(f"/medium{k}", **hdalabaster.medium(absorption, scattering, 0, row.ior, unit=1e-3))
         scene.set_mesh(f"/layer{k}", np.float32(points), [np.int32(f) for f in faces], material=f"/medium{k}")

@@ -4,6 +4,7 @@ Arguments: a JSON file with scene (folder), width, height, threads and renders, 
 Prints one line "PEER {json}" with Blender's version and the CPU seconds of each render, scene preparation included.
 """
 import json
+import math
 import pathlib
 import resource
 import sys
@@ -29,9 +30,50 @@ def set_input(node, value, *names):
     raise KeyError(names)
 
 
+def add_volume(tree, kind, coefficients, color_of):
+    """A volume whose node multiplies a density by a colour."""
+    node, density = tree.nodes.new(kind), max(coefficients)
+    node.inputs["Density"].default_value = density
+    node.inputs["Color"].default_value = (*[color_of(c / density) for c in coefficients], 1.0)
+    return node.outputs["Volume"]
+
+
+def make_clear(material, disney):
+    """Smooth or rough glass, and what light meets within."""
+    tree = material.node_tree
+    tree.nodes.clear()
+    out = tree.nodes.new("ShaderNodeOutputMaterial")
+    glass = tree.nodes.new("ShaderNodeBsdfGlass")
+    glass.inputs["Color"].default_value = (1, 1, 1, 1)
+    glass.inputs["Roughness"].default_value, glass.inputs["IOR"].default_value = disney["roughness"], disney["ior"]
+    tree.links.new(glass.outputs["BSDF"], out.inputs["Surface"])
+    distances, scatters, absorbs = disney.get("scatterDistance", [0, 0, 0]), [0, 0, 0], [0, 0, 0]
+    if max(distances) > 0:
+        alpha = [formulas.exact_alpha(a) for a in disney["baseColor"]]
+        total = [1 / formulas.mean_free_path(a, d) for a, d in zip(disney["baseColor"], distances)]
+        scatters, absorbs = [a * t for a, t in zip(alpha, total)], [(1 - a) * t for a, t in zip(alpha, total)]
+    elif "attenuationDistance" in disney:
+        absorbs = [-math.log(max(c, 1e-6)) / disney["attenuationDistance"] for c in disney["attenuationColor"]]
+    volumes = []
+    if max(scatters) > 0:
+        volumes.append(add_volume(tree, "ShaderNodeVolumeScatter", scatters, lambda share: share))
+    if max(absorbs) > 0:
+        volumes.append(add_volume(tree, "ShaderNodeVolumeAbsorption", absorbs, lambda share: 1 - share))
+    if len(volumes) == 2:
+        both = tree.nodes.new("ShaderNodeAddShader")
+        for volume, socket in zip(volumes, both.inputs):
+            tree.links.new(volume, socket)
+        volumes = [both.outputs["Shader"]]
+    if volumes:
+        tree.links.new(volumes[0], out.inputs["Volume"])
+    return material
+
+
 def make_material(name, disney):
     material = bpy.data.materials.new(name)
     material.use_nodes = True
+    if disney.get("specTrans", 0) == 1:
+        return make_clear(material, disney)
     node = next(n for n in material.node_tree.nodes if n.type == "BSDF_PRINCIPLED")
     color = disney["baseColor"]
     f0 = formulas.f0_from_ior(disney["ior"])
@@ -167,6 +209,8 @@ def make_settings(job, settings):
     cycles.blur_glossy = job["blurGlossy"]
     depth = settings["maxDepth"]
     cycles.max_bounces = cycles.diffuse_bounces = cycles.glossy_bounces = cycles.transmission_bounces = depth
+    if any(m.node_tree.nodes.get("Volume Scatter") for m in bpy.data.materials):  # ours counts no bounce within
+        cycles.max_bounces = cycles.volume_bounces = cycles.transmission_bounces = 1024
     cycles.caustics_reflective = cycles.caustics_refractive = True
 
 

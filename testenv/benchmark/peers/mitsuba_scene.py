@@ -67,6 +67,8 @@ def rgb(values):
 
 def material_of(disney):
     """Entries of a shape."""
+    if disney.get("specTrans", 0) > 0:
+        raise neutral_scene.Unsupported("glass")
     distances = disney.get("scatterDistance", [0, 0, 0])
     if max(distances) > 0:
         color = disney["baseColor"]

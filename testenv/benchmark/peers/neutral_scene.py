@@ -17,8 +17,8 @@ import formulas
 FLOAT, UINT32 = 5126, 5125
 INDEX_CODES = {5121: "B", 5123: "H", 5125: "I"}
 MATERIAL_KEYS = ("baseColor", "metallic", "roughness", "sheen", "sheenTint", "clearcoat", "clearcoatGloss",
-                 "scatterDistance", "emission")
-UNSUPPORTED = {"specTrans": 0, "anisotropic": 0, "specularTint": 0, "scatterAnisotropy": 0}
+                 "scatterDistance", "emission", "specTrans", "attenuationColor", "attenuationDistance", "priority")
+UNSUPPORTED = {"anisotropic": 0, "specularTint": 0, "scatterAnisotropy": 0, "thin": False}
 LIGHT_KEYS = {"name", "type", "intensity", "exposure", "color", "width", "height", "radius", "position", "target", "up",
               "texture:file", "visibleToCamera"}
 
@@ -237,6 +237,9 @@ def neutral_material(name, disney):
             raise Unsupported(f"{key} of material {name}")
     if any(isinstance(disney.get(key), dict) for key in ("baseColor", "scatterDistance")):
         raise Unsupported(f"a texture in the description's material {name}")
+    clear = disney.get("specTrans", 0)
+    if clear not in (0, 1) or (clear == 1 and disney.get("baseColor") != [1, 1, 1] and "scatterDistance" not in disney):
+        raise Unsupported(f"partly clear or tinted glass of material {name}")
     f0 = formulas.f0_from_ior(disney.get("ior", 1.5)) * disney.get("specular", 1.0)
     shared = {key: disney[key] for key in MATERIAL_KEYS if key in disney}
     return {"baseColor": [0.8, 0.8, 0.8], "metallic": 0.0, "roughness": 0.5, **shared, "ior": formulas.ior_from_f0(f0)}
