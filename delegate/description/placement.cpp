@@ -76,21 +76,26 @@ std::vector<Vec3f> drawn_points(const host::MeshDescription& mesh) {
 /// Calls visit(point) for the points of a mesh in the world, or of many instances for the corners of their boxes.
 /// Instances that cannot be drawn count for nothing.
 template <class Visit>
-void for_each_point(const host::MeshDescription& mesh, std::vector<Matrix4d> instances, const Visit& visit) {
-  std::erase_if(instances, [&](const Matrix4d& instance) { return !is_valid_affine(mesh.transform * instance); });
-  if (instances.empty()) return;
-  const std::vector<Vec3f> points = drawn_points(mesh);
-  if (instances.size() == 1) {
-    for (const Vec3f& p : points)
-      if (const Vec3d world = Vec3d(p) * mesh.transform * instances[0]; finite(world)) visit(world);
-    return;
-  }
-  Bounds box;
-  for (const Vec3f& p : points) box.extend(p);
-  if (box.empty()) return;
-  for (const Matrix4d& instance : instances)
+void for_each_point(const host::MeshDescription& mesh, const support::PlacementSource& instances, const Visit& visit) {
+  const auto placed = [&](size_t i) -> std::optional<Matrix4d> {
+    const support::Placement one = instances[i];
+    return one.used && is_valid_affine(mesh.transform * one.matrix) ? std::optional(one.matrix) : std::nullopt;
+  };
+  int drawn = 0;
+  for (size_t i = 0; i < instances.size() && drawn < 2; ++i) drawn += placed(i).has_value();
+  if (drawn == 0) return;
+  std::vector<Vec3f> points = drawn_points(mesh);
+  if (drawn > 1) {
+    Bounds box;
+    for (const Vec3f& p : points) box.extend(p);
+    points.clear();
     for (const Vec3f& corner : box.corners())
-      if (const Vec3d world = Vec3d(corner) * mesh.transform * instance; finite(world)) visit(world);
+      if (!box.empty()) points.push_back(corner);
+  }
+  for (size_t i = 0; i < instances.size() && !points.empty(); ++i)
+    if (const auto instance = placed(i))
+      for (const Vec3f& p : points)
+        if (const Vec3d world = Vec3d(p) * mesh.transform * *instance; finite(world)) visit(world);
 }
 
 // Camera axes of the three-quarter view: seen from 35 degrees to the right and 18 degrees above the front (+z).
@@ -163,29 +168,35 @@ std::optional<Matrix4d> look_at(const Vec3d& eye, const Vec3d& target, const Vec
 
 namespace {
 
+/// Instances of instancers that place others: those of more are not measured.
+constexpr size_t kMostPlaced = size_t(1) << 22;
+/// Instances of a mesh whose boxes are kept one by one.
+constexpr size_t kMostBoxes = size_t(1) << 16;
+
 /// Calls visit(path, mesh, instances) for each mesh that `takes` takes.
 template <class Takes, class Visit>
 void for_each_placed_mesh(host::RetainedSceneDelegate& scene, const Takes& takes, const Visit& visit) {
   std::map<Path, support::InstancerRecord> instancers;
   for (const auto& [path, description] : scene.GetInstancers())
     instancers[path] = support::pull_instancer(scene, path, {});
-  support::Placements placements([&](const Path& path) { return support::find_in(instancers, path); },
-                                 {});  // Sync reports what is wrong
+  const auto limit = [](size_t count, const Path& prototype) -> std::shared_ptr<const void> {
+    if (count > kMostPlaced) throw support::TooManyInstances(prototype);
+    return nullptr;
+  };
+  // Sync reports what is wrong.
+  support::Placements placements([&](const Path& path) { return support::find_in(instancers, path); }, {}, limit);
+  const auto once = std::make_shared<const std::vector<support::Placement>>(1);
   for (const auto& [path, mesh] : scene.GetMeshes()) {
     if (!takes(mesh)) continue;
-    std::vector<Matrix4d> instances;
-    if (mesh.instancer.empty()) {
-      instances.emplace_back();
-    } else {
-      const Array<int32_t> indices = scene.GetInstanceIndices(mesh.instancer, path);
+    support::PlacementSource instances{nullptr, {0}, once};
+    if (!mesh.instancer.empty()) {
       try {
-        for (const support::Placement& placement : placements.place(path, mesh.instancer, indices))
-          if (placement.used) instances.push_back(placement.matrix);
+        instances = placements.source(path, mesh.instancer, scene.GetInstanceIndices(mesh.instancer, path));
       } catch (const support::TooManyInstances&) {
-        // Sync reports it, and leaves the mesh out.
+        instances = {};  // Sync reports it, and leaves the mesh out
       }
     }
-    visit(path, mesh, std::move(instances));
+    visit(path, mesh, instances);
   }
 }
 
@@ -194,8 +205,13 @@ void for_each_placed_mesh(host::RetainedSceneDelegate& scene, const Takes& takes
 std::vector<Vec3d> enclosing_points(host::RetainedSceneDelegate& scene) {
   std::vector<Vec3d> all;
   const auto is_visible = [](const host::MeshDescription& mesh) { return mesh.visible; };
-  for_each_placed_mesh(scene, is_visible, [&](const Path&, const auto& mesh, std::vector<Matrix4d>&& instances) {
-    for_each_point(mesh, std::move(instances), [&](const Vec3d& p) { all.push_back(p); });
+  for_each_placed_mesh(scene, is_visible, [&](const Path&, const auto& mesh, const auto& instances) {
+    if (instances.size() <= kMostBoxes)
+      return for_each_point(mesh, instances, [&](const Vec3d& p) { all.push_back(p); });
+    BoundsDouble box;
+    for_each_point(mesh, instances, [&](const Vec3d& p) { box.extend(p); });
+    for (const Vec3d& corner : box.corners())
+      if (!box.empty()) all.push_back(corner);
   });
   return all;
 }
@@ -203,9 +219,9 @@ std::vector<Vec3d> enclosing_points(host::RetainedSceneDelegate& scene) {
 std::map<Path, WorldBox> MeshBoxes(host::RetainedSceneDelegate& scene) {
   std::map<Path, WorldBox> boxes;
   const auto any = [](const host::MeshDescription&) { return true; };
-  for_each_placed_mesh(scene, any, [&](const Path& path, const auto& mesh, std::vector<Matrix4d>&& instances) {
+  for_each_placed_mesh(scene, any, [&](const Path& path, const auto& mesh, const auto& instances) {
     BoundsDouble box;
-    for_each_point(mesh, std::move(instances), [&](const Vec3d& p) { box.extend(p); });
+    for_each_point(mesh, instances, [&](const Vec3d& p) { box.extend(p); });
     boxes[path] = {box.lower, box.upper};
   });
   return boxes;

@@ -173,8 +173,11 @@ struct Volume {
 // A clear solid takes the square root of its colour at each surface (Burley 2015), the extension the colour itself.
 Signal gltf_base_color(const Terms& in) {
   const Volume volume(in, 1);
-  const bool is_clear = volume.is_there && !volume.transmission.is_textured() && volume.transmission.constant.x >= 1;
-  return is_clear ? product(in[0], in[0]).value_or(in[0]) : in[0];
+  if (!volume.is_there || !volume.transmission.is_used()) return in[0];
+  const Signal tint = product(in[0], in[0]).value_or(in[0]);
+  if (!volume.transmission.is_textured() && volume.transmission.constant.x >= 1) return tint;
+  if (tint != in[0]) in.tell("a partly clear solid has the colour of its base for the light through it, too");
+  return in[0];
 }
 
 Signal gltf_mean_free_path(const Terms& in) {

@@ -80,7 +80,9 @@ std::shared_ptr<const Texture> SceneParam::load(const TextureSource& source, std
 std::shared_ptr<const IesProfile> SceneParam::profile(const TextureSource& source, std::optional<std::string>* fault,
                                                       const alabaster::DiagnosticSink& sink) {
   std::shared_ptr<const IesProfile> profile;
-  if (source.bytes) {
+  if (!source.fault.empty()) {
+    alabaster::report(sink, alabaster::Severity::error, "ies.unreadable", source.path, source.fault);
+  } else if (source.bytes) {
     const std::string_view text(reinterpret_cast<const char*>(source.bytes->data()), source.bytes->size());
     profile = IesProfile::parse(text, source.path, sink);
   } else {

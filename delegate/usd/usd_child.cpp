@@ -63,12 +63,15 @@ std::string reader_script() {
   throw Fault("The reader of stages is not installed beside " + own.string() + ". Install Alabaster again.");
 }
 
+std::string seconds_text(double seconds) {
+  std::array<char, 32> number{};
+  std::snprintf(number.data(), number.size(), "%g s", seconds);
+  return number.data();
+}
+
 std::string ending(int status, double seconds) {
-  if (WIFSIGNALED(status) && WTERMSIG(status) == SIGXCPU) {
-    std::array<char, 32> number{};
-    std::snprintf(number.data(), number.size(), "%g", seconds);
-    return std::string("it took more than ") + number.data() + " s of CPU time. Allow more with --usd-limit SECONDS";
-  }
+  if (WIFSIGNALED(status) && WTERMSIG(status) == SIGXCPU)
+    return "it took more than " + seconds_text(seconds) + " of CPU time. Allow more with --usd-limit SECONDS";
   if (WIFSIGNALED(status)) return std::string("OpenUSD ended by the signal ") + strsignal(WTERMSIG(status));
   return "OpenUSD ended with code " + std::to_string(WEXITSTATUS(status));
 }
@@ -178,12 +181,18 @@ Child::~Child() {
   }
 }
 
-// A limit of what it has used and may use more: a long sequence does not use it up.
-void Child::allow_time() {
+double Child::used_seconds() const {
   clockid_t clock{};
   timespec used{};
-  if (clock_getcpuclockid(pid_, &clock) != 0 || clock_gettime(clock, &used) != 0) return;
-  const double all = std::ceil(double(used.tv_sec) + options_.seconds + 1);
+  if (clock_getcpuclockid(pid_, &clock) != 0 || clock_gettime(clock, &used) != 0) return -1;
+  return double(used.tv_sec) + 1e-9 * double(used.tv_nsec);
+}
+
+// A limit of what it has used and may use more: a long sequence does not use it up.
+void Child::allow_time() {
+  const double used = used_seconds();
+  if (used < 0) return;
+  const double all = std::ceil(std::floor(used) + options_.seconds + 1);
   rlimit limit{};
   if (prlimit(pid_, RLIMIT_CPU, nullptr, &limit) != 0) return;
   limit.rlim_cur = std::min(rlim_t(all), limit.rlim_max);
@@ -224,9 +233,20 @@ Child::Answer Child::ask(const json& request) {
   allow_time();
   if (send(socket_.get(), text.data(), text.size(), MSG_NOSIGNAL) < 0) fail_ended();
   json parts = json::object();  // of the answer, which come before it
+  double used = -1;
+  int idle = 0;  // seconds, counted by themselves: a program that is stopped does not wait
   for (;;) {
     std::array<pollfd, 2> wait = {{{socket_.get(), POLLIN, 0}, {errors_.get(), POLLIN, 0}}};
-    if (poll(wait.data(), wait.size(), -1) < 0 && errno != EINTR) fail_ended();
+    const int ready = poll(wait.data(), wait.size(), 1000);
+    if (ready < 0 && errno != EINTR) fail_ended();
+    if (ready == 0) {
+      const double now = used_seconds();
+      idle = now < used + 0.02 ? idle + 1 : 0, used = now;  // OpenUSD's threads look now and then
+      if (idle > options_.seconds)
+        throw Fault("The stage was not read: OpenUSD waited more than " + seconds_text(options_.seconds) +
+                    " for a file: a pipe, or a share that does not answer. Allow more with --usd-limit SECONDS.");
+      continue;
+    }
     drain();
     if (!(wait[0].revents & (POLLIN | POLLHUP))) {
       if (wait[1].revents & POLLHUP) fail_ended();

@@ -40,7 +40,7 @@ struct ChildOptions {
   std::vector<std::string> folders;  // real paths that may be read
   bool everywhere = false;           // all may
   size_t memory = 0;                 // bytes of its address space; 0: no limit
-  double seconds = 30;               // CPU time of one request
+  double seconds = 30;               // CPU time of one request; and how long it may wait without using any
 };
 
 /// Where OpenUSD for Python lies: a folder that holds `pxr`, and the interpreter. The folder is empty for the
@@ -70,6 +70,7 @@ class Child {
 
  private:
   void start(const Installation& found);
+  double used_seconds() const;  // CPU time; below 0: it has ended
   void allow_time();
   void drain();
   [[noreturn]] void fail_ended();

@@ -178,6 +178,7 @@ def test_a_variant_is_chosen():
     red, blue = mean(picture(file)[0], MIDDLE), mean(picture(file, "--variant", "/World/thing{look=blue}")[0], MIDDLE)
     assert red[0] > red[2] and blue[2] > blue[0], (red, blue)
     code, said = run("check", file, "--variant", "/World/thing{look=green}")
+    assert "variants.usda: /World/thing" in said, said
     assert code == 3 and "red, blue" in said.replace("blue, red", "red, blue"), said
 
 
@@ -493,6 +494,40 @@ def test_an_image_of_materialx_repeats_where_it_says_nothing():
     look = MTLX % ("ND_standard_surface_surfaceshader", "float inputs:base = 0\n float inputs:specular = 0\n float inputs:emission = 1\n"
                    "color3f inputs:emission_color.connect = </World/m/t.outputs:rgb>")
     near(mean(picture(stage("tile.usda", look + QUAD % "/World/m"))[0], MIDDLE), [0, 0, 1])
+
+
+def test_materialx_comes_before_the_surface_of_all_renderers():
+    look = (MTLX % ("ND_standard_surface_surfaceshader", "float inputs:base = 0\n float inputs:specular = 0\n float inputs:emission = 1\n color3f inputs:emission_color = (0, 0, 1)")).replace(
+        "    token outputs:mtlx", "    token outputs:surface.connect = </World/m/u.outputs:surface>\n        token outputs:mtlx").replace(
+        '        def Shader "t"', '        def Shader "u" { uniform token info:id = "UsdPreviewSurface"\n            color3f inputs:emissiveColor = (1, 0, 0)\n            token outputs:surface }\n        def Shader "t"')
+    near(mean(picture(stage("two_surfaces.usda", look + QUAD % "/World/m"))[0], MIDDLE), [0, 0, 1])
+
+
+def test_displacement_of_materialx_moves_the_points():
+    """By 3 towards the camera, which is 6 away: the quad is twice as large."""
+    subprocess.run(["oiiotool", "--pattern", "constant:color=1,1,1", "4x4", "3", "-o", os.path.join(FOLDER, "white_tile.png")], check=True)
+    glow = "float inputs:base = 0\n float inputs:specular = 0\n float inputs:emission = 1\n color3f inputs:emission_color = (0, 0, 1)"
+    look = (MTLX % ("ND_standard_surface_surfaceshader", glow)).replace("    token outputs:mtlx:surface", "    token outputs:%s.connect = </World/m/d.outputs:out>\n        token outputs:mtlx:surface")
+    look = look.replace('        def Shader "t"', """        def Shader "d"
+        {
+            uniform token info:id = "ND_displacement_float"
+            float inputs:scale = 3
+            float inputs:displacement.connect = </World/m/h.outputs:out>
+            token outputs:out
+        }
+        def Shader "h"
+        {
+            uniform token info:id = "ND_image_float"
+            asset inputs:file = @./white_tile.png@
+            float outputs:out
+        }
+        def Shader "t\"""")
+    for terminal in ("mtlx:displacement", "displacement"):
+        out, said = picture(stage("moved_%s.usda" % terminal[:4], look.replace("%s", terminal) + QUAD % "/World/m"))
+        near(mean(out, "4x4+38+22"), [0, 0, 1])
+        assert not said, said
+    other = look.replace("%s", "displacement").replace("ND_displacement_float", "SomeDisplacement")
+    assert "displacements of type SomeDisplacement are not read" in picture(stage("moved_not.usda", other + QUAD % "/World/m"))[1]
 
 
 def test_a_clear_solid_is_tinted_at_each_crossing():
@@ -1033,7 +1068,8 @@ def test_wrong_choices_are_named():
                          (("--render-settings", "/World/c"), "RenderSettings"), (("--usd-limit", "0"), "0")):
         code, said = run("render", file, "-o", "x.exr", *words)
         assert code in (2, 3) and needs in said and "Traceback" not in said, (words, code, said)
-    odd = stage("odd.usda", cube("c", 0) + """    def Cylinder "y" { uniform token axis = "bogus" }
+    odd = stage("odd.usda", cube("c", 0) + """    def Sphere "unbound" ( prepend apiSchemas = ["MaterialBindingAPI"] ) { rel material:binding = </World/gone> }
+    def Cylinder "y" { uniform token axis = "bogus" }
     def Mesh "m"
     {
         uniform token subdivisionScheme = "odd"
@@ -1045,7 +1081,8 @@ def test_wrong_choices_are_named():
         token aspectRatioConformPolicy = "odd" }
 """)
     out, said = picture(odd)
-    for told in ("an axis is not known: bogus", "a subdivision scheme is not known: odd", "a data window that holds nothing", "a conform policy is not known: odd"):
+    for told in ("an axis is not known: bogus", "a subdivision scheme is not known: odd", "a data window that holds nothing", "a conform policy is not known: odd",
+                 "bindings lead to no material"):
         assert said.count(told) == 1, (told, said)
 
 

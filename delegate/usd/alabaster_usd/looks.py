@@ -41,13 +41,18 @@ class Looks:
 
     def _surface(self, material):
         """(shader, id) of the surface that is read best."""
-        sources = []
-        for context in CONTEXTS + sorted({n.split(":")[1] for n in material.GetPrim().GetPropertyNames()
-                                          if n.startswith("outputs:") and n.endswith(":surface") and n.count(":") == 2}):
-            shader, _, _ = material.ComputeSurfaceSource(context)
-            if shader:
-                sources.append((shader, self._id(shader)))
+        sources = list(self._sources(material, "surface", material.ComputeSurfaceSource))
         return next((s for s in sources if s[1] in READ), sources[0] if sources else (None, ""))
+
+    def _sources(self, material, terminal, compute):
+        """(shader, id) of a terminal's contexts, those that are read best first. One that has none would get that of all renderers."""
+        of_vendors = {n.split(":")[1] for n in material.GetPrim().GetPropertyNames()
+                      if n.startswith("outputs:") and n.endswith(":" + terminal) and n.count(":") == 2}
+        for context in CONTEXTS + sorted(of_vendors - set(CONTEXTS)):
+            output = material.GetOutput(context + ":" + terminal if context else terminal)
+            shader = compute(context)[0] if output and output.HasConnectedSource() else None
+            if shader:
+                yield shader, self._id(shader)
 
     @staticmethod
     def _id(shader):
@@ -66,10 +71,13 @@ class Looks:
         fields, self.fallbacks = {}, {}
         self._node(where, shader, fields, set())
         fields["surface"] = path(self._name(where, shader.GetPrim()) + ".out")
-        shape, _, _ = material.ComputeDisplacementSource("alabaster")
-        if shape and self._id(shape) == "AlabasterDisplacement":
+        shapes = list(self._sources(material, "displacement", material.ComputeDisplacementSource))
+        shape = next((s for s, kind in shapes if kind == "AlabasterDisplacement" or kind.startswith("ND_displacement_")), None)
+        if shape:
             self._node(where, shape, fields, set())
             fields["displacement"] = path(self._name(where, shape.GetPrim()) + ".out")
+        elif any(s.GetPath() != shader.GetPath() for s, _ in shapes):  # a surface that displaces has it as an input
+            self.notes.tell("displacements of type %s are not read" % shapes[0][1], where)
         self.sink.set(where, "material", fields)
         return True
 

@@ -39,9 +39,10 @@ def open_stage(asked, folders, everywhere):
     from . import mtlx
     more, files, held = mtlx.place_layers(stage)
     stage.held_layers = held  # as long as the stage
-    faults = more + faults_of(stage, folders, everywhere)
+    clips, missing = clips_of(stage, folders, everywhere)
+    faults = more + faults_of(stage, folders, everywhere) + missing
     facts = facts_of(stage, faults)
-    return stage, {"layers": sorted(set(layers_of(stage) + files)), "faults": faults, **facts}
+    return stage, {"layers": sorted(set(layers_of(stage) + files + clips)), "faults": faults, **facts}
 
 
 def plain(text):
@@ -73,26 +74,22 @@ def _variants(text):
 
 
 def _select(stage, prim, name, choice):
+    file = stage.GetRootLayer().realPath
     at = stage.GetPrimAtPath(prim) if Sdf.Path.IsValidPathString(prim) else None
     if not at:
-        raise Fault("there is no prim of that path to choose a variant of", prim=prim)
+        raise Fault("there is no prim of that path to choose a variant of", file, prim)
     sets = at.GetVariantSets()
     if name not in sets.GetNames():
-        raise Fault("it has no variant set '%s'; it has %s" % (name, ", ".join(sets.GetNames()) or "none"), prim=prim)
+        raise Fault("it has no variant set '%s'; it has %s" % (name, ", ".join(sets.GetNames()) or "none"), file, prim)
     if choice not in sets.GetVariantSet(name).GetVariantNames():
-        raise Fault("its variant set '%s' has no '%s'; it has %s" % (name, choice, ", ".join(sets.GetVariantSet(name).GetVariantNames())), prim=prim)
+        raise Fault("its variant set '%s' has no '%s'; it has %s" % (name, choice, ", ".join(sets.GetVariantSet(name).GetVariantNames())), file, prim)
     sets.SetSelection(name, choice)
 
 
 def layers_of(stage):
     """The files that composition used, the stage's own first."""
-    files = []
-    for layer in stage.GetUsedLayers():
-        file = layer.realPath or layer.identifier
-        file = file.split("[")[0]
-        if not layer.anonymous and os.path.isabs(file) and file not in files:
-            files.append(file)
-    return sorted(files)
+    files = {(layer.realPath or layer.identifier).split("[")[0] for layer in stage.GetUsedLayers() if not layer.anonymous}
+    return sorted(f for f in files if os.path.isabs(f))
 
 
 def faults_of(stage, folders, everywhere):
@@ -102,7 +99,7 @@ def faults_of(stage, folders, everywhere):
         prim = re.search(r"<([^>]+)>", site)
         text, layer, line = plain(error)
         outside = re.search(r"asset @([^@]+)@", text)
-        if outside and not everywhere and not is_within(outside.group(1), folders):
+        if outside and not everywhere and os.path.isabs(outside.group(1)) and not is_within(outside.group(1), folders):
             text += " It lies outside the folder of the stage: allow it with --allow FOLDER or --allow-outside."
         faults.append({"text": text, "file": layer or stage.GetRootLayer().realPath, "prim": prim.group(1) if prim else "", "line": line})
     for file in layers_of(stage):
@@ -114,6 +111,29 @@ def faults_of(stage, folders, everywhere):
         if key not in seen:
             seen.add(key), unique.append(fault)
     return sorted(unique, key=lambda f: (f["prim"], f["text"]))[:200]
+
+
+def clips_of(stage, folders, everywhere):
+    """(the files of value clips, faults): OpenUSD opens a clip when a value of it is asked, and passes over one that it cannot open."""
+    files, faults = set(), []
+    for prim in _prims(stage):
+        for name in prim.GetMetadata("clips") if prim.HasAuthoredMetadata("clips") else ():
+            for asset in Usd.ClipsAPI(prim).ComputeClipAssetPaths(name):
+                file = asset.resolvedPath
+                if file and (everywhere or is_within(file, folders)):
+                    files.add(os.path.realpath(file.split("[")[0]))
+                    continue
+                text = "its value clip @%s@ %s" % (asset.path, "lies outside the folder of the stage: allow it with --allow FOLDER or --allow-outside." if file
+                                                   else "does not exist")
+                faults.append({"text": text, "file": stage.GetRootLayer().realPath, "prim": str(prim.GetPath()), "line": 0})
+    return sorted(files), faults[:200]
+
+
+def _prims(stage):
+    """Also those of prototypes, once."""
+    yield from stage.Traverse()
+    for prototype in stage.GetPrototypes():
+        yield from Usd.PrimRange(prototype)
 
 
 def is_within(file, folders):
@@ -140,8 +160,7 @@ def varies(stage):
     """Whether something may change with the time: by samples, or by value clips and splines, which no layer lists."""
     if any(layer.ListAllTimeSamples() for layer in stage.GetUsedLayers()):
         return True
-    prims = [*stage.Traverse(), *(prim for prototype in stage.GetPrototypes() for prim in Usd.PrimRange(prototype))]
-    return any(prim.HasAuthoredMetadata("clips") or any(a.ValueMightBeTimeVarying() for a in prim.GetAuthoredAttributes()) for prim in prims)
+    return any(prim.HasAuthoredMetadata("clips") or any(a.ValueMightBeTimeVarying() for a in prim.GetAuthoredAttributes()) for prim in _prims(stage))
 
 
 def fail():

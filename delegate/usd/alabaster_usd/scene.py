@@ -93,6 +93,8 @@ class Reader:
         """Writes the prims that differ from the last answer to `sink`; returns the names of those that are gone."""
         self._begin(time, sink, notes)
         self.changes = self.changes or Changes(self.stage)
+        if self.settings and _varies(self.settings):
+            self.notes.tell("settings that change with time keep the values of the first frame", self.settings.GetPath())
         self._choose_shutter()
         gone = self._view_and_light()
         before = {name for name, origin in self.origins.items() if self.changes.holds(origin)}
@@ -538,17 +540,21 @@ class Reader:
         for name, prim, fields in self.meshes:
             self.sink.set(name, "mesh", fields)
 
-    @staticmethod
-    def _bound(prims, purposes):
+    def _bound(self, prims, purposes):
         """The materials by the first purpose that has one."""
-        found = [None] * len(prims)
+        found, lost = [None] * len(prims), set()
         for purpose in purposes:
             if all(found):
                 break
             asked = [i for i, f in enumerate(found) if not f]
-            materials, _ = UsdShade.MaterialBindingAPI.ComputeBoundMaterials([prims[i] for i in asked], purpose)
-            for i, material in zip(asked, materials):
+            materials, bindings = UsdShade.MaterialBindingAPI.ComputeBoundMaterials([prims[i] for i in asked], purpose)
+            for i, material, binding in zip(asked, materials, bindings):
                 found[i] = material if material else None
+                if not material and binding and binding.GetTargets():
+                    lost.add(i)
+        for i in sorted(lost):
+            if not found[i]:
+                self.notes.tell("bindings lead to no material", prims[i].GetPath())
         return found
 
 
