@@ -96,6 +96,7 @@ void sample_lights(const PathContext& context, const VertexBsdf& bsdf, Vertex* v
 
   // Add the expectation of the control variate.
   if (!control) return;
+  control->light *= bsdf.exit_color();
   const Rgb expectation = path->throughput * bsdf.subsurface_entry() * control->albedo * control->light;
   path->add_of_walks(expectation);
   if (record) record->add_flat_light(expectation);

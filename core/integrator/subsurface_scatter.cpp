@@ -398,8 +398,10 @@ Exit find_exit(const PathContext& context, const PixelSampler& sampler, Path* pa
   v->frame = frame_from_normal(
       v->is_mapped ? mapped_normal(instance, placement, exit->hit, full_hit(), *material.normal_map) : v->hit.ns);
   v->exit_layers.reset();
-  if (has_layers) [[unlikely]]
+  if (has_layers) [[unlikely]] {
     v->exit_layers = layers_at(*v, *exit, passed);
+    if (v->exit_layers) path->throughput *= v->exit_layers->layers.coat.passage;
+  }
   if (record) record->leave_body(instance, exit->hit, full_hit(), path->throughput);
   return Exit::vertex;
 }

@@ -64,10 +64,10 @@ class DisneyBsdf {
   std::optional<BsdfSample> sample(float u_lobe, const Vec2f& u, Rgb* specular = nullptr) const;
 
   /// Entry weight of the walk per channel: w (1-metallic)(1-specTrans)(1-diffTrans/2)(1-.5F_V) where scatter_distance >
-  /// 0, else 0. The colour is in the walk's throughput, never here.
+  /// 0, else 0. The medium's colour is in the walk's throughput, never here; a coat's is.
   Rgb subsurface_entry() const;
 
-  /// subsurface_exit_f_cos() where the light entered, under the layers.
+  /// subsurface_exit_f_cos() where the light entered, under the layers, but for coat_passage().
   float exit_f_cos(const Vec3f& wi) const;
 
   /// The estimate of all that it reflects and lets enter by which lobes are chosen; 0 if it does neither.
@@ -78,8 +78,10 @@ class DisneyBsdf {
 
   /// Null: none.
   const DisneyLayers* layers() const { return layers_ ? &*layers_ : nullptr; }
-  /// The share of light that coat and fibres let in or out along `w`.
+  /// The share of light that coat and fibres let in or out along `w`, but for the coat's colour.
   float passed_layers(const Vec3f& w) const { return layers_ ? layers_->passed(w) : 1; }
+  /// DisneyCoat::passage.
+  Rgb coat_passage() const { return layers_ ? layers_->coat.passage : Rgb(1.0f); }
 
   /// The shares that are kept along `w`, w.z > 0. Not for burley2015, which keeps all.
   KeptShares kept(const Vec3f& w) const { return w.z >= safe_cosine_ ? KeptShares() : kept_along(w); }

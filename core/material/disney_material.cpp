@@ -53,10 +53,17 @@ constexpr auto kParameters = std::to_array<MaterialParameter>({
     {{"clearcoatGloss", &P::clearcoat_gloss, 0, 1, {},
       "none", "Gloss of the clearcoat, from 0 (satin) to 1 (glossy)."}},
     {{"coat", &P::coat, 0, 1, {},
-      "none", "Weight of a clear layer of ior 1.5 over the whole surface, which takes what it reflects from what "
+      "none", "Weight of a clear layer of index coatIor over the whole surface, which takes what it reflects from what "
       "lies below. Above 0 it replaces clearcoat, which is a quarter as strong."}},
     {{"coatRoughness", &P::coat_roughness, 0, 1, {},
       "none", "Perceived roughness of the coat."}},
+    {{"coatIor", &P::coat_ior, 1, 4, {},
+      "none", "Index of refraction of the coat; at 1 it reflects nothing."}},
+    {{"coatColor", &P::coat_color, 0, 1, {},
+      "none", "Colour that white light has once it has passed the coat twice, in and out."}, Texels::colors},
+    {{"coatDarkening", &P::coat_darkening, 0, 1, {},
+      "none", "Share of the darkening and saturation of what lies below a coat by light that the coat sends back to it "
+      "again and again. 0: none."}},
     {{"scatterDistance", &P::scatter_distance, 0, kUnbounded, {},
       "scene unit", "Mean distance that light travels below the surface, per channel; in a scene in metres, as "
       "glTF is, 0.001 is one millimetre. 0 in all channels gives an opaque diffuse surface."}},

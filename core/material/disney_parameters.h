@@ -30,8 +30,11 @@ struct DisneyParameters {
   float sheen_roughness = 0;  // > 0: fibres of this roughness in place of Burley's sheen
   float clearcoat = 0;
   float clearcoat_gloss = 1;
-  float coat = 0;  // > 0: a layer of ior 1.5 over everything, in place of the clearcoat
+  float coat = 0;  // > 0: a clear layer over everything, in place of the clearcoat
   float coat_roughness = 0;
+  float coat_ior = 1.5f;
+  Rgb coat_color{1.0f};      // of white light that is reflected below the coat
+  float coat_darkening = 0;  // share of the light that the coat sends back to what lies below
   /// Unit normals of the coat and of the surface in the local frame. Not rows of the table: the integrator sets them at
   /// a hit.
   Vec3f coat_normal{0, 0, 1}, surface_normal{0, 0, 1};

@@ -58,21 +58,25 @@ DisneyTransmissiveBsdf::DisneyTransmissiveBsdf(const DisneyParameters& p, const 
   }
   if (p.is_widened() && share > 0) [[unlikely]]
     keep_boundary_albedo(p, side.eta);
-  const float passed = near_.passed_layers(wo), near = near_.weight(),
-              clear = passed * share * choice_weight(at_boundary([&](const auto&lobe) { return lobe.albedo(wo); })),
-              beyond = passed * choice_weight(diffuse_beyond_ + diffuse_back_), total = near + clear + beyond;
+  const Rgb color = near_.coat_passage(),
+            boundary = color * at_boundary([&](const auto&lobe) { return lobe.albedo(wo); });
+  const float passed = near_.passed_layers(wo), near = near_.weight(), clear = passed * share * choice_weight(boundary),
+              beyond = passed * choice_weight(color * (diffuse_beyond_ + diffuse_back_)), total = near + clear + beyond;
   if (!(total > 0)) return;
   p_near_ = chance_of(near, total);
   p_beyond_ = chance_of(beyond, total);
   p_clear_ = p_beyond_ > 0 ? chance_of(clear, total) : 1 - p_near_;
 }
 
-float DisneyTransmissiveBsdf::left_by_layers(const Vec3f& wi, LayerFactor over) const {
+Rgb DisneyTransmissiveBsdf::left_by_layers(const Vec3f& wi, LayerFactor over) const {
   const Vec3f w = wi.z > 0 ? wi : -wi;
-  if (const DisneyLayers* const near = near_.layers())
-    return wi.z > 0 || layered_ == Layered::both ? (near->*over)(wo_, w) : near->passed(wo_);
+  if (const DisneyLayers* const near = near_.layers()) {
+    const Rgb& passage = near->coat.passage;
+    if (wi.z > 0 || layered_ == Layered::both) return passage * passage * (near->*over)(wo_, w);
+    return passage * near->passed(wo_);
+  }
   const auto& beyond = solid_.boundary.layers_beyond;
-  return beyond && wi.z < 0 ? beyond->passed(w) : 1;
+  return beyond && wi.z < 0 ? beyond->coat.passage * beyond->passed(w) : Rgb(1.0f);
 }
 
 Rgb DisneyTransmissiveBsdf::kept_beyond(const Vec3f& wi) const {
@@ -124,7 +128,7 @@ BsdfValue DisneyTransmissiveBsdf::evaluate(const Vec3f& wi, Rgb* specular) const
   const float passes = wi.z < 0 && near_.reaches(wi) ? 0 : 1;
   const float back = chance_of_back();
   if (wi.z < 0 && p_beyond_ > 0) {
-    Rgb beyond = diffuse_beyond_ * (kInvPi * left_by_layers(wi, &DisneyLayers::over_diffuse));
+    Rgb beyond = diffuse_beyond_ * (left_by_layers(wi, &DisneyLayers::over_diffuse) * kInvPi);
     if (near_.is_bounded()) beyond *= kept_beyond(wi);
     sum.f_cos += beyond * (passes * cosine);
     sum.pdf += p_beyond_ * (1 - back) * cosine * kInvPi;
@@ -135,7 +139,7 @@ BsdfValue DisneyTransmissiveBsdf::evaluate(const Vec3f& wi, Rgb* specular) const
   }
   if (p_clear_ > 0) {
     const LobeValue value = at_boundary([&](const auto& lobe) { return lobe.evaluate(wo_, wi); });
-    const float share = (wi.z > 0 ? reflects_ : passes_ * passes) * left_by_layers(wi, &DisneyLayers::over_clear);
+    const Rgb share = left_by_layers(wi, &DisneyLayers::over_clear) * (wi.z > 0 ? reflects_ : passes_ * passes);
     const Rgb clear = value.f * (share * cosine);
     sum.f_cos += clear;
     sum.pdf += value.pdf * p_clear_;
@@ -149,7 +153,7 @@ Rgb DisneyTransmissiveBsdf::straight() const {
   const Rgb passed = at_boundary([&](const auto& lobe) {
     return lobe.boundary.passed_straight(wo_.z, std::max(lobe.ggx.alpha_x, lobe.ggx.alpha_y));
   });
-  return passed * (passes_ * left_by_layers(-wo_, &DisneyLayers::over_clear));
+  return passed * (left_by_layers(-wo_, &DisneyLayers::over_clear) * passes_);
 }
 
 std::optional<BsdfSample> DisneyTransmissiveBsdf::sample(float u_lobe, const Vec2f& u, Rgb* specular) const {

@@ -98,7 +98,7 @@ TEST(DisneyEnergy, LayersAndFilmsAreBoundedToTwoPercent) {
   for (int i = 0; i < kCases; ++i) {
     DisneyParameters p = published(rng);
     const uint32_t kind = rng.next() % 3;
-    if (kind == 0) p.coat = either(rng, 0, 1), p.coat_roughness = either(rng, 0, 1);
+    if (kind == 0) p.coat = either(rng, 0, 1), p.coat_roughness = either(rng, 0, 1), p.coat_ior = either(rng, 1, 4);
     if (kind == 1) p.sheen_roughness = either(rng, 0, 1);
     if (kind == 2) p.iridescence = either(rng, 0, 1), p.iridescence_thickness = either(rng, 100, 1000);
     const Vec3f wo = along(std::max(0.003f, rng.uniform()), 1.5f * rng.uniform());

@@ -26,6 +26,8 @@ DisneyParameters random_parameters(Rng& rng) {
   p.specular_color = color_or_extreme(rng);
   p.clearcoat = unit_or_extreme(rng);
   if (rng.next() % 2) p.coat = unit_or_extreme(rng), p.coat_roughness = unit_or_extreme(rng);
+  p.coat_ior = 1 + 3 * unit_or_extreme(rng), p.coat_color = color_or_extreme(rng);
+  p.coat_darkening = unit_or_extreme(rng);
   if (rng.next() % 2) p.iridescence = unit_or_extreme(rng), p.iridescence_thickness = 1000 * rng.uniform();
   p.sheen = unit_or_extreme(rng);
   p.spec_trans = unit_or_extreme(rng);
