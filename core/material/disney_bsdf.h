@@ -91,6 +91,9 @@ class DisneyBsdf {
   }
   bool is_bounded() const { return energy_ != EnergyModel::burley2015; }
 
+  /// What specular and clearcoat reflect of light along `w`, w.z > 0, per what layers let pass.
+  Rgb specular_albedo(const Vec3f& w) const;
+
   /// Directional albedo estimate for the denoising AOV: diffuse colour, which a clear base has too, plus specular
   /// reflectance at wo.
   Rgb albedo() const;
@@ -110,7 +113,6 @@ class DisneyBsdf {
   float least_safe_cosine() const;
   KeptShares kept_along(const Vec3f& w) const;
   Rgb base_albedo(const Vec3f& w) const;
-  Rgb specular_albedo(const Vec3f& w) const;
   /// The share that is left to the base and the specular lobes by the others: the walk, a clear boundary, coat and
   /// fibres.
   Rgb room(const Vec3f& w) const;
@@ -144,8 +146,9 @@ class DisneyBsdf {
   EnergyModel energy_;
   KeptShares kept_;  // along wo
   float safe_cosine_ = 2;
-  float clear_ = 0;           // the share of a clear boundary, whose lobe is not here
-  Rgb beyond_{0.0f};          // the diffuse albedo of the other side, whose lobe is not here
+  float clear_ = 0;              // the share of a clear boundary, whose lobe is not here
+  bool is_transparent_ = false;  // it lies below specular
+  Rgb beyond_{0.0f};             // the diffuse albedo of the other side, whose lobe is not here
   Rgb several_{0.0f};         // f of several_facets() per lost_among_facets() of both directions; black: there is none
   Rgb several_albedo_{0.0f};  // the directional albedo of several_facets() per lost_among_facets()
   float lost_ = 0;            // along wo

@@ -68,6 +68,7 @@ void DisneyBsdf::keep_albedos(const DisneyParameters& p) {
 
 void DisneyBsdf::bound_energy(const DisneyParameters& p) {
   clear_ = nonmetal_ * p.spec_trans;
+  is_transparent_ = p.is_transparent();
   beyond_ = p.diff_trans_color * (dielectric_ * 0.5f * p.diff_trans);
   if (energy_ == EnergyModel::conserving) add_several_facets(p);
   safe_cosine_ = least_safe_cosine();
@@ -150,7 +151,8 @@ Rgb DisneyBsdf::room(const Vec3f& w) const {
 }
 
 KeptShares DisneyBsdf::kept_along(const Vec3f& w) const {
-  const Rgb base = base_albedo(w), specular = specular_albedo(w), left = room(w);
+  const Rgb base = base_albedo(w), specular = specular_albedo(w),
+            left = is_transparent_ ? room(w) + specular * clear_ : room(w);
   KeptShares kept;
   for (int c = 0; c < 3; ++c) {
     if (base[c] + specular[c] <= left[c]) continue;

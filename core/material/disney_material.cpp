@@ -89,6 +89,10 @@ constexpr auto kParameters = std::to_array<MaterialParameter>({
       "surface and within a clear body ignores opacity."}},
     {{"opacityThreshold", &P::opacity_threshold, 0, 1, {},
       "none", "Above 0 the surface is cut out: it is there where opacity reaches the threshold, and nowhere else."}},
+    {{"opacityMode", &P::opacity_mode, -kUnbounded, kUnbounded, {"presence", "transparent"},
+      "none", "transparent: the surface is a sheet, as with thin, and opacity the share of it that is not clear: light "
+      "passes the rest straight on and untinted, below the full highlight, coat and fibres; no light walks below. With "
+      "opacityThreshold it is cut out all the same. Not of metals."}},
     {{"sides", &P::sides, -kUnbounded, kUnbounded, {"mesh", "front", "both"},
       "none", "Sides of the surface that exist. front: back faces are culled for rays of the camera, of shadows and of "
       "light, and do not emit. mesh: as the mesh's doubleSided. A material that lets light below the surface has "
@@ -188,6 +192,16 @@ void DisneyMaterial::evaluate(const HitPrimvars& at, DisneyParameters* p) const 
   }
   if (max_component(p->mean_free_path) > 0) [[unlikely]]
     p->take_mean_free_path();
+  if (p->is_transparent()) [[unlikely]]
+    p->spec_trans = 1 - p->opacity;
+}
+
+void DisneyMaterial::settle_opacity_mode() {
+  DisneyParameters& p = constants;
+  if (p.opacity_threshold > 0) p.opacity_mode = OpacityMode::presence;
+  if (!p.is_transparent()) return;
+  p.thin = true;
+  p.spec_trans = p.opacity < 1 || varies(&P::opacity) ? 1.0f : 0.0f;  // clear somewhere
 }
 
 void DisneyParameters::take_mean_free_path() {
@@ -221,10 +235,11 @@ bool DisneyMaterial::varies_albedo() const {
 }
 
 bool DisneyMaterial::is_partly_opaque() const {
-  return constants.opacity < 1 || varies(&P::opacity);
+  return !constants.is_transparent() && (constants.opacity < 1 || varies(&P::opacity));
 }
 
 float DisneyMaterial::coverage(const HitPrimvars& at) const {
+  if (constants.is_transparent()) return 1;
   const auto value = [&](float DisneyParameters::*member) {
     float product = constants.*member;
     for (const MaterialTexture& texture : textures)

@@ -46,7 +46,12 @@ DisneyTransmissiveBsdf::DisneyTransmissiveBsdf(const DisneyParameters& p, const 
   if (layered != Layered::both && near_.is_bounded() && !is_black(diffuse_beyond_) && has_layers(p))
     other_side_.emplace(layered == Layered::far ? p : without_layers(p), wo, energy);
   const Ggx ggx = disney_ggx(p.specular_roughness(), p.anisotropic);
-  if (thin_) {
+  if (p.is_transparent()) {
+    const Rgb reflected = near_.specular_albedo(wo);
+    const Rgb left(std::max(1 - reflected.r, 0.0f), std::max(1 - reflected.g, 0.0f), std::max(1 - reflected.b, 0.0f));
+    constexpr Ggx kSmooth{kMinAlpha, kMinAlpha};
+    sheet_ = {{1, Rgb(0.0f), left}, kSmooth, kSmooth};
+  } else if (thin_) {
     const float through = DisneyThinDielectric::roughness_through(p.roughness, p.ior);
     sheet_ = {DielectricBoundary::from(p, side.eta, p.base_color), ggx, disney_ggx(through, p.anisotropic)};
     sheet_.boundary.sheet = true;
@@ -56,7 +61,7 @@ DisneyTransmissiveBsdf::DisneyTransmissiveBsdf(const DisneyParameters& p, const 
     solid_ = {DielectricBoundary::from(p, side.eta, tint, side.inside), ggx};
     if (layered == Layered::far) solid_.boundary.layers_beyond = DisneyLayers::of(p);
   }
-  if (p.is_widened() && share > 0) [[unlikely]]
+  if (p.is_widened() && share > 0 && !p.is_transparent()) [[unlikely]]
     keep_boundary_albedo(p, side.eta);
   const Rgb color = near_.coat_passage(),
             boundary = color * at_boundary([&](const auto&lobe) { return lobe.albedo(wo); });

@@ -13,6 +13,9 @@
 // let through. A pair of directions has one factor, so f stays reciprocal. Light that the layers of a solid do not let
 // out comes back to its inside. A coat's colour is taken once through the wall of a solid, twice through a sheet.
 //
+// A transparent surface (DisneyParameters::is_transparent) has no boundary of its own: its clear share passes straight
+// on what DisneyBsdf's specular lobes leave.
+//
 // The clear boundary does not get back the light that rough facets lose between them, whatever the energy model.
 #pragma once
 

@@ -77,11 +77,11 @@ Signal of_specular_workflow(const Terms& in) {
   return affine(in[0], Vec4f(kSpecularColorOfOne), Vec4f(0)).value();
 }
 
-Signal preview_opacity(const Terms& in) {
+// Inputs: opacity, its threshold and its mode, of which transparent is the default. Returns 1 for that.
+Signal preview_opacity_mode(const Terms& in) {
   const bool thresholded = in[1].is_used(), presence = in.word(2) == "presence" || is_on(in.number(2));
-  if (!thresholded && !presence && (in[0].is_textured() || in[0].constant.x < 1))
-    in.tell("opacityMode transparent is drawn as presence: the highlight goes with the surface");
-  return in[0];
+  const bool partly = in[0].is_textured() || in[0].constant.x < 1;
+  return signal_of(partly && !thresholded && !presence ? 1.0f : 0.0f);
 }
 
 // What a coat does to the parameters below it -------------------------------------------------------------------
@@ -375,7 +375,8 @@ Look preview_surface() {
       {"diffuseRoughness", {}, nullptr, product_of, kLambertRoughness},
       {"coat", {"clearcoat"}},
       {"coatRoughness", {{"clearcoatRoughness", 0.01f}}},
-      {"opacity", {{"opacity", 1}, "opacityThreshold", {"opacityMode", 0, true}}, nullptr, preview_opacity},
+      {"opacity", {{"opacity", 1}}},
+      {"opacityMode", {{"opacity", 1}, "opacityThreshold", {"opacityMode", 0, true}}, nullptr, preview_opacity_mode},
       {"opacityThreshold", {"opacityThreshold"}},
       {"normal", {"normal"}, nullptr, normals_of},
   }, {}, {"occlusion", "displacement"}};

@@ -42,6 +42,28 @@ Vec3f below(const Vec3f& w) {
   return {w.x, w.y, -w.z};
 }
 
+TEST(TransparentSheet, ItsClearSharePassesStraightAndUntintedBelowTheFullHighlight) {
+  DisneyParameters opaque;
+  opaque.base_color = {0.9f, 0.2f, 0.1f};
+  opaque.roughness = 0.1f;
+  DisneyParameters sheet = opaque;
+  sheet.opacity_mode = OpacityMode::transparent, sheet.thin = true, sheet.spec_trans = 0.7f;
+  for (const float degrees : {0.0f, 40.0f, 70.0f}) {
+    const float theta = degrees * kPi / 180;
+    const Vec3f wo(std::sin(theta), 0, std::cos(theta)), mirrored(-wo.x, 0, wo.z);
+    const DisneyTransmissiveBsdf bsdf(sheet, wo, {1.5f, false}, EnergyModel::bounded);
+    Rgb highlight, of_opaque;
+    const Rgb all = bsdf.evaluate(mirrored, &highlight).f_cos;
+    const Rgb whole = DisneyBsdf(opaque, wo, EnergyModel::bounded).evaluate(mirrored, &of_opaque).f_cos;
+    EXPECT_EQ(highlight, of_opaque);
+    EXPECT_NEAR(all.r - highlight.r, 0.3f * (whole.r - of_opaque.r), 0.02f * whole.r);
+    const Rgb passed = bsdf.straight();
+    EXPECT_NEAR(passed.g, 0.7f * (1 - lerp(0.04f, 1.0f, schlick_weight(wo.z))), 0.004f) << degrees;
+    EXPECT_EQ(passed, Rgb(passed.g));
+    EXPECT_FALSE(bsdf.scatters_beyond());
+  }
+}
+
 TEST(FresnelDielectric, KnownValues) {
   EXPECT_NEAR(fresnel_dielectric(1, 1.5f), 0.04f, 1e-7f);
   EXPECT_NEAR(fresnel_dielectric(1, 1 / 1.5f), 0.04f, 1e-7f) << "the same from either side";

@@ -160,6 +160,7 @@ bool is_joined(const Look& look, const LookRow& row) {
   const bool joins = std::any_of(look.rows.begin(), look.rows.end(), [](const LookRow& one) {
     return std::string_view(one.target) == "transmissionColor";
   });
+  if (is_parameter(row) && find_material_parameter(row.target)->words[0]) return true;  // preview_surface_test.cpp
   if (!is_parameter(row) || target == "scatterAnisotropy" || target == "diffTransColor") return true;
   return (target == "baseColor" || target == "specTrans" || target == "thin") && joins;
 }
