@@ -171,11 +171,13 @@ class ContentsOfScene final : public WalkContents {
       return Rgb(float(t[0]), float(t[1]), float(t[2])) * scale_;
     };
     const LightSet& lights = *path_.lights;
-    Rgb met = lights.emitted(segment, false, false, {}, [&](float, float distance) { return passed(distance); });
+    const LobeShares diffuse;
+    Rgb met = lights.emitted(
+        segment, false, false, {}, [&](float, float distance) { return passed(distance); }, 0, &diffuse);
     if (lights.has_shadow_links())
       met += lights.emitted_with_links(
           segment, {}, [](float) { return 1.0f; },
-          [&](uint32_t, float distance) { return distance <= segment.tmax ? passed(distance) : Rgb(0.0f); });
+          [&](uint32_t, float distance) { return distance <= segment.tmax ? passed(distance) : Rgb(0.0f); }, &diffuse);
     if (is_black(met)) return;
     const Layer before = path_.layer;
     if (path_.seeks_layer() || (path_.walk_decides_layer() && events > 0))
