@@ -80,15 +80,22 @@ void sample_lights(const PathContext& context, const VertexBsdf& bsdf, Vertex* v
       const float mis = light->delta ? 1.0f : power_heuristic(light->pdf, pdf);
       Rgb arriving = value.f_cos * light->radiance * (mis / light->pdf) * visible;
       if (origin == Vertex::kSmooth) arriving *= 1 / from.chance;
+      Rgb specular = value.specular;
+      if (light->scales) [[unlikely]] {
+        const Rgb scale = light->scales->of(value.specular);
+        arriving *= scale;
+        specular = share_of(value.specular * light->scales->specular, scale);
+      }
       if (!media.empty()) arriving *= media.transmittance(light->distance);
       direct += arriving;
       if (path->layers) {
-        const Layer layer = path->seeks_layer() ? Layer{Layer::Kind::local, value.specular} : path->layer;
+        const Layer layer = path->seeks_layer() ? Layer{Layer::Kind::local, specular} : path->layer;
         layer.add(path->throughput * arriving, path->layers);
       }
       if (record && !is_black(value.f_cos)) record->light_arrives(path->throughput * arriving, {light->pdf, mis});
       if (!control || !(value.exit_cos > 0)) continue;
       Rgb exit = sent_by_exit_lobe(value, *light) * visible;
+      if (light->scales) exit *= light->scales->diffuse;
       if (origin == Vertex::kSmooth) exit *= 1 / from.chance;
       control->light += path->through_media(exit, light->distance);
     }
@@ -97,6 +104,7 @@ void sample_lights(const PathContext& context, const VertexBsdf& bsdf, Vertex* v
 
   // Add the expectation of the control variate.
   if (!control) return;
+  control->light *= bsdf.exit_color();
   const Rgb expectation = path->throughput * bsdf.subsurface_entry() * control->albedo * control->light;
   path->add_of_walks(expectation);
   if (record) record->add_flat_light(expectation);

@@ -16,30 +16,46 @@ Ray ray_from_vertex(const Path& path) {
   return {path.light_origin, path.ray.dir, path.straight + path.ray.tmax, path.ray.time};
 }
 
-Rgb linked_light_emission(const PathContext& context, const Path& path, bool escaped) {
+Rgb linked_light_emission(const PathContext& context, const Path& path, bool escaped, const LobeShares* shares) {
   const auto weigh = [&path](float light_pdf) { return mis_weight(path, light_pdf); };
   const bool is_clear = escaped && !context.sees_through();
   return path.lights->emitted_with_links(
-      path.ray, path.light_context, weigh, [&](uint32_t link, float distance) -> Rgb {
+      path.ray, path.light_context, weigh,
+      [&](uint32_t link, float distance) -> Rgb {
         if (path.hidden_boundary && !context.scene.casts_shadow(*path.hidden_boundary, link)) return Rgb(0.0f);
         const Ray ray{path.ray.org, path.ray.dir, distance, path.ray.time};
         if (is_clear) return path.through_media(Rgb(1.0f), distance);
         ++context.counters.shadow_rays;
         return path.through_media(linked_visibility(context, ray, link, path.media), distance);
-      });
+      },
+      shares);
 }
 
-}  // namespace
-
-Rgb emission_along(const PathContext& context, const Path& path, bool escaped) {
+Rgb emission_along(const PathContext& context, const Path& path, bool escaped, const LobeShares* shares) {
   const auto weigh = [&path](float light_pdf, float distance) {
     return path.through_media(Rgb(mis_weight(path, light_pdf)), distance - path.straight);
   };
   Rgb light = path.throughput * path.lights->emitted(ray_from_vertex(path), escaped, path.depth == 0,
-                                                     path.light_context, weigh, path.straight);
+                                                     path.light_context, weigh, path.straight, shares);
   if (path.lights->has_shadow_links() && path.from_vertex) [[unlikely]]
-    light += path.throughput * linked_light_emission(context, path, escaped);
+    light += path.throughput * linked_light_emission(context, path, escaped, shares);
   return light;
+}
+
+}  // namespace
+
+Rgb meet_lights(const PathContext& context, bool escaped, Path* path) {
+  if (!context.scene.features.lobe_scales || path->depth == 0) [[likely]] {
+    const Rgb light = emission_along(context, *path, escaped, nullptr);
+    path->add(light);
+    return light;
+  }
+  const Rgb& share = path->specular_share;
+  const LobeShares by_diffuse{Rgb(1.0f) - share, Rgb(0.0f)}, by_specular{Rgb(0.0f), share};
+  const Rgb diffuse = emission_along(context, *path, escaped, &by_diffuse),
+            specular = emission_along(context, *path, escaped, &by_specular);
+  path->add_by_lobes(diffuse, specular);
+  return diffuse + specular;
 }
 
 Rgb surface_emission(const Vertex& v, const Path& path) {

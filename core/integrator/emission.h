@@ -6,10 +6,10 @@
 
 namespace alabaster {
 
-/// Of the lights without geometry on the path's segment, and of infinite ones if the ray `escaped`. A ray that
-/// begins where light was sampled meets those with a shadow link, beyond what casts no shadow for them; so does one
-/// that begins at a hidden boundary which casts one.
-Rgb emission_along(const PathContext& context, const Path& path, bool escaped);
+/// Adds the light of the lights without geometry on the path's segment, and of infinite ones if the ray `escaped`. A
+/// ray that begins where light was sampled meets those with a shadow link, beyond what casts no shadow for them; so
+/// does one that begins at a hidden boundary which casts one. Returns it.
+Rgb meet_lights(const PathContext& context, bool escaped, Path* path);
 
 /// Of the surface at `v`.
 Rgb surface_emission(const Vertex& v, const Path& path);

@@ -84,8 +84,10 @@ void Path::leave(const PathContext& context, const Vertex& v, const VertexBsdf& 
       !media.empty() && context.mode() == SubsurfaceMode::walk && stands_within(context.scene, media, v);
   if (layers) {
     const bool through_clear = walk_decides_layer() && v.kind == Vertex::Kind::interface && sample.side == Side::far;
-    if (seeks_layer()) layer = {Layer::Kind::local, sample.specular};
+    const bool decides = seeks_layer();
+    if (decides) layer = {Layer::Kind::local, sample.specular};
     layer.through_clear = through_clear;
+    if (sample.lobe != Lobe::straight || !may_pass_sheet(v)) layer.is_new = decides;
   }
   if (features && !is_mirror(v, sample.lobe)) features = nullptr;
   Vec3f origin;
@@ -108,6 +110,7 @@ void Path::leave(const PathContext& context, const Vertex& v, const VertexBsdf& 
     straight += ray.tmax;
   } else {
     straight = 0;
+    specular_share = sample.specular;
     lights = &context.scene.lights_of(*v.instance);
     light_context = bsdf.light_context();
     if (keeps_footprints(context)) footprint.scatter(sample.pdf);

@@ -40,6 +40,7 @@ struct Layer {
   Rgb specular{0.0f};          // local: the share of f
   uint32_t events = 0;         // below: of scattering in the walk
   bool through_clear = false;  // local: the path has passed clear walls alone, and its first walk decides again
+  bool is_new = false;         // local: the path's ray left the vertex that decided
 
   void add(const Rgb& light, LightLayers* layers) const {
     switch (kind) {
@@ -94,6 +95,8 @@ struct Path {
   /// which those that it casts no shadow of have been met.
   bool from_vertex = false;
   const Instance* hidden_boundary = nullptr;
+  /// The specular lobes' share of the f at the ray's last vertex; only where lights have scales for lobes.
+  Rgb specular_share{0.0f};
   uint32_t depth = 0;      // vertices before the present one; a walk has one
   uint32_t uncounted = 0;  // of those, no bounces: sheets that it went straight through, and what stands in media
   uint32_t branches = 1;   // that leave the present vertex
@@ -109,6 +112,13 @@ struct Path {
   void add(const Rgb& light) {
     radiance += light;
     if (layers) layer.add(light, layers);
+  }
+  /// The same of light that the ray meets, by the lobes that it left by.
+  void add_by_lobes(const Rgb& diffuse, const Rgb& specular) {
+    if (!layers || layer.kind != Layer::Kind::local || !layer.is_new) return add(diffuse + specular);
+    radiance += diffuse + specular;
+    layers->diffuse += diffuse;
+    layers->specular += specular;
   }
   /// Light that walks of all numbers of scattering events bring: it counts as many.
   void add_of_walks(const Rgb& light) {

@@ -69,6 +69,7 @@ bool find_next_vertex(const PathContext& context, const PixelSampler& sampler, P
     if (exit == Exit::passes) {
       ++path->depth;
       path->from_vertex = true;
+      path->specular_share = Rgb(1.0f);
       path->hidden_boundary = nullptr;  // no ray has met light on the way
       if (!survives_roulette(context, path->walk.roulette, path)) return false;
     }
@@ -95,8 +96,7 @@ bool find_next_vertex(const PathContext& context, const PixelSampler& sampler, P
         path->ray.tmax = hit.t;
         prefetch_triangle(context.scene.instance(hit.instance).prototype->mesh, hit.triangle);
       }
-      const Rgb met = emission_along(context, *path, !found);
-      path->add(met);
+      const Rgb met = meet_lights(context, !found, path);
       if (record) record->meet_light(met);
       if (!found) return end(context, "the ray meets no surface");
       path->travel(context, hit.t);

@@ -175,11 +175,13 @@ class ContentsOfScene final : public WalkContents {
       return Rgb(float(t[0]), float(t[1]), float(t[2])) * scale_;
     };
     const LightSet& lights = *path_.lights;
-    Rgb met = lights.emitted(segment, false, false, {}, [&](float, float distance) { return passed(distance); });
+    const LobeShares diffuse;
+    Rgb met = lights.emitted(
+        segment, false, false, {}, [&](float, float distance) { return passed(distance); }, 0, &diffuse);
     if (lights.has_shadow_links())
       met += lights.emitted_with_links(
           segment, {}, [](float) { return 1.0f; },
-          [&](uint32_t, float distance) { return distance <= segment.tmax ? passed(distance) : Rgb(0.0f); });
+          [&](uint32_t, float distance) { return distance <= segment.tmax ? passed(distance) : Rgb(0.0f); }, &diffuse);
     if (is_black(met)) return;
     const Layer before = path_.layer;
     if (path_.seeks_layer() || (path_.walk_decides_layer() && events > 0))
@@ -430,8 +432,10 @@ Exit find_exit(const PathContext& context, const PixelSampler& sampler, Path* pa
   v->frame = frame_from_normal(
       v->is_mapped ? mapped_normal(instance, placement, exit->hit, full_hit(), *material.normal_map) : v->hit.ns);
   v->exit_layers.reset();
-  if (has_layers) [[unlikely]]
+  if (has_layers) [[unlikely]] {
     v->exit_layers = layers_at(*v, *exit, passed);
+    if (v->exit_layers) path->throughput *= v->exit_layers->layers.coat.passage;
+  }
   if (record) record->leave_body(instance, exit->hit, full_hit(), path->throughput);
   return Exit::vertex;
 }

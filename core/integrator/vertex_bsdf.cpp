@@ -15,7 +15,10 @@ VertexBsdf::Interface::Interface(const PathContext& context, const Vertex& v, co
       factor(passing_factor(v, path.media, beyond)) {}
 
 VertexBsdf::VertexBsdf(const PathContext& context, const Vertex& v, const Path& path)
-    : context_(context), v_(v), incoming_(path.ray.dir), seeks_specular_(path.seeks_layer()) {
+    : context_(context),
+      v_(v),
+      incoming_(path.ray.dir),
+      seeks_specular_(path.seeks_layer() || context.scene.features.lobe_scales) {
   switch (v.kind) {
     case Vertex::Kind::surface:
       bsdf_.emplace<DisneyBsdf>(v.material, v.frame.to_local(-path.ray.dir), context.settings.energy);

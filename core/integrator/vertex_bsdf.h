@@ -64,6 +64,8 @@ class VertexBsdf {
   bool has_twins() const;
   /// The entry weight of walks.
   Rgb subsurface_entry() const { return std::get<DisneyBsdf>(bsdf_).subsurface_entry(); }
+  /// The colour that light takes where walks leave here.
+  Rgb exit_color() const { return std::get<DisneyBsdf>(bsdf_).coat_passage(); }
 
   /// Of an interface: the media on the far side, and a factor of what passes, beside the lobes.
   const MediumStack& media_beyond() const { return std::get<Interface>(bsdf_).beyond; }

@@ -18,6 +18,12 @@ std::span<const Parameter<LightParameters>> light_parameters() {
        "irradiance of a distant light of angle 0."},
       {"exposure", &P::exposure, -64, 64, {},
        "stops", "Multiplies intensity by 2 to this power."},
+      {"diffuse", &P::diffuse, 0, kUnbounded, {},
+       "none", "Multiplies what diffuse lobes send on of the light, and bodies that it scatters in. Not what is seen of "
+       "the light itself."},
+      {"specular", &P::specular, 0, kUnbounded, {},
+       "none", "Multiplies what specular lobes send on of the light: highlights, coats and clear walls. Sheen is "
+       "diffuse."},
       {"color", &P::color, 0, kUnbounded, {},
        "none", "Colour in the rendering space; multiplies intensity."},
       {"enableColorTemperature", &P::enable_color_temperature, -kUnbounded, kUnbounded, {},
@@ -65,6 +71,8 @@ std::span<const Parameter<LightParameters>> light_parameters() {
        "power.", kShaped},
       {"visibleToCamera", &P::visible_to_camera, -kUnbounded, kUnbounded, {},
        "none", "True if camera rays see the light itself."},
+      {"shadow:enable", &P::shadow_enable, -kUnbounded, kUnbounded, {},
+       "none", "False: nothing casts a shadow of the light, as with a shadowLink that holds nothing."},
   };
   // clang-format on
   return kTable;

@@ -21,6 +21,15 @@ namespace alabaster {
 class IesProfile;
 class LightImage;
 
+/// The parameters `diffuse` and `specular` of a light.
+struct LobeScales {
+  float diffuse = 1, specular = 1;
+
+  bool operator==(const LobeScales&) const = default;
+  /// For light that is sent on by lobes of which specular ones have the share `specular_lobes`.
+  Rgb of(const Rgb& specular_lobes) const { return (Rgb(1.0f) - specular_lobes) * diffuse + specular_lobes * specular; }
+};
+
 inline constexpr float kInfinity = std::numeric_limits<float>::infinity();
 
 /// Result of sample(): finite, with pdf > 0 and some radiance. Else sample() returns none.
@@ -33,8 +42,9 @@ struct LightSample {
   bool on_mesh = false;  // the point lies on geometry: on which, and where, as TriangleHit has it
   uint32_t instance = 0, triangle = 0;
   Vec2f place{0, 0};
-  bool of_constant_dome = false;  // of a light that ConstantDomes (light_set.h) may leave to BSDF sampling
-  uint32_t shadow_link = 0;       // LightParameters::shadow_link
+  bool of_constant_dome = false;       // of a light that ConstantDomes (light_set.h) may leave to BSDF sampling
+  uint32_t shadow_link = 0;            // LightParameters::shadow_link
+  const LobeScales* scales = nullptr;  // null: of 1
 
   /// Length of a shadow ray along wi. It stops short of a point on a mesh, so that the light does not shade itself;
   /// lights that are no geometry need no such margin.
@@ -73,7 +83,8 @@ struct LightParameters {
   Matrix4d light_to_world;  // lights emit down their local -z (rect, disk, distant); scale applies to sizes
   Rgb color{1.0f};
   float intensity = 1;
-  float exposure = 0;  // stops
+  float exposure = 0;               // stops
+  float diffuse = 1, specular = 1;  // multiply what diffuse and specular lobes send on of the light
   bool enable_color_temperature = false;
   float color_temperature = 6500;  // kelvin
   Rgb color_of_temperature{1.0f};  // that of blackbody(), in the rendering space; multiplies color where enabled
@@ -100,6 +111,7 @@ struct LightParameters {
   bool ies_normalize = false;              // divides it by its mean, so that it keeps the power
   std::shared_ptr<const Texture> texture;  // rect (rect_disk_light.h); dome: lat-long, USD's orientation (dome_light.h)
   bool visible_to_camera = false;
+  bool shadow_enable = true;  // false: nothing casts its shadows
   // Categories of the scene (SceneDescription); 0: everything.
   uint32_t light_link = 0;   // it lights those that are in it alone
   uint32_t shadow_link = 0;  // those that are in it alone cast its shadows

@@ -15,6 +15,10 @@ LightSet::LightSet(std::vector<Light> lights, Traits traits, size_t sample_all_u
     shadow_links_ = std::move(traits.shadow_links);
     shadow_links_.resize(lights_.size(), 0);
   }
+  if (std::any_of(traits.scales.begin(), traits.scales.end(), [](const LobeScales& s) { return s != LobeScales(); })) {
+    scales_ = std::move(traits.scales);
+    scales_.resize(lights_.size());
+  }
   for (uint32_t i = 0; i < lights_.size(); ++i) {
     const Light& light = lights_[i];
     if (const auto* mesh = std::get_if<MeshLight>(&light))
@@ -42,6 +46,8 @@ std::optional<LightSample> LightSet::sample_light(size_t i, const Vec3f& p, cons
   auto s = std::visit([&](const auto& light) { return light.sample(p, u, n); }, lights_[i]);
   if (!shadow_links_.empty() && s) [[unlikely]]
     s->shadow_link = shadow_links_[i];
+  if (!scales_.empty() && s) [[unlikely]]
+    s->scales = &scales_[i];
   if (!constant_domes_.empty() && s) s->of_constant_dome = is_constant_dome(lights_[i]);
   return s;
 }

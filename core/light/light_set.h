@@ -33,13 +33,19 @@ struct LightSampleContext {
 /// gives nothing there.
 using Horizon = std::array<Vec3f, 2>;
 
+/// The shares of the f that a ray's direction was sampled with.
+struct LobeShares {
+  Rgb diffuse{1.0f}, specular{0.0f};
+};
+
 class LightSet {
  public:
   LightSet() = default;
   /// Beside each light, by its index.
   struct Traits {
-    std::vector<bool> visible_to_camera;  // lights beyond its end are visible
-    std::vector<uint32_t> shadow_links;   // of LightParameters; lights beyond its end have none
+    std::vector<bool> visible_to_camera = {};  // lights beyond its end are visible
+    std::vector<uint32_t> shadow_links = {};   // of LightParameters; lights beyond its end have none
+    std::vector<LobeScales> scales = {};       // lights beyond its end have scales of 1
   };
   /// Up to `sample_all_up_to` lights: one sample of each per point. Samples that face away mostly cost no ray, and no
   /// light adds to another's noise. Above that, one light per point, picked by importance, or by a tree above
@@ -74,10 +80,10 @@ class LightSet {
   /// and, if the ray `escaped` from the scene, infinite ones (distant, dome). Lights do not block rays: all are added,
   /// each weighed by `weigh(pdf)` or `weigh(pdf, distance)`, the pdf that draw(., ray.org, ., u, search) has
   /// for this direction of this light, with the choice in it. Lights with a shadow link are left out, but of camera
-  /// rays.
+  /// rays. `shares`: of the lobes that send the light on; null: it is seen as it is.
   template <class Weigh>
   Rgb emitted(const Ray& ray, bool escaped, bool camera_ray, const LightSampleContext& search, const Weigh& weigh,
-              float tmin = 0) const {
+              float tmin = 0, const LobeShares* shares = nullptr) const {
     Rgb sum(0.0f);
     const auto weight = [&](float pdf, float distance) {
       if constexpr (std::is_invocable_v<const Weigh&, float, float>)
@@ -89,7 +95,7 @@ class LightSet {
       if (camera_ray && !visible_to_camera_[i]) return;
       const auto hit = intersect(i, ray, search.n);
       if (!hit || hit->t < tmin || (hit->t > ray.tmax && !is_infinite(i))) return;  // clipping cuts no sky off
-      sum += hit->radiance * weight(pdf_of(i, *hit, ray.org, search.domes), hit->t);
+      sum += sent_on(i, hit->radiance, shares) * weight(pdf_of(i, *hit, ray.org, search.domes), hit->t);
     };
     if (tree_.empty())
       for (const uint32_t i : finite_) add(i);
@@ -114,14 +120,15 @@ class LightSet {
   /// The same sum for a ray that is no camera ray, of the lights with a shadow link. No surface stops them here:
   /// Rgb `arrives(shadow_link, distance)` is the share of the light that does.
   template <class Weigh, class Arrives>
-  Rgb emitted_with_links(const Ray& ray, const LightSampleContext& search, const Weigh& weigh,
-                         const Arrives& arrives) const {
+  Rgb emitted_with_links(const Ray& ray, const LightSampleContext& search, const Weigh& weigh, const Arrives& arrives,
+                         const LobeShares* shares = nullptr) const {
     Rgb sum(0.0f);
     for (const uint32_t i : shadow_linked_) {
       const auto hit = intersect(i, ray, search.n);
       if (!hit) continue;
       const Rgb share = arrives(shadow_links_[i], hit->t);
-      if (!is_black(share)) sum += hit->radiance * share * weigh(pdf_of(i, *hit, ray.org, search.domes));
+      if (!is_black(share))
+        sum += sent_on(i, hit->radiance, shares) * share * weigh(pdf_of(i, *hit, ray.org, search.domes));
     }
     return sum;
   }
@@ -140,6 +147,11 @@ class LightSet {
 
  private:
   std::optional<LightHit> intersect(size_t i, const Ray& ray, const Vec3f& n) const;
+  Rgb sent_on(size_t i, const Rgb& radiance, const LobeShares* shares) const {
+    if (scales_.empty() || !shares) [[likely]]
+      return radiance;
+    return radiance * (shares->diffuse * scales_[i].diffuse + shares->specular * scales_[i].specular);
+  }
   std::optional<LightSample> sample_light(size_t i, const Vec3f& p, const Vec2f& u, const Vec3f& n) const;
   /// Another point of the unit square for each light, as well spread as u: shifted by Roberts' R2 lattice.
   static Vec2f shifted(const Vec2f& u, size_t i) {
@@ -174,6 +186,7 @@ class LightSet {
   LightTree tree_;  // of more than kMostWeighed lights
   std::vector<bool> visible_to_camera_;
   std::vector<uint32_t> shadow_links_;                                 // empty: no light has one
+  std::vector<LobeScales> scales_;                                     // empty: all are 1
   std::vector<uint32_t> finite_, infinite_;                            // lights that a ray can meet, by index
   std::vector<uint32_t> constant_domes_;                               // by index
   std::vector<uint32_t> shadow_linked_;                                // those with a shadow link that a ray can meet

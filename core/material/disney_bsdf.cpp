@@ -63,11 +63,12 @@ void DisneyBsdf::mix(const DisneyParameters& p) {
 
 void DisneyBsdf::set_probabilities(const Rgb& walked) {
   float weight[kLobes] = {};
-  weight[index(Lobe::diffuse)] = choice_weight(diffuse_.albedo(wo_) * kept_.base + several_albedo_ * lost_);
-  weight[index(Lobe::sheen)] = choice_weight(fibrous() ? layers_->fibres.albedo(wo_) : sheen_.albedo(wo_));
-  weight[index(Lobe::specular)] = choice_weight(specular_.albedo(wo_));
+  const Rgb once = coat_passage(), twice = once * once;
+  weight[index(Lobe::diffuse)] = choice_weight(twice * (diffuse_.albedo(wo_) * kept_.base + several_albedo_ * lost_));
+  weight[index(Lobe::sheen)] = choice_weight(twice * (fibrous() ? layers_->fibres.albedo(wo_) : sheen_.albedo(wo_)));
+  weight[index(Lobe::specular)] = choice_weight(twice * specular_.albedo(wo_));
   weight[index(Lobe::clearcoat)] = choice_weight(coated() ? layers_->coat.albedo(wo_) : clearcoat_.albedo(wo_));
-  weight[index(Lobe::subsurface)] = choice_weight(walked);
+  weight[index(Lobe::subsurface)] = choice_weight(once * walked);  // it has the way in
   if (layers_) {
     weight[index(Lobe::diffuse)] *= passed_layers(wo_);
     weight[index(Lobe::specular)] *= std::sqrt(passed_layers(wo_));
@@ -88,6 +89,9 @@ BsdfValue DisneyBsdf::evaluate(const Vec3f& wi, Rgb* specular) const {
                         : evaluate_below_coat<false, false>(wi, specular);
   BsdfValue sum =
       is_bounded() ? evaluate_below_coat<true, true>(wi, specular) : evaluate_below_coat<true, false>(wi, specular);
+  const Rgb passed = coat_passage() * coat_passage();
+  sum.f_cos *= passed;
+  if (specular) *specular *= passed;
   const float probability = probability_[index(Lobe::clearcoat)];
   if (!coated() || !(probability > 0)) return sum;
   const BsdfValue coat = layers_->coat.evaluate(wo_, wi);
@@ -192,7 +196,8 @@ std::optional<BsdfSample> DisneyBsdf::sample(float u_lobe, const Vec2f& u, Rgb* 
 }
 
 Rgb DisneyBsdf::subsurface_entry() const {
-  return entry_channels_ * (dielectric_ * stays_ * diffuse_transmittance(wo_.z) * passed_layers(wo_));
+  const Rgb entry = entry_channels_ * (dielectric_ * stays_ * diffuse_transmittance(wo_.z) * passed_layers(wo_));
+  return layers_ ? entry * coat_passage() : entry;
 }
 
 float DisneyBsdf::exit_f_cos(const Vec3f& wi) const {
@@ -201,7 +206,8 @@ float DisneyBsdf::exit_f_cos(const Vec3f& wi) const {
 
 Rgb DisneyBsdf::albedo() const {
   if (!(wo_.z > 0)) return Rgb(0.0f);
-  return clamp01(base_color_ * nonmetal_ + schlick(specular_.f0, specular_.f90, wo_.z));
+  const Rgb passage = coat_passage();
+  return clamp01(passage * passage * (base_color_ * nonmetal_ + schlick(specular_.f0, specular_.f90, wo_.z)));
 }
 
 }  // namespace alabaster

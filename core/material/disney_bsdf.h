@@ -64,10 +64,10 @@ class DisneyBsdf {
   std::optional<BsdfSample> sample(float u_lobe, const Vec2f& u, Rgb* specular = nullptr) const;
 
   /// Entry weight of the walk per channel: w (1-metallic)(1-specTrans)(1-diffTrans/2)(1-.5F_V) where scatter_distance >
-  /// 0, else 0. The colour is in the walk's throughput, never here.
+  /// 0, else 0. The medium's colour is in the walk's throughput, never here; a coat's is.
   Rgb subsurface_entry() const;
 
-  /// subsurface_exit_f_cos() where the light entered, under the layers.
+  /// subsurface_exit_f_cos() where the light entered, under the layers, but for coat_passage().
   float exit_f_cos(const Vec3f& wi) const;
 
   /// The estimate of all that it reflects and lets enter by which lobes are chosen; 0 if it does neither.
@@ -78,8 +78,10 @@ class DisneyBsdf {
 
   /// Null: none.
   const DisneyLayers* layers() const { return layers_ ? &*layers_ : nullptr; }
-  /// The share of light that coat and fibres let in or out along `w`.
+  /// The share of light that coat and fibres let in or out along `w`, but for the coat's colour.
   float passed_layers(const Vec3f& w) const { return layers_ ? layers_->passed(w) : 1; }
+  /// DisneyCoat::passage.
+  Rgb coat_passage() const { return layers_ ? layers_->coat.passage : Rgb(1.0f); }
 
   /// The shares that are kept along `w`, w.z > 0. Not for burley2015, which keeps all.
   KeptShares kept(const Vec3f& w) const { return w.z >= safe_cosine_ ? KeptShares() : kept_along(w); }
@@ -88,6 +90,9 @@ class DisneyBsdf {
     return wi.z >= safe_cosine_ ? kept_ : lesser(kept_, kept_along(wi));
   }
   bool is_bounded() const { return energy_ != EnergyModel::burley2015; }
+
+  /// What specular and clearcoat reflect of light along `w`, w.z > 0, per what layers let pass.
+  Rgb specular_albedo(const Vec3f& w) const;
 
   /// Directional albedo estimate for the denoising AOV: diffuse colour, which a clear base has too, plus specular
   /// reflectance at wo.
@@ -108,7 +113,6 @@ class DisneyBsdf {
   float least_safe_cosine() const;
   KeptShares kept_along(const Vec3f& w) const;
   Rgb base_albedo(const Vec3f& w) const;
-  Rgb specular_albedo(const Vec3f& w) const;
   /// The share that is left to the base and the specular lobes by the others: the walk, a clear boundary, coat and
   /// fibres.
   Rgb room(const Vec3f& w) const;
@@ -142,8 +146,9 @@ class DisneyBsdf {
   EnergyModel energy_;
   KeptShares kept_;  // along wo
   float safe_cosine_ = 2;
-  float clear_ = 0;           // the share of a clear boundary, whose lobe is not here
-  Rgb beyond_{0.0f};          // the diffuse albedo of the other side, whose lobe is not here
+  float clear_ = 0;              // the share of a clear boundary, whose lobe is not here
+  bool is_transparent_ = false;  // it lies below specular
+  Rgb beyond_{0.0f};             // the diffuse albedo of the other side, whose lobe is not here
   Rgb several_{0.0f};         // f of several_facets() per lost_among_facets() of both directions; black: there is none
   Rgb several_albedo_{0.0f};  // the directional albedo of several_facets() per lost_among_facets()
   float lost_ = 0;            // along wo

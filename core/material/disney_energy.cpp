@@ -24,12 +24,13 @@ Rgb albedo_of(const DisneySpecular& lobe, const Vec3f& w) {
 }
 
 // How much more of the Lambert term's light passes a coat than of light that leaves evenly: both keep to steep
-// directions. The mean of p (1-.5F) over that of p and of 1-.5F, where p = 1 - k (.04 + .96 F) is the coat's share; the
-// means of F and F^2 are 1/21 and 1/66.
-float lambert_under_coat(float k) {
+// directions. The mean of p (1-.5F) over that of p and of 1-.5F, where p = 1 - k (f0 + (f90 - f0) F) is the coat's
+// share; the means of F and F^2 are 1/21 and 1/66.
+float lambert_under_coat(const DisneyCoat& coat) {
   constexpr float f = 1.0f / 21, f2 = 1.0f / 66;
-  const float both = (1 - 0.04f * k) * (1 - 0.5f * f) - 0.96f * k * (f - 0.5f * f2);
-  return both / ((1 - k * (0.04f + 0.96f * f)) * (1 - 0.5f * f));
+  const float k = coat.weight, rise = coat.f90 - coat.f0;
+  const float both = (1 - coat.f0 * k) * (1 - 0.5f * f) - rise * k * (f - 0.5f * f2);
+  return both / ((1 - k * (coat.f0 + rise * f)) * (1 - 0.5f * f));
 }
 
 // The lobe reflects of the light along `w` what it would with facets of `own`.
@@ -67,6 +68,7 @@ void DisneyBsdf::keep_albedos(const DisneyParameters& p) {
 
 void DisneyBsdf::bound_energy(const DisneyParameters& p) {
   clear_ = nonmetal_ * p.spec_trans;
+  is_transparent_ = p.is_transparent();
   beyond_ = p.diff_trans_color * (dielectric_ * 0.5f * p.diff_trans);
   if (energy_ == EnergyModel::conserving) add_several_facets(p);
   safe_cosine_ = least_safe_cosine();
@@ -118,7 +120,7 @@ Rgb DisneyBsdf::base_albedo(const Vec3f& w) const {
   if (diffuse_.flatness > 0)
     albedo = lerp(albedo, diffuse_.retro_color * flat_albedo(w.z, diffuse_.roughness), diffuse_.flatness);
   if (!is_black(sheen_.color)) albedo += sheen_.color * sheen_albedo(w.z);
-  if (coated()) albedo *= lambert_under_coat(layers_->coat.weight);
+  if (coated()) albedo *= lambert_under_coat(layers_->coat);
   return albedo + beyond_;
 }
 
@@ -136,19 +138,21 @@ Rgb DisneyBsdf::specular_albedo(const Vec3f& w) const {
 }
 
 // The walk of a thick body returns at most its base colour; thin bodies let light through besides, which is not theirs.
+// What the coat's colour takes is left to nobody.
 Rgb DisneyBsdf::room(const Vec3f& w) const {
   float room = 1;
   if (coated())
     room = over(room - max_component(albedo_of(layers_->coat.layer, layers_->coat.frame.to_local(w))),
                 layers_->coat.passed(w));
   if (fibrous()) room = over(room - max_component(layers_->fibres.albedo(w)), layers_->fibres.passed(w.z));
-  const float entry = dielectric_ * stays_ * DisneyDiffuse::lambert_albedo(w.z) *
-                      (coated() ? lambert_under_coat(layers_->coat.weight) : 1);
+  const float entry =
+      dielectric_ * stays_ * DisneyDiffuse::lambert_albedo(w.z) * (coated() ? lambert_under_coat(layers_->coat) : 1);
   return Rgb(room - clear_) - entry_channels_ * walked_color_ * entry;
 }
 
 KeptShares DisneyBsdf::kept_along(const Vec3f& w) const {
-  const Rgb base = base_albedo(w), specular = specular_albedo(w), left = room(w);
+  const Rgb base = base_albedo(w), specular = specular_albedo(w),
+            left = is_transparent_ ? room(w) + specular * clear_ : room(w);
   KeptShares kept;
   for (int c = 0; c < 3; ++c) {
     if (base[c] + specular[c] <= left[c]) continue;

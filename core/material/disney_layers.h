@@ -21,7 +21,8 @@ auto mean_of_cosines(const F& f) {
   return f(0.2123405382f) * 0.1396539598f + f(0.5905331356f) * 0.4584822128f + f(0.9114120405f) * 0.4018638274f;
 }
 
-/// Directions lie on the side that the layers are on; w.z is the cosine to the surface.
+/// Directions lie on the side that the layers are on; w.z is the cosine to the surface. The coat's `passage` is a
+/// factor of its own, once for each time that light passes it.
 struct DisneyLayers {
   CharlieSheen fibres;  // with a roughness: in the place of Burley's sheen, and over all but the coat
   DisneyCoat coat;      // with a weight: in the place of Burley's clearcoat, and over the rest
@@ -32,9 +33,7 @@ struct DisneyLayers {
     DisneyLayers layers;
     if (p.sheen > 0 && p.sheen_roughness > 0)
       layers.fibres = CharlieSheen::from(clamp01(sheen_hue(p) * p.sheen), p.sheen_roughness);
-    if (p.coat > 0)
-      layers.coat =
-          DisneyCoat::from(p.coat, std::max(p.coat_roughness, p.least_roughness), p.coat_normal, p.surface_normal);
+    if (p.coat > 0) layers.coat = DisneyCoat::from(p);
     return layers;
   }
 
@@ -46,7 +45,7 @@ struct DisneyLayers {
   /// The share of light from below, at this cosine, that they send back instead of letting it out.
   Rgb held_back(float cosine) const {
     const float fibres_pass = fibrous() ? fibres.passed(cosine) : 1, coat_passes = coated() ? coat.passed(cosine) : 1;
-    const Rgb by_coat(fibres_pass * (1 - coat_passes));
+    const Rgb by_coat = coat.passage * coat.passage * (fibres_pass * (1 - coat_passes));
     return fibrous() ? by_coat + fibres.color * ((1 - fibres_pass) / max_component(fibres.color)) : by_coat;
   }
   /// held_back() of light in all directions, as Lambert's law has it.

@@ -53,10 +53,17 @@ constexpr auto kParameters = std::to_array<MaterialParameter>({
     {{"clearcoatGloss", &P::clearcoat_gloss, 0, 1, {},
       "none", "Gloss of the clearcoat, from 0 (satin) to 1 (glossy)."}},
     {{"coat", &P::coat, 0, 1, {},
-      "none", "Weight of a clear layer of ior 1.5 over the whole surface, which takes what it reflects from what "
+      "none", "Weight of a clear layer of index coatIor over the whole surface, which takes what it reflects from what "
       "lies below. Above 0 it replaces clearcoat, which is a quarter as strong."}},
     {{"coatRoughness", &P::coat_roughness, 0, 1, {},
       "none", "Perceived roughness of the coat."}},
+    {{"coatIor", &P::coat_ior, 1, 4, {},
+      "none", "Index of refraction of the coat; at 1 it reflects nothing."}},
+    {{"coatColor", &P::coat_color, 0, 1, {},
+      "none", "Colour that white light has once it has passed the coat twice, in and out."}, Texels::colors},
+    {{"coatDarkening", &P::coat_darkening, 0, 1, {},
+      "none", "Share of the darkening and saturation of what lies below a coat by light that the coat sends back to it "
+      "again and again. 0: none."}},
     {{"scatterDistance", &P::scatter_distance, 0, kUnbounded, {},
       "scene unit", "Mean distance that light travels below the surface, per channel; in a scene in metres, as "
       "glTF is, 0.001 is one millimetre. 0 in all channels gives an opaque diffuse surface."}},
@@ -82,6 +89,10 @@ constexpr auto kParameters = std::to_array<MaterialParameter>({
       "surface and within a clear body ignores opacity."}},
     {{"opacityThreshold", &P::opacity_threshold, 0, 1, {},
       "none", "Above 0 the surface is cut out: it is there where opacity reaches the threshold, and nowhere else."}},
+    {{"opacityMode", &P::opacity_mode, -kUnbounded, kUnbounded, {"presence", "transparent"},
+      "none", "transparent: the surface is a sheet, as with thin, and opacity the share of it that is not clear: light "
+      "passes the rest straight on and untinted, below the full highlight, coat and fibres; no light walks below. With "
+      "opacityThreshold it is cut out all the same. Not of metals."}},
     {{"sides", &P::sides, -kUnbounded, kUnbounded, {"mesh", "front", "both"},
       "none", "Sides of the surface that exist. front: back faces are culled for rays of the camera, of shadows and of "
       "light, and do not emit. mesh: as the mesh's doubleSided. A material that lets light below the surface has "
@@ -181,6 +192,16 @@ void DisneyMaterial::evaluate(const HitPrimvars& at, DisneyParameters* p) const 
   }
   if (max_component(p->mean_free_path) > 0) [[unlikely]]
     p->take_mean_free_path();
+  if (p->is_transparent()) [[unlikely]]
+    p->spec_trans = 1 - p->opacity;
+}
+
+void DisneyMaterial::settle_opacity_mode() {
+  DisneyParameters& p = constants;
+  if (p.opacity_threshold > 0) p.opacity_mode = OpacityMode::presence;
+  if (!p.is_transparent()) return;
+  p.thin = true;
+  p.spec_trans = p.opacity < 1 || varies(&P::opacity) ? 1.0f : 0.0f;  // clear somewhere
 }
 
 void DisneyParameters::take_mean_free_path() {
@@ -214,10 +235,11 @@ bool DisneyMaterial::varies_albedo() const {
 }
 
 bool DisneyMaterial::is_partly_opaque() const {
-  return constants.opacity < 1 || varies(&P::opacity);
+  return !constants.is_transparent() && (constants.opacity < 1 || varies(&P::opacity));
 }
 
 float DisneyMaterial::coverage(const HitPrimvars& at) const {
+  if (constants.is_transparent()) return 1;
   const auto value = [&](float DisneyParameters::*member) {
     float product = constants.*member;
     for (const MaterialTexture& texture : textures)

@@ -20,7 +20,7 @@ namespace alabaster {
 enum class Texels { colors, numbers };
 
 /// One row for each parameter of the surface node AlabasterDisney, in the order of schemas/disney_material.json.
-struct MaterialParameter : Parameter<DisneyParameters, Sides> {
+struct MaterialParameter : Parameter<DisneyParameters, Sides, OpacityMode> {
   Texels texels = Texels::numbers;  // numbers are read without conversion
   /// Colours and numbers can be textured; switches cannot.
   constexpr bool is_textured() const { return is_color() || std::holds_alternative<float DisneyParameters::*>(member); }
@@ -49,6 +49,9 @@ struct DisneyMaterial {
   std::optional<NormalMap> normal_map;       // value: the normal in tangent space, of any length; or a height
   std::optional<NormalMap> coat_normal_map;  // of the coat; without it the coat has the mesh's normal
   std::optional<Displacement> displacement;  // meshes are displaced before a snapshot is compiled of them
+
+  /// Once constants and textures are set. A transparent surface is a clear sheet; a threshold cuts it out instead.
+  void settle_opacity_mode();
 
   /// Reads each texture once. Products are clamped to the parameter's range; where one is not finite it becomes the
   /// parameter's default. A mean free path gives its scatter distance.

@@ -13,6 +13,9 @@ namespace alabaster {
 /// The sides of a surface that are there: as the mesh says, its front, or both.
 enum class Sides : uint8_t { mesh, front, both };
 
+/// What the share 1 - opacity of a surface is: not there, or clear below the highlight and the layers of a thin sheet.
+enum class OpacityMode : uint8_t { presence, transparent };
+
 struct DisneyParameters {
   Rgb base_color{0.8f};
   float metallic = 0;
@@ -30,19 +33,23 @@ struct DisneyParameters {
   float sheen_roughness = 0;  // > 0: fibres of this roughness in place of Burley's sheen
   float clearcoat = 0;
   float clearcoat_gloss = 1;
-  float coat = 0;  // > 0: a layer of ior 1.5 over everything, in place of the clearcoat
+  float coat = 0;  // > 0: a clear layer over everything, in place of the clearcoat
   float coat_roughness = 0;
+  float coat_ior = 1.5f;
+  Rgb coat_color{1.0f};      // of white light that is reflected below the coat
+  float coat_darkening = 0;  // share of the light that the coat sends back to what lies below
   /// Unit normals of the coat and of the surface in the local frame. Not rows of the table: the integrator sets them at
   /// a hit.
   Vec3f coat_normal{0, 0, 1}, surface_normal{0, 0, 1};
-  Rgb scatter_distance{0.0f};         // per channel, scene units; 0: Lambert in that channel
-  float scatter_anisotropy = 0;       // Henyey-Greenstein g of the scattering below the surface
-  Rgb mean_free_path{0.0f};           // per channel, scene units; > 0: scatter_distance follows from it
-  float subsurface_weight = 1;        // of medium_albedo() in the opaque dielectric base; the rest is base_color
-  Rgb subsurface_color{-1.0f};        // the medium's albedo; below 0 in all channels: base_color
-  Rgb emission{0.0f};                 // radiance
-  float opacity = 1;                  // the share of the surface that is there
-  float opacity_threshold = 0;        // > 0: present where opacity reaches it, nowhere else
+  Rgb scatter_distance{0.0f};    // per channel, scene units; 0: Lambert in that channel
+  float scatter_anisotropy = 0;  // Henyey-Greenstein g of the scattering below the surface
+  Rgb mean_free_path{0.0f};      // per channel, scene units; > 0: scatter_distance follows from it
+  float subsurface_weight = 1;   // of medium_albedo() in the opaque dielectric base; the rest is base_color
+  Rgb subsurface_color{-1.0f};   // the medium's albedo; below 0 in all channels: base_color
+  Rgb emission{0.0f};            // radiance
+  float opacity = 1;             // the share of the surface that is there
+  float opacity_threshold = 0;   // > 0: present where opacity reaches it, nowhere else
+  OpacityMode opacity_mode = OpacityMode::presence;
   float spec_trans = 0;               // share of the dielectric base that refracts instead of scattering
   bool thin = false;                  // the surface is a sheet without an interior
   Sides sides = Sides::mesh;          // no lobe reads it
@@ -83,6 +90,9 @@ struct DisneyParameters {
 
   /// A coat or fibres, which dim what lies below them.
   bool has_dimming_layers() const { return coat > 0 || (sheen > 0 && sheen_roughness > 0); }
+
+  /// Once settled: a sheet whose clear share lets light pass straight on, untinted, below full specular and layers.
+  bool is_transparent() const { return opacity_mode == OpacityMode::transparent; }
 
   /// Light may go through the surface into an interior, or through the sheet.
   bool transmits() const { return spec_trans > 0 || diff_trans > 0; }

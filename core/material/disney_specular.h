@@ -64,8 +64,8 @@ inline DisneySpecular DisneySpecular::from(const DisneyParameters& p) {
   const Rgb white(1.0f);
   const Rgb tinted =
       (p.specular_tint > 0 ? lerp(white, tint(p.base_color), p.specular_tint) : white) * f0_ior * p.specular_color;
-  // The clear share of the dielectric has a lobe of its own (disney_dielectric.h).
-  const float dielectric = p.specular * (1 - p.spec_trans);
+  // The clear share of the dielectric has a lobe of its own (disney_dielectric.h), or lies below this one.
+  const float dielectric = p.is_transparent() ? p.specular : p.specular * (1 - p.spec_trans);
   const Rgb dielectric_f0 = clamp01(tinted) * dielectric;
   const Rgb dielectric_f90 = Rgb(dielectric * std::min(1.0f, 50 * f0_ior));
   DisneySpecular lobe;

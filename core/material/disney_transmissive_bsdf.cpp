@@ -46,7 +46,12 @@ DisneyTransmissiveBsdf::DisneyTransmissiveBsdf(const DisneyParameters& p, const 
   if (layered != Layered::both && near_.is_bounded() && !is_black(diffuse_beyond_) && has_layers(p))
     other_side_.emplace(layered == Layered::far ? p : without_layers(p), wo, energy);
   const Ggx ggx = disney_ggx(p.specular_roughness(), p.anisotropic);
-  if (thin_) {
+  if (p.is_transparent()) {
+    const Rgb reflected = near_.specular_albedo(wo);
+    const Rgb left(std::max(1 - reflected.r, 0.0f), std::max(1 - reflected.g, 0.0f), std::max(1 - reflected.b, 0.0f));
+    constexpr Ggx kSmooth{kMinAlpha, kMinAlpha};
+    sheet_ = {{1, Rgb(0.0f), left}, kSmooth, kSmooth};
+  } else if (thin_) {
     const float through = DisneyThinDielectric::roughness_through(p.roughness, p.ior);
     sheet_ = {DielectricBoundary::from(p, side.eta, p.base_color), ggx, disney_ggx(through, p.anisotropic)};
     sheet_.boundary.sheet = true;
@@ -56,23 +61,27 @@ DisneyTransmissiveBsdf::DisneyTransmissiveBsdf(const DisneyParameters& p, const 
     solid_ = {DielectricBoundary::from(p, side.eta, tint, side.inside), ggx};
     if (layered == Layered::far) solid_.boundary.layers_beyond = DisneyLayers::of(p);
   }
-  if (p.is_widened() && share > 0) [[unlikely]]
+  if (p.is_widened() && share > 0 && !p.is_transparent()) [[unlikely]]
     keep_boundary_albedo(p, side.eta);
-  const float passed = near_.passed_layers(wo), near = near_.weight(),
-              clear = passed * share * choice_weight(at_boundary([&](const auto&lobe) { return lobe.albedo(wo); })),
-              beyond = passed * choice_weight(diffuse_beyond_ + diffuse_back_), total = near + clear + beyond;
+  const Rgb color = near_.coat_passage(),
+            boundary = color * at_boundary([&](const auto&lobe) { return lobe.albedo(wo); });
+  const float passed = near_.passed_layers(wo), near = near_.weight(), clear = passed * share * choice_weight(boundary),
+              beyond = passed * choice_weight(color * (diffuse_beyond_ + diffuse_back_)), total = near + clear + beyond;
   if (!(total > 0)) return;
   p_near_ = chance_of(near, total);
   p_beyond_ = chance_of(beyond, total);
   p_clear_ = p_beyond_ > 0 ? chance_of(clear, total) : 1 - p_near_;
 }
 
-float DisneyTransmissiveBsdf::left_by_layers(const Vec3f& wi, LayerFactor over) const {
+Rgb DisneyTransmissiveBsdf::left_by_layers(const Vec3f& wi, LayerFactor over) const {
   const Vec3f w = wi.z > 0 ? wi : -wi;
-  if (const DisneyLayers* const near = near_.layers())
-    return wi.z > 0 || layered_ == Layered::both ? (near->*over)(wo_, w) : near->passed(wo_);
+  if (const DisneyLayers* const near = near_.layers()) {
+    const Rgb& passage = near->coat.passage;
+    if (wi.z > 0 || layered_ == Layered::both) return passage * passage * (near->*over)(wo_, w);
+    return passage * near->passed(wo_);
+  }
   const auto& beyond = solid_.boundary.layers_beyond;
-  return beyond && wi.z < 0 ? beyond->passed(w) : 1;
+  return beyond && wi.z < 0 ? beyond->coat.passage * beyond->passed(w) : Rgb(1.0f);
 }
 
 Rgb DisneyTransmissiveBsdf::kept_beyond(const Vec3f& wi) const {
@@ -124,7 +133,7 @@ BsdfValue DisneyTransmissiveBsdf::evaluate(const Vec3f& wi, Rgb* specular) const
   const float passes = wi.z < 0 && near_.reaches(wi) ? 0 : 1;
   const float back = chance_of_back();
   if (wi.z < 0 && p_beyond_ > 0) {
-    Rgb beyond = diffuse_beyond_ * (kInvPi * left_by_layers(wi, &DisneyLayers::over_diffuse));
+    Rgb beyond = diffuse_beyond_ * (left_by_layers(wi, &DisneyLayers::over_diffuse) * kInvPi);
     if (near_.is_bounded()) beyond *= kept_beyond(wi);
     sum.f_cos += beyond * (passes * cosine);
     sum.pdf += p_beyond_ * (1 - back) * cosine * kInvPi;
@@ -135,7 +144,7 @@ BsdfValue DisneyTransmissiveBsdf::evaluate(const Vec3f& wi, Rgb* specular) const
   }
   if (p_clear_ > 0) {
     const LobeValue value = at_boundary([&](const auto& lobe) { return lobe.evaluate(wo_, wi); });
-    const float share = (wi.z > 0 ? reflects_ : passes_ * passes) * left_by_layers(wi, &DisneyLayers::over_clear);
+    const Rgb share = left_by_layers(wi, &DisneyLayers::over_clear) * (wi.z > 0 ? reflects_ : passes_ * passes);
     const Rgb clear = value.f * (share * cosine);
     sum.f_cos += clear;
     sum.pdf += value.pdf * p_clear_;
@@ -149,7 +158,7 @@ Rgb DisneyTransmissiveBsdf::straight() const {
   const Rgb passed = at_boundary([&](const auto& lobe) {
     return lobe.boundary.passed_straight(wo_.z, std::max(lobe.ggx.alpha_x, lobe.ggx.alpha_y));
   });
-  return passed * (passes_ * left_by_layers(-wo_, &DisneyLayers::over_clear));
+  return passed * (left_by_layers(-wo_, &DisneyLayers::over_clear) * passes_);
 }
 
 std::optional<BsdfSample> DisneyTransmissiveBsdf::sample(float u_lobe, const Vec2f& u, Rgb* specular) const {

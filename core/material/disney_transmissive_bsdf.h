@@ -11,7 +11,10 @@
 // Coat, fibres and film lie on both sides of a sheet and on the outer side of a solid. Light that passes is dimmed by
 // those of both sides: by DisneyLayers' factors where both have some, else by the share that the layers of the one side
 // let through. A pair of directions has one factor, so f stays reciprocal. Light that the layers of a solid do not let
-// out comes back to its inside.
+// out comes back to its inside. A coat's colour is taken once through the wall of a solid, twice through a sheet.
+//
+// A transparent surface (DisneyParameters::is_transparent) has no boundary of its own: its clear share passes straight
+// on what DisneyBsdf's specular lobes leave.
 //
 // The clear boundary does not get back the light that rough facets lose between them, whatever the energy model.
 #pragma once
@@ -56,7 +59,7 @@ class DisneyTransmissiveBsdf {
   using LayerFactor = float (DisneyLayers::*)(const Vec3f&, const Vec3f&) const;
   /// The share that the layers leave of light that a lobe below them sends from wi to wo; `over`: DisneyLayers' factor
   /// for it.
-  float left_by_layers(const Vec3f& wi, LayerFactor over) const;
+  Rgb left_by_layers(const Vec3f& wi, LayerFactor over) const;
   /// The share that is kept of light that is scattered from wi, on the far side, to wo.
   Rgb kept_beyond(const Vec3f& wi) const;
 

@@ -93,6 +93,7 @@ struct SceneFeatures {
   bool see_through = false;         // some instance is, and not only where rays begin behind it
   bool motion = false;              // some instance moves or deforms: rays have a time
   bool visible_background = false;  // a dome that the camera sees: the background is opaque
+  bool lobe_scales = false;         // a light has scales for lobes: rays keep the shares of those that they left by
 };
 
 struct InstanceArray;

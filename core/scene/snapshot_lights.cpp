@@ -33,6 +33,15 @@ bool is_usable(const LightParameters& d, const DiagnosticSink& sink, std::vector
   return false;
 }
 
+// A category that nothing is in.
+uint32_t category_of_nothing(const SceneDescription& scene) {
+  uint32_t last = 0;
+  for (const LightParameters& light : scene.lights) last = std::max({last, light.light_link, light.shadow_link});
+  for (const auto& set : scene.category_sets)
+    if (!set.empty()) last = std::max(last, set.back());
+  return last + 1;
+}
+
 class LightCompiler {
  public:
   LightCompiler(const LightSources& sources, SceneSnapshot* snapshot) : sources_(sources), snapshot_(snapshot) {}
@@ -48,6 +57,7 @@ class LightCompiler {
     std::vector<Light> lights;
     LightSet::Traits traits;
     std::vector<uint32_t> light_links;
+    const uint32_t nothing = category_of_nothing(sources_.description);
     for (const auto& d : sources_.description.lights) {
       if (!is_usable(d, sources_.sink, &snapshot_->left_out)) continue;
       in_name_of(d.name, [&] {
@@ -55,7 +65,9 @@ class LightCompiler {
       });
       keep_image(lights.back());
       traits.visible_to_camera.push_back(d.visible_to_camera);
-      traits.shadow_links.push_back(d.shadow_link);
+      traits.shadow_links.push_back(d.shadow_enable ? d.shadow_link : nothing);
+      traits.scales.push_back({d.diffuse, d.specular});
+      snapshot_->features.lobe_scales |= traits.scales.back() != LobeScales();
       light_links.push_back(d.light_link);
       snapshot_->features.visible_background |= d.type == LightType::dome && d.visible_to_camera;
     }
@@ -81,6 +93,7 @@ class LightCompiler {
     for (uint32_t link = 1; link <= shadow_links; ++link) {
       auto& casters = snapshot_->shadow_casters.emplace_back();
       for (const auto& set : sets) casters.push_back(holds(set, link));
+      if (sets.empty()) casters.push_back(false);  // all instances have set 0
     }
     if (std::all_of(light_links.begin(), light_links.end(), [](uint32_t link) { return link == 0; })) return;
     std::map<uint32_t, std::vector<size_t>> of_link;
@@ -107,6 +120,7 @@ class LightCompiler {
       some.push_back(lights[i]);
       of_some.visible_to_camera.push_back(i >= traits.visible_to_camera.size() || traits.visible_to_camera[i]);
       of_some.shadow_links.push_back(i < traits.shadow_links.size() ? traits.shadow_links[i] : 0);
+      of_some.scales.push_back(i < traits.scales.size() ? traits.scales[i] : LobeScales());
     }
     return std::make_shared<const LightSet>(std::move(some), std::move(of_some), kSampleAllUpTo);
   }

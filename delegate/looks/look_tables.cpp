@@ -77,21 +77,64 @@ Signal of_specular_workflow(const Terms& in) {
   return affine(in[0], Vec4f(kSpecularColorOfOne), Vec4f(0)).value();
 }
 
-Signal preview_opacity(const Terms& in) {
+// Inputs: opacity, its threshold and its mode, of which transparent is the default. Returns 1 for that.
+Signal preview_opacity_mode(const Terms& in) {
   const bool thresholded = in[1].is_used(), presence = in.word(2) == "presence" || is_on(in.number(2));
-  if (!thresholded && !presence && (in[0].is_textured() || in[0].constant.x < 1))
-    in.tell("opacityMode transparent is drawn as presence: the highlight goes with the surface");
-  return in[0];
+  const bool partly = in[0].is_textured() || in[0].constant.x < 1;
+  return signal_of(partly && !thresholded && !presence ? 1.0f : 0.0f);
+}
+
+// What a coat does to the parameters below it -------------------------------------------------------------------
+
+void tell_coat(const Terms& in) {
+  in.tell("a coat does not change the roughness, ior and emission below it where some of these have textures");
+}
+
+/// `asked` below a coat of the weight in[weight] is `coated(asked)` by that share.
+template <class F>
+Signal below_coat(const Terms& in, size_t weight, const Signal& asked, bool is_alone, const F& coated) {
+  if (!in[weight].is_used()) return asked;
+  if (!is_alone || asked.is_textured() || in[weight].is_textured()) return tell_coat(in), asked;
+  const float c = std::min(in.number(weight), 1.0f), bare = asked.constant.x;
+  return signal_of(bare + (coated(bare) - bare) * c);
+}
+
+// Inputs: luminance, colour, coat, its colour.
+Signal coated_emission(const Terms& in) {
+  const Signal emission = product(in[0], in[1]).value_or(in[1]);
+  const bool is_clear = !in[3].is_textured() && in[3].rgb() == Vec3f(1);
+  if (!emission.is_used() || !in[2].is_used() || is_clear) return emission;
+  std::optional<Signal> passed;
+  if (!in[2].is_textured()) passed = mixture(signal_of(1.0f), in[3], Vec4f(std::min(in.number(2), 1.0f)));
+  if (passed) passed = product(emission, *passed);
+  if (!passed) tell_coat(in);
+  return passed.value_or(emission);
 }
 
 // OpenPBR -------------------------------------------------------------------------------------------------------
 
 // Along the tangent alpha is roughness^2 (2 / (1 + (1 - a)^2))^.5, across 1 - a of it; ours have the product
-// roughness^4.
+// roughness^4. Below a coat of roughness r_c it is (r^4 + 2 r_c^4)^.25 at most 1 (OpenPBR 1.1.1, "Coat", "Roughening").
 Signal open_pbr_roughness(const Terms& in) {
   const float across = 1 - std::min(in.number(1), 0.999f);
   const float scale = std::pow(2 * across / (1 + across * across), 0.25f);
-  return affine(in[0], Vec4f(scale), Vec4f(0)).value();
+  Signal roughness = in[0];
+  if (in[3].is_used())
+    roughness = below_coat(in, 2, in[0], !in[3].is_textured(), [&](float r) {
+      const float c = in.number(3);
+      return std::pow(std::min(r * r * r * r + 2 * c * c * c * c, 1.0f), 0.25f);
+    });
+  return affine(roughness, Vec4f(scale), Vec4f(0)).value();
+}
+
+// Inputs: ior, coat, its ior, transmission. Below a coat that of the base over the coat's, the greater by the lesser
+// ("Coat", "Total internal reflection").
+Signal open_pbr_ior(const Terms& in) {
+  if (in[3].is_used()) return in[0];
+  return below_coat(in, 1, in[0], !in[2].is_textured(), [&](float i) {
+    const float n = std::max(in.number(2), 1.0f);
+    return std::max(i / n, n / i);
+  });
 }
 
 // disney_principled ---------------------------------------------------------------------------------------------
@@ -251,6 +294,8 @@ Look standard_surface(const char* type, float base, float base_color) {
       {"dispersion", {"transmission_dispersion"}, clear, inverse, 20},
       {"coat", {"coat"}},
       {"coatRoughness", {{"coat_roughness", 0.1f}}, "coat"},
+      {"coatIor", {{"coat_IOR", 1.5f}}, "coat"},
+      {"coatColor", {{"coat_color", 1}}, "coat"},
       {"sheen", {"sheen"}},
       {"sheenTint", {}, "sheen", product_of, 0},
       {"sheenColor", {{"sheen_color", 1}}, "sheen"},
@@ -258,7 +303,7 @@ Look standard_surface(const char* type, float base, float base_color) {
       {"iridescence", {"thin_film_thickness"}, nullptr, is_positive},
       {"iridescenceThickness", {"thin_film_thickness"}, film},
       {"iridescenceIor", {{"thin_film_IOR", 1.5f}}, film},
-      {"emission", {"emission", {"emission_color", 1}}},
+      {"emission", {"emission", {"emission_color", 1}, "coat", {"coat_color", 1}}, nullptr, coated_emission},
       {"opacity", {{"opacity", 1}}, nullptr, mean},
       {"normal", {"normal"}, nullptr, normals_of},
       {"coatNormal", {"coat_normal"}, "coat", normals_of},
@@ -266,8 +311,6 @@ Look standard_surface(const char* type, float base, float base_color) {
       {{"specular_color", 1}, 1, "metalness"},
       {"diffuse_roughness"},
       {"transmission_extra_roughness", 0, clear},
-      {{"coat_color", 1}, 1, "coat"},
-      {{"coat_IOR", 1.5f}, 1.5f, "coat"},
       {"coat_anisotropy", 0, "coat"},
       {"coat_rotation", 0, "coat_anisotropy"},
       {"coat_affect_color", 0, "coat"},
@@ -282,9 +325,9 @@ Look open_pbr(const char* type) {
   return {{type}, {
       {"baseColor", {{"base_weight", 1}, {"base_color", 0.8f}}},
       {"metallic", {"base_metalness"}},
-      {"roughness", {{"specular_roughness", 0.3f}, "specular_roughness_anisotropy"}, nullptr, open_pbr_roughness},
+      {"roughness", {{"specular_roughness", 0.3f}, "specular_roughness_anisotropy", coat, "coat_roughness"}, nullptr, open_pbr_roughness},
       {"diffuseRoughness", {}, nullptr, product_of, kLambertRoughness},
-      {"ior", {{"specular_ior", 1.5f}}},
+      {"ior", {{"specular_ior", 1.5f}, coat, {"coat_ior", 1.6f}, clear}, nullptr, open_pbr_ior},
       {"specular", {{"specular_weight", 1}}},
       {"specularColor", {{"specular_color", 1}}},
       {"anisotropic", {"specular_roughness_anisotropy"}, nullptr, product_of, 1 / 0.9f},
@@ -301,6 +344,9 @@ Look open_pbr(const char* type) {
       {"dispersion", {"transmission_dispersion_scale", {"transmission_dispersion_abbe_number", 20}}, clear, quotient, 20},
       {"coat", {"coat_weight"}},
       {"coatRoughness", {"coat_roughness"}, coat},
+      {"coatIor", {{"coat_ior", 1.6f}}, coat},
+      {"coatColor", {{"coat_color", 1}}, coat},
+      {"coatDarkening", {{"coat_darkening", 1}}, coat},
       {"sheen", {"fuzz_weight"}},
       {"sheenTint", {}, fuzz, product_of, 0},
       {"sheenColor", {{"fuzz_color", 1}}, fuzz},
@@ -308,16 +354,13 @@ Look open_pbr(const char* type) {
       {"iridescence", {"thin_film_weight"}},
       {"iridescenceThickness", {{"thin_film_thickness", 0.5f}}, film, product_of, 1000},
       {"iridescenceIor", {{"thin_film_ior", 1.4f}}, film},
-      {"emission", {"emission_luminance", {"emission_color", 1}}},
+      {"emission", {"emission_luminance", {"emission_color", 1}, coat, {"coat_color", 1}}, nullptr, coated_emission},
       {"opacity", {{"geometry_opacity", 1}}},
       {"normal", {"geometry_normal"}, nullptr, normals_of},
       {"coatNormal", {"geometry_coat_normal"}, coat, normals_of},
   }, {
       {{"specular_color", 1}, 1, "base_metalness"},
       {"base_diffuse_roughness"},
-      {{"coat_color", 1}, 1, coat},
-      {{"coat_ior", 1.6f}, 1.5f, coat},
-      {{"coat_darkening", 1}, 0, coat},
       {"coat_roughness_anisotropy", 0, coat},
       {"geometry_tangent"},
       {"geometry_coat_tangent", 0, coat},
@@ -335,7 +378,8 @@ Look preview_surface() {
       {"diffuseRoughness", {}, nullptr, product_of, kLambertRoughness},
       {"coat", {"clearcoat"}},
       {"coatRoughness", {{"clearcoatRoughness", 0.01f}}},
-      {"opacity", {{"opacity", 1}, "opacityThreshold", {"opacityMode", 0, true}}, nullptr, preview_opacity},
+      {"opacity", {{"opacity", 1}}},
+      {"opacityMode", {{"opacity", 1}, "opacityThreshold", {"opacityMode", 0, true}}, nullptr, preview_opacity_mode},
       {"opacityThreshold", {"opacityThreshold"}},
       {"normal", {"normal"}, nullptr, normals_of},
   }, {}, {"occlusion", "displacement"}};

@@ -214,7 +214,9 @@ class LookReader {
     const MaterialParameter* const row = find_material_parameter(target);
     if (!row) return;  // normals
     const bool is_switch = std::holds_alternative<bool DisneyParameters::*>(row->member);
+    const bool is_word = row->words[0] != nullptr;  // the signal is its number
     Value value = is_switch         ? Value(signal.constant.x != 0)
+                  : is_word         ? Value(std::string(row->words[size_t(signal.constant.x)]))
                   : row->is_color() ? Value(signal.rgb())
                                     : Value(signal.constant.x);
     // What nobody gave: a constant of 1 beside a texture, and what AlabasterDisney has without it.

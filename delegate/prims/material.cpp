@@ -116,6 +116,7 @@ class MaterialReader {
       if (const auto to_rendering = of_file.empty() ? nullptr : param_.rec709_to_rendering())
         for (const MaterialParameter* row : of_file) convert_color(*row, *to_rendering, &material->constants);
     }
+    material->settle_opacity_mode();
     read_displacement(material.get());
     check_distances(*material);
     if (!material->scatters()) drop_distances(material.get());

@@ -57,7 +57,7 @@ struct Base {
 };
 
 std::vector<Base> bases() {
-  std::vector<Base> all(11);
+  std::vector<Base> all(13);
   all[0].name = "plastic";
   all[1].name = "rough white", all[1].parameters.base_color = Rgb(1.0f), all[1].parameters.roughness = 1;
   all[2].name = "smooth metal", all[2].parameters.metallic = 1, all[2].parameters.roughness = 0;
@@ -71,6 +71,10 @@ std::vector<Base> bases() {
   all[9].parameters.spec_trans = 0.5f;
   all[10].name = "half skin", all[10].parameters.scatter_distance = {1, 0.35f, 0};
   all[10].parameters.subsurface_weight = 0.5f, all[10].parameters.subsurface_color = {1, 0.5f, 0.9f};
+  all[11].name = "stained glass", all[11].parameters.spec_trans = 0.6f, all[11].parameters.coat = 0.8f;
+  all[11].parameters.coat_color = {0.9f, 0.5f, 0.1f}, all[11].parameters.coat_darkening = 1;
+  all[12].name = "window", all[12].parameters.opacity_mode = OpacityMode::transparent;
+  all[12].parameters.thin = true, all[12].parameters.spec_trans = 0.7f;
   return all;
 }
 
@@ -186,7 +190,8 @@ void examine_all_sides(const DisneyParameters& p, const std::string& at, uint64_
 void print_material_parameters(Report& report) {
   Rows rows(
       report, "Materials: each parameter of schemas/disney_material.json",
-      "Each value (min, max, just inside and outside both, 1e-40, 1e-6, 1 + 1e-6, NaN, infinities) on each of eleven\n"
+      "Each value (min, max, just inside and outside both, 1e-40, 1e-6, 1 + 1e-6, NaN, infinities) on each of "
+      "thirteen\n"
       "materials, seen at cosines .9, .1 and 1e-4, energy model `bounded`. Finite: f, pdf and weights of all samples,\n"
       "corners of the domain among them, pdf > 0. Agree: f and pdf of a sample are evaluate()'s, to the bit. The\n"
       "furnace: the brightest of all, found with few samples and measured with many.");

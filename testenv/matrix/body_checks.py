@@ -70,7 +70,7 @@ class LambertFurnace:
 
     @staticmethod
     def asks(scenery):
-        return (scenery.kinds == ("opaque body",) and scenery.any("coat", "fibre sheen", "clearcoat")
+        return (scenery.kinds == ("opaque body",) and scenery.any("coat", "stained coat", "fibre sheen", "clearcoat")
                 and not scenery.any("cut", "camera inside", "normal map", "displacement", "union", "face to face", "rough specular"))
 
     @staticmethod

@@ -36,7 +36,7 @@ class Body:
         self.place = np.eye(4) if place is None else place
         self.material = {} if material is None else material  # shared by bodies of one look
         self.shape, self.hollow, self.displaced, self.bumped, self.set = "ball", False, False, False, None
-        self.labelled = self.weighted = False
+        self.labelled = self.weighted = self.stained = False
         self.inner = None  # place of an opaque ball that is faces of this mesh
 
 
@@ -198,8 +198,9 @@ FEATURES = {  # in the order of the issue
     "ball within": ball_within,
     "weight": sets(subsurfaceWeight=0.4, subsurfaceColor=(1.0,) * 3),
     "weight map": main_has("weighted"),  # of 0 and 1
+    "stained coat": main_has("stained"),
 }
-LAYERS = ("coat", "fibre sheen", "clearcoat", "rough specular")
+LAYERS = ("coat", "stained coat", "fibre sheen", "clearcoat", "rough specular")
 
 
 class Scenery(NamedTuple):
@@ -301,6 +302,9 @@ def material_of(body, look):
         values = {"baseColor": (1.0,) * 3, "specTrans": 1.0, "ior": body.ior, "roughness": look.clear_roughness}
     if body.kind == "cloudy body":
         values.update(baseColor=color, scatterDistance=tuple(4 * d for d in distance))
+    if body.stained:
+        stain = (1.0,) * 3 if look.white else (0.9, 0.5, 0.2)
+        values.update(coat=1.0, coatRoughness=0.3, coatIor=1.8, coatColor=stain, coatDarkening=1.0)
     return {**values, **body.material}
 
 

@@ -47,6 +47,7 @@ QUICK = {
     "glass": ("furnace, viewer", "crops and threads"),
     "opaque body + opacity": ("furnace, viewer", "limit of small distances", "AOVs add up", "crops and threads"),
     "opaque body + coat": ("furnace, as Lambert", "reciprocity", "limit of small distances", "walk and reference", "AOVs add up"),
+    "opaque body + stained coat": ("furnace, as Lambert", "reciprocity", "limit of small distances", "walk and reference", "AOVs add up"),
     "opaque body + fibre sheen": ("furnace, as Lambert", "reciprocity", "limit of small distances", "AOVs add up"),
     "opaque body + clearcoat": ("furnace, as Lambert",),
     "opaque body + touching": ("furnace, viewer", "AOVs add up", "crops and threads"),

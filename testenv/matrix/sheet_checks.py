@@ -15,8 +15,9 @@ FEATURES = {  # of a sheet: parameters that turn it on, and those that make it v
     "specTrans": ({"specTrans": 0.5}, [{"specTrans": 1e-4}]),
     "film": ({"iridescence": 1.0}, [{"iridescence": 1e-4}, {"iridescenceThickness": 0.0}, {"iridescenceIor": 1.0}]),
     "anisotropic": ({"anisotropic": 0.9}, [{"anisotropic": 1e-4}]),
-    "coat": ({"coat": 1.0, "coatRoughness": 0.4}, [{"coat": 1e-4}]),
+    "coat": ({"coat": 1.0, "coatRoughness": 0.4}, [{"coat": 1e-4}, {"coatIor": 1.0}]),
     "sheen": ({"sheen": 1.0, "sheenRoughness": 0.4}, [{"sheen": 1e-4}]),
+    "transparent": ({"opacityMode": "transparent", "opacity": 0.4}, [{"opacity": 0.9999}]),
 }
 OF_METALS = ("film", "anisotropic", "coat", "sheen")
 CORNERS = np.float32([(-50, -50, 0), (50, -50, 0), (50, 50, 0), (-50, 50, 0)])

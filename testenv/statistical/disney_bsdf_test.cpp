@@ -145,6 +145,7 @@ std::vector<NamedParameters> materials() {
   list[6].p = list[1].p;
   list[6].p.coat = 1;
   list[6].p.coat_roughness = 0.3f;
+  list[6].p.coat_ior = 1.8f, list[6].p.coat_color = {0.8f, 0.5f, 0.3f}, list[6].p.coat_darkening = 0.5f;
   list[6].p.coat_normal = list[6].p.surface_normal = normalize(Vec3f(0.3f, -0.2f, 1));
   list[6].exponent = 3;
   list[7].name = "velvet";
@@ -282,7 +283,9 @@ TEST(Furnace, FibresReduceTheBaseByWhatTheyReflect) {
 // A coat takes its reflection from the base: a Lambertian one keeps exactly passed(wo), a rough mirror as much as its
 // albedo allows.
 TEST(Furnace, CoatReducesTheBaseByWhatItReflects) {
-  const DisneyCoat coat = DisneyCoat::from(1, 0.3f);
+  DisneyParameters p;
+  p.coat = 1, p.coat_roughness = 0.3f;
+  const DisneyCoat coat = DisneyCoat::from(p);
   DisneySpecular metal;
   metal.f0 = metal.f90 = Rgb(1.0f);
   metal.ggx = {0.09f, 0.09f};

@@ -600,6 +600,54 @@ def test_a_distant_light_has_the_intensity_of_its_schema():
     same(a, b)
 
 
+def test_a_mesh_is_a_light_by_its_front_and_its_area():
+    floor = """    def Mesh "floor" { int[] faceVertexCounts = [4]
+        int[] faceVertexIndices = [0, 1, 2, 3]
+        point3f[] points = [(-9, -9, 0), (9, -9, 0), (9, 9, 0), (-9, 9, 0)]
+        uniform token subdivisionScheme = "none" }
+"""
+    placed = """ double3 xformOp:translate = (0, 2.5, 2)
+        float3 xformOp:scale = (2, 2, 2)
+        uniform token[] xformOpOrder = ["xformOp:translate", "xformOp:scale"]
+        float inputs:intensity = 5
+        float inputs:exposure = 1
+        bool inputs:normalize = %s }
+"""
+    mesh = """    def Mesh "glow" ( prepend apiSchemas = ["MeshLightAPI"] ) { int[] faceVertexCounts = [4]
+        int[] faceVertexIndices = [0, 3, 2, 1]
+        point3f[] points = [(-0.5, -0.5, 0), (0.5, -0.5, 0), (0.5, 0.5, 0), (-0.5, 0.5, 0)]
+        uniform token subdivisionScheme = "none"
+       """ + placed
+    no_sky = CAMERA[:CAMERA.index("    def DomeLight")]
+    for normalize in ("true", "false"):
+        glow, said = picture(stage("glow_%s.usda" % normalize, floor + mesh % normalize, camera=no_sky))
+        rect, _ = picture(stage("rect_%s.usda" % normalize, floor + '    def RectLight "glow" {' + placed % normalize, camera=no_sky))
+        ratio = mean(glow, "48x24+0+24")[0] / mean(rect, "48x24+0+24")[0]
+        assert "warning" not in said and abs(ratio - 1) < 0.01, (normalize, ratio, said)
+
+
+def test_lights_have_multipliers_and_may_have_no_shadows():
+    lamp = """    def SphereLight "lamp" ( prepend apiSchemas = ["ShadowAPI"] ) { float inputs:radius = 0.1
+        float inputs:intensity = 400
+        %s
+        double3 xformOp:translate = (0, 0, 4)
+        uniform token[] xformOpOrder = ["xformOp:translate"] }
+"""
+    floor = """    def Mesh "floor" { int[] faceVertexCounts = [4]
+        int[] faceVertexIndices = [0, 1, 2, 3]
+        point3f[] points = [(-9, -9, 0), (9, -9, 0), (9, 9, 0), (-9, 9, 0)]
+        uniform token subdivisionScheme = "none" }
+"""
+    no_sky, above, shadow = CAMERA[:CAMERA.index("    def DomeLight")], cube("c", 0).replace("(0, 0, 0)", "(0, 0, 2.5)"), "4x4+34+22"
+    means = {}
+    for name, more, others in (("bare", "", ""), ("shadowed", "", above), ("without", "bool inputs:shadow:enable = false", above),
+                               ("dark", "float inputs:diffuse = 0\n        float inputs:specular = 0", "")):
+        out, said = picture(stage("lamp_%s.usda" % name, floor + lamp % more + others, camera=no_sky))
+        assert "warning" not in said, said
+        means[name] = mean(out, shadow)[0]
+    assert means["shadowed"] < 0.3 * means["bare"] and abs(means["without"] / means["bare"] - 1) < 0.05 and means["dark"] == 0, means
+
+
 def test_a_point_instancer_places_lights():
     lamp = """%sdef SphereLight "%s" { float inputs:radius = 0.1
         float inputs:intensity = 1000

@@ -98,8 +98,9 @@ def _layers(reader, source, surface):
         # Until 3.6 Blender's coat is a quarter as strong, as Disney's is, but a layer of GGX already.
         share = coat if MODERN else reader.changed(coat, (0.25,) * 3, (0.0,) * 3)
         surface["coat"], surface["coatRoughness"] = reader.number(share), reader.number(roughness)
-        if MODERN and min(reader.input(source, "Coat Tint").constant) < 1:
-            reader.note("the tint of a coat is not translated")
+        if MODERN:
+            surface["coatIor"] = max(1.0, reader.input_number(source, "Coat IOR"))
+            surface["coatColor"] = reader.color(reader.input(source, "Coat Tint"))
     sheen = reader.input(source, "Sheen", "Sheen Weight")
     if sheen.textures or sheen.number > 0:
         surface["sheen"] = reader.number(sheen)

@@ -1,13 +1,13 @@
 """Lights of UsdLux. Values that a file leaves out are the schema's, such as intensity 50000 of a DistantLight."""
-from pxr import Gf, Sdf, Usd, UsdGeom, UsdLux
+from pxr import Gf, Sdf, Usd, UsdGeom, UsdLux, UsdShade
 
-from .values import V, asset_value, color_space_of, matrix, to_rec709, token, value_of
+from .values import V, asset_value, color_space_of, matrix, path, to_rec709, token, value_of
 
 TYPES = {"RectLight": "rectLight", "DiskLight": "diskLight", "CylinderLight": "cylinderLight", "SphereLight": "sphereLight",
          "DistantLight": "distantLight", "DomeLight": "domeLight", "DomeLight_1": "domeLight"}
 UNREAD = {"PortalLight": "portals of domes are not read", "GeometryLight": "lights by geometry are not read",
           "PluginLight": "lights of plug-ins are not read"}
-COMMON = ("intensity", "exposure", "color", "enableColorTemperature", "colorTemperature")
+COMMON = ("intensity", "exposure", "diffuse", "specular", "color", "enableColorTemperature", "colorTemperature")
 OWN = {"rectLight": ("normalize", "width", "height", "texture:file"), "diskLight": ("normalize", "radius"),
        "cylinderLight": ("normalize", "radius", "length"), "sphereLight": ("normalize", "radius"), "distantLight": ("normalize", "angle"),
        "domeLight": ("texture:file",)}
@@ -25,8 +25,6 @@ def tell_unread(prim, notes):
         notes.tell(UNREAD[prim.GetTypeName()], prim.GetPath())
     elif prim.GetTypeName().endswith("LightFilter") or prim.GetTypeName() == "LightFilter":
         notes.tell("filters of lights are not read", prim.GetPath())
-    elif prim.HasAPI(UsdLux.MeshLightAPI):
-        notes.tell("meshes are no lights: give the material an emission", prim.GetPath())
 
 
 def light_fields(prim, world, visible, time, up, links, notes):
@@ -35,6 +33,8 @@ def light_fields(prim, world, visible, time, up, links, notes):
     names = COMMON + OWN[kind]
     if prim.HasAPI(UsdLux.ShapingAPI) and kind not in ("distantLight", "domeLight"):
         names += SHAPING
+    if prim.HasAPI(UsdLux.ShadowAPI):
+        names += ("shadow:enable",)
     for name in names:
         attribute = prim.GetAttribute("inputs:" + name)
         value = attribute.Get(time) if attribute else None
@@ -62,18 +62,57 @@ def light_fields(prim, world, visible, time, up, links, notes):
     if not visible:
         fields["visible"] = V("bool", False)
     fields.update(links)
-    _tell(prim, time, notes)
+    _tell(prim, notes)
     return kind, fields
 
 
-def _tell(prim, time, notes):
-    for name in ("diffuse", "specular"):
-        attribute = prim.GetAttribute("inputs:" + name)
-        if attribute and attribute.Get(time) not in (None, 1.0):
-            notes.tell("a light's multipliers diffuse and specular are not read", prim.GetPath())
-    if any(prim.GetAttribute("inputs:shadow:" + n).HasAuthoredValue() for n in ("enable", "color", "distance", "falloff") if
+def is_mesh_light(prim):
+    return prim.HasAPI(UsdLux.MeshLightAPI)
+
+
+def glow_fields(prim, world, time, notes):
+    """The material of a mesh that is a light: its front emits, and nothing else is seen of it."""
+    get = lambda name, otherwise: prim.GetAttribute("inputs:" + name).Get(time) if prim.GetAttribute("inputs:" + name) else otherwise
+    if UsdShade.MaterialBindingAPI(prim).ComputeBoundMaterial()[0]:
+        notes.tell("the materials of meshes that are lights are not drawn", prim.GetPath())
+    if any(get(name, 1.0) != 1.0 for name in ("diffuse", "specular")) or get("shadow:enable", True) is False:
+        notes.tell("the multipliers and shadows of meshes that are lights are not read", prim.GetPath())
+    api = UsdLux.LightAPI(prim)
+    if any(c and is_authored(c) for c in (api.GetLightLinkCollectionAPI(), api.GetShadowLinkCollectionAPI())):
+        notes.tell("links of meshes that are lights are not read", prim.GetPath())
+    strength = get("intensity", 1.0) * 2.0 ** get("exposure", 0.0)
+    if get("normalize", False):
+        area = _area(UsdGeom.Mesh(prim), world, time)
+        strength = strength / area if area > 0 else 0.0
+    color = value_of(get("color", Gf.Vec3f(1)), "color3f")
+    space = color_space_of(prim.GetAttribute("inputs:color")) if prim.GetAttribute("inputs:color") else ""
+    color = (to_rec709(color, space) if space else None) or color
+    tint = UsdLux.BlackbodyTemperatureAsRgb(get("colorTemperature", 6500.0)) if get("enableColorTemperature", False) else (1, 1, 1)
+    _tell(prim, notes)
+    black = V("float3", [0.0, 0.0, 0.0])
+    return {"surface.type": token("AlabasterDisney"), "surface.baseColor": black, "surface.specular": V("float", 0.0),
+            "surface.sides": token("front"), "surface.emission:colorSpace": token("lin_rec709"),
+            "surface.emission": V("float3", [max(0.0, c * t * strength) for c, t in zip(color.data, tint)]), "surface": path("surface.out")}
+
+
+def _area(mesh, world, time):
+    """Of the faces as polygons, in the world."""
+    points = [world.Transform(Gf.Vec3d(p)) for p in mesh.GetPointsAttr().Get(time) or ()]
+    indices, area, at = mesh.GetFaceVertexIndicesAttr().Get(time) or (), 0.0, 0
+    for count in mesh.GetFaceVertexCountsAttr().Get(time) or ():
+        face = [points[i] for i in indices[at:at + count]]
+        at += count
+        normal = Gf.Vec3d(0)
+        for a, b in zip(face[1:], face[2:]):
+            normal += Gf.Cross(a - face[0], b - face[0])
+        area += normal.GetLength() / 2
+    return area
+
+
+def _tell(prim, notes):
+    if any(prim.GetAttribute("inputs:shadow:" + n).HasAuthoredValue() for n in ("color", "distance", "falloff") if
            prim.GetAttribute("inputs:shadow:" + n)):
-        notes.tell("a light's shadows have no settings (inputs:shadow)", prim.GetPath())
+        notes.tell("the colour, distance and falloff of shadows are not read", prim.GetPath())
     filters = prim.GetRelationship("light:filters")
     if filters and filters.GetTargets():
         notes.tell("filters of lights are not read", prim.GetPath())

@@ -526,6 +526,12 @@ class Reader:
         kept = {}
         for (number, subset), material in zip(of, bound):
             name, prim, fields = self.meshes[number]
+            if lights.is_mesh_light(prim):
+                if subset is None:
+                    glow = name + "/light"
+                    self.sink.set(glow, "material", lights.glow_fields(prim, self.world.GetLocalToWorldTransform(prim), self.time, self.notes))
+                    fields["material"] = path(glow)
+                continue
             value = self.looks.bind(material)
             if subset is None:
                 if value:

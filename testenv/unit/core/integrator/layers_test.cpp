@@ -80,6 +80,12 @@ TEST(LayersOverSubsurface, ACoatedHalfSpaceIsLambertUnderTheCoat) {
   expect_lambert(skin(0.5f, 0, 0.8f));
 }
 
+TEST(LayersOverSubsurface, AStainedHalfSpaceIsLambertUnderTheStain) {
+  DisneyParameters p = skin(0.8f, 0.3f, 0.3f);
+  p.coat_ior = 1.9f, p.coat_color = Rgb(0.3f), p.coat_darkening = 0.7f;
+  expect_lambert(p);
+}
+
 TEST(LayersOverSubsurface, AFibrousHalfSpaceIsLambertUnderTheFibres) {
   expect_lambert(skin(0, 1, 0.5f));
   expect_lambert(skin(0.6f, 0.7f, 0.2f));

@@ -79,6 +79,78 @@ void expect_same(const std::vector<Rgb>& a, const std::vector<Rgb>& b, const cha
 
 const float kRoughness[] = {0.02f, 0.3f, 1.0f};  // found by the lobe, by both, by light sampling
 
+/// The light by layer that 256 samples bring of a surface below a panel, in one bounce.
+LightLayers layers_of(const DisneyParameters& p, float size, const LobeScales& scales) {
+  SceneBuilder b;
+  testing::add(&b, b.prototype(testing::sphere_mesh(1, 32, true)), p);
+  LightParameters light = panel(-0.5);
+  light.width = light.height = size;
+  light.intensity = 3 / (size * size);
+  light.diffuse = scales.diffuse, light.specular = scales.specular;
+  b.add(light);
+  PathTracer tracer(b.snapshot(), {1.2, 3.5, 0.4}, {0, 1, 0});
+  tracer.settings.max_depth = 1;
+  LightLayers sum{};
+  for (uint32_t i = 0; i < 256; ++i) {
+    LightLayers one{};
+    const FilmSample seen = tracer.trace(i, &one);
+    const Rgb all = one.emission + one.diffuse + one.specular + one.unscattered + one.single + one.multiple;
+    for (int c = 0; c < 3; ++c) EXPECT_NEAR(seen.color[c], all[c], 1e-5 * (1 + double(all[c])));
+    sum.diffuse += one.diffuse, sum.specular += one.specular;
+    sum.multiple += one.unscattered + one.single + one.multiple;
+  }
+  return sum;
+}
+
+// Of lobes, a coat, a clear sheet and a body, found by light sampling, by the lobe, by both.
+TEST(LobeScales, AreMultiplesOfTheLayersOfOneBounce) {
+  for (const char* kind : {"plain", "coated", "sheet", "body"})
+    for (const float roughness : {0.05f, 0.5f})
+      for (const float size : {0.2f, 4.0f}) {
+        SCOPED_TRACE(std::string(kind) + " " + std::to_string(roughness) + " " + std::to_string(size));
+        DisneyParameters p;
+        p.roughness = roughness, p.base_color = {0.8f, 0.5f, 0.2f};
+        if (kind == std::string("coated")) p.coat = 1, p.coat_roughness = 0.2f, p.sheen = 1;
+        if (kind == std::string("sheet")) p.thin = true, p.spec_trans = 0.5f;
+        if (kind == std::string("body")) p.scatter_distance = {0.2f, 0.1f, 0};
+        const LightLayers whole = layers_of(p, size, {}), scaled = layers_of(p, size, {0.5f, 3});
+        EXPECT_GT(whole.specular.g, 0.01f);
+        for (int c = 0; c < 3; ++c) {
+          EXPECT_NEAR(scaled.diffuse[c], 0.5f * whole.diffuse[c], 1e-4f * (1 + whole.diffuse[c]));
+          EXPECT_NEAR(scaled.specular[c], 3 * whole.specular[c], 1e-4f * (1 + whole.specular[c]));
+          EXPECT_NEAR(scaled.multiple[c], 0.5f * whole.multiple[c], 1e-4f * (1 + std::abs(whole.multiple[c])));
+        }
+        const LightLayers none = layers_of(p, size, {1, 0});
+        EXPECT_EQ(none.specular, Rgb(0.0f));
+      }
+}
+
+TEST(LobeScales, ALightIsSeenAsItIs) {
+  Scene scene(0);
+  LightParameters light = panel(0);
+  light.visible_to_camera = true;
+  light.diffuse = 0.2f, light.specular = 0.5f;
+  scene.shine(light, 0);
+  PathTracer tracer(scene.snapshot(), {0, 0.5, -0.5}, {0, 2, -0.4});
+  EXPECT_EQ(tracer.trace(0).color.g, 3);
+}
+
+TEST(ShadowEnable, NothingCastsTheShadowsOfALightWithout) {
+  for (const float roughness : kRoughness)
+    for (const bool linked : {false, true}) {
+      Scene shadowed(1, glossy(roughness)), alone(1, glossy(roughness));
+      if (!linked) shadowed.description.category_sets.clear(), shadowed.description.instances.back().category_set = 0;
+      shadowed.put(testing::sphere_mesh(0.5f, 16, true), shadowed.material(matt(Rgb(0.0f))), at(-0.8, 1, -0.25),
+                   linked ? 3 : 0);
+      LightParameters light = panel();
+      alone.shine(light, 0);
+      light.shadow_enable = false;
+      shadowed.shine(light, linked ? kA : 0);
+      EXPECT_GT(sum_of(alone.samples()), 0);
+      expect_same(shadowed.samples(), alone.samples(), "without a shadow");
+    }
+}
+
 TEST(LightLinks, AnObjectIsLitByTheLightsOfItsCategories) {
   for (const float roughness : kRoughness) {
     Scene linked(1, glossy(roughness)), alone(0, glossy(roughness));

@@ -163,6 +163,45 @@ TEST(TexturedEmission, LightsAsTheGlowingPartAlone) {
   }
 }
 
+// What a sheet passes of the sun, on the ground and by itself, and that it is there as glass is.
+TEST(TransparentSheet, LightsTheGroundAndIsSeenAsGlassIs) {
+  const auto ground = [](float opacity, bool textured, float threshold, float* alpha) {
+    SceneBuilder b;
+    b.add(b.prototype(testing::plane_mesh(8)), b.material(testing::matt(Rgb(0.8f))));
+    auto glass = std::make_shared<DisneyMaterial>();
+    glass->constants.opacity_mode = OpacityMode::transparent;
+    glass->constants.base_color = Rgb(0.0f), glass->constants.roughness = 0.05f;
+    glass->constants.opacity = textured ? 1 : opacity;
+    glass->constants.opacity_threshold = threshold;
+    if (textured)
+      testing::connect("opacity", std::make_shared<testing::MemoryTexture>(1, std::vector{Rgb(opacity)}), glass.get(),
+                       Channel::r);
+    glass->settle_opacity_mode();
+    if (opacity < 2) b.add(b.prototype(testing::plane_mesh(8)), glass, at_height(1));
+    LightParameters sun;
+    sun.type = LightType::distant;
+    sun.angle = 0;
+    sun.light_to_world = Matrix4d().setAxisAngle(Vec3d(1, 0, 0), -M_PI / 2);
+    b.add(sun);
+    const auto scene = b.snapshot();
+    PathTracer below(scene, {0.3, 0.7, 0.2}), above(scene, {0.3, 5, 0.2});
+    below.settings.max_depth = 1;
+    above.aovs |= aov_bit(Aov::depth);
+    const FilmSample seen = above.trace(0);
+    *alpha = seen.alpha;
+    EXPECT_NEAR(seen.distance, threshold > 0 || opacity > 1 ? 5 : 4, 0.02);
+    return double(below.trace(0).color.g);
+  };
+  float alpha = 0;
+  const double bare = ground(2, false, 0, &alpha);
+  ASSERT_GT(bare, 0.1);
+  for (const bool textured : {false, true}) {
+    EXPECT_NEAR(ground(0.4f, textured, 0, &alpha), bare * 0.6 * 0.96, 0.003 * bare) << textured;
+    EXPECT_EQ(alpha, 1);
+    EXPECT_EQ(ground(0.4f, textured, 0.5f, &alpha), bare) << "cut out by the threshold";
+  }
+}
+
 // A plane below a glowing mesh of two materials, which faces away: each material that has a back gives its half.
 TEST(SidesOfMaterials, DecideOnEmissionBeforeTheMesh) {
   const auto plane_under = [](Sides first, Sides second, bool double_sided) {

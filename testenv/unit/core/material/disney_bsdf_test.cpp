@@ -36,6 +36,9 @@ DisneyParameters random_parameters(Rng& rng) {
   if (rng.next() % 2) p.scatter_distance = color_or_extreme(rng);
   if (rng.next() % 4 == 0) p.coat = unit_or_extreme(rng);
   p.coat_roughness = unit_or_extreme(rng);
+  p.coat_ior = 1 + 3 * unit_or_extreme(rng);
+  p.coat_color = color_or_extreme(rng);
+  p.coat_darkening = unit_or_extreme(rng);
   if (rng.next() % 4 == 0) p.sheen_roughness = unit_or_extreme(rng);
   return p;
 }

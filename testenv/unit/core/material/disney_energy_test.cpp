@@ -98,7 +98,7 @@ TEST(DisneyEnergy, LayersAndFilmsAreBoundedToTwoPercent) {
   for (int i = 0; i < kCases; ++i) {
     DisneyParameters p = published(rng);
     const uint32_t kind = rng.next() % 3;
-    if (kind == 0) p.coat = either(rng, 0, 1), p.coat_roughness = either(rng, 0, 1);
+    if (kind == 0) p.coat = either(rng, 0, 1), p.coat_roughness = either(rng, 0, 1), p.coat_ior = either(rng, 1, 4);
     if (kind == 1) p.sheen_roughness = either(rng, 0, 1);
     if (kind == 2) p.iridescence = either(rng, 0, 1), p.iridescence_thickness = either(rng, 100, 1000);
     const Vec3f wo = along(std::max(0.003f, rng.uniform()), 1.5f * rng.uniform());
@@ -116,6 +116,7 @@ TEST(DisneyEnergy, SurfacesThatLightPassesAreBounded) {
     p.diff_trans = either(rng, 0, 2);
     p.thin = rng.next() % 2;
     if (p.thin) p.flatness = either(rng, 0, 1);
+    if (p.thin && i % 2) p.opacity_mode = OpacityMode::transparent;
     const Vec3f wo = along(std::max(0.003f, rng.uniform()));
     // The index is equal on both sides: light that crosses into another medium has its radiance scaled.
     const DisneyTransmissiveBsdf bsdf(p, wo, {1, false}, EnergyModel::bounded);

@@ -47,6 +47,9 @@ DisneyParameters layered(Rng& rng) {
     p.coat = rng.next() % 2 ? rng.uniform() : 1;
     p.coat_roughness = rng.uniform();
     p.coat_normal = normalize(Vec3f(0.3f * rng.uniform(), 0.3f * rng.uniform(), 1));
+    p.coat_ior = 1 + rng.uniform();
+    p.coat_color = random_color(rng);
+    p.coat_darkening = rng.next() % 2 ? rng.uniform() : 0;
   }
   if (kinds & 2 || !(kinds & 1)) {
     p.sheen = rng.next() % 2 ? rng.uniform() : 1;
@@ -133,6 +136,70 @@ TEST(DisneyLayers, ATiltedCoatIsReciprocalAboutItsOwnNormal) {
     ASSERT_NEAR(f, of_lobe(wi, wo), 1e-3f * f) << i;
   }
   EXPECT_GT(seen, 5000);
+}
+
+/// What a coat leaves of light that comes back from below: OpenPBR 1.1.1, "Coat".
+std::array<double, 3> left_by_coat(const DisneyParameters& p) {
+  const double n = double(p.coat_ior), f0 = std::pow((n - 1) / (n + 1), 2), k = 1 - (1 - f0) / (n * n);
+  std::array<double, 3> left{};
+  for (int c = 0; c < 3; ++c) {
+    const double b = double(p.base_color[c]), a = double(p.subsurface_color.r >= 0 ? p.subsurface_color[c] : b),
+                 w = double(p.subsurface_weight), dielectric = b + (a - b) * w,
+                 e = dielectric + (b - dielectric) * double(p.metallic);
+    const double darkened = 1 + ((1 - k) / (1 - e * k) - 1) * double(p.coat) * double(p.coat_darkening);
+    left[size_t(c)] = (1 + (double(p.coat_color[c]) - 1) * double(p.coat)) * darkened;
+  }
+  return left;
+}
+
+void expect_times(const Rgb& stained, const Rgb& clear, const std::array<double, 3>& left, double power) {
+  for (int c = 0; c < 3; ++c)
+    EXPECT_NEAR(double(stained[c]), double(clear[c]) * std::pow(left[size_t(c)], power), 1e-5 * double(clear[c]) + 1e-6)
+        << c;
+}
+
+TEST(DisneyLayers, ACoatTakesARootOfItsColourAndDarkeningEachTimeThatLightPasses) {
+  Rng rng(testing::run_seed(81), 9);
+  for (int i = 0; i < 2000 && !::testing::Test::HasFailure(); ++i) {
+    DisneyParameters stained = layered(rng);
+    stained.coat = rng.next() % 2 ? 1 : rng.uniform();
+    stained.coat_normal = Vec3f(0, 0, 1);
+    stained.clearcoat = 0;
+    if (rng.next() % 2) stained.subsurface_weight = rng.uniform(), stained.subsurface_color = random_color(rng);
+    const auto left = left_by_coat(stained);
+    DisneyParameters clear = stained;
+    clear.coat_color = Rgb(1.0f), clear.coat_darkening = 0;
+    const Vec3f wo = at_degrees(80 * rng.uniform()), wi = at_degrees(80 * rng.uniform(), 2);
+    const DisneyBsdf a(stained, wo), b(clear, wo);
+    const Rgb coat = DisneyLayers::of(clear)->coat.evaluate(wo, wi).f_cos;
+    expect_times(a.evaluate(wi).f_cos - coat, b.evaluate(wi).f_cos - coat, left, 1);
+    stained.scatter_distance = clear.scatter_distance = Rgb(1.0f);
+    if (!stained.thin)
+      expect_times(DisneyBsdf(stained, wo).subsurface_entry(), DisneyBsdf(clear, wo).subsurface_entry(), left, 0.5);
+    stained.scatter_distance = clear.scatter_distance = Rgb(0.0f);
+    const InterfaceSide side{1.5f, !stained.thin && rng.next() % 2};
+    const DisneyTransmissiveBsdf through(stained, wo, side), as_clear(clear, wo, side);
+    expect_times(through.evaluate(below(wi)).f_cos, as_clear.evaluate(below(wi)).f_cos, left, stained.thin ? 1 : 0.5);
+  }
+}
+
+TEST(DisneyLayers, AWhiteCoatOfIndexOneIsNone) {
+  Rng rng(testing::run_seed(81), 10);
+  for (int i = 0; i < 5000 && !::testing::Test::HasFailure(); ++i) {
+    DisneyParameters coated = layered(rng);
+    coated.coat = 1, coated.coat_ior = 1, coated.coat_color = Rgb(1.0f), coated.coat_darkening = rng.uniform();
+    coated.clearcoat = 0, coated.anisotropic = 0;
+    DisneyParameters bare = coated;
+    bare.coat = 0;
+    const InterfaceSide side{1.5f, !coated.thin && rng.next() % 2};
+    const EnergyModel energy = kModels[rng.next() % 3];
+    const Vec3f wo = at_degrees(85 * rng.uniform());
+    for (const Vec3f& wi : {at_degrees(85 * rng.uniform(), 2), below(at_degrees(85 * rng.uniform(), 2))}) {
+      const Rgb a = DisneyTransmissiveBsdf(coated, wo, side, energy).evaluate(wi).f_cos,
+                b = DisneyTransmissiveBsdf(bare, wo, side, energy).evaluate(wi).f_cos;
+      for (int c = 0; c < 3; ++c) EXPECT_NEAR(a[c], b[c], 1e-4f * b[c] + 1e-7f) << i;
+    }
+  }
 }
 
 /// The share of light from `wi`, on the upper side, that a sheet sends on to both sides.

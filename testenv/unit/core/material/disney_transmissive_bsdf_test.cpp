@@ -26,6 +26,8 @@ DisneyParameters random_parameters(Rng& rng) {
   p.specular_color = color_or_extreme(rng);
   p.clearcoat = unit_or_extreme(rng);
   if (rng.next() % 2) p.coat = unit_or_extreme(rng), p.coat_roughness = unit_or_extreme(rng);
+  p.coat_ior = 1 + 3 * unit_or_extreme(rng), p.coat_color = color_or_extreme(rng);
+  p.coat_darkening = unit_or_extreme(rng);
   if (rng.next() % 2) p.iridescence = unit_or_extreme(rng), p.iridescence_thickness = 1000 * rng.uniform();
   p.sheen = unit_or_extreme(rng);
   p.spec_trans = unit_or_extreme(rng);
@@ -38,6 +40,28 @@ DisneyParameters random_parameters(Rng& rng) {
 
 Vec3f below(const Vec3f& w) {
   return {w.x, w.y, -w.z};
+}
+
+TEST(TransparentSheet, ItsClearSharePassesStraightAndUntintedBelowTheFullHighlight) {
+  DisneyParameters opaque;
+  opaque.base_color = {0.9f, 0.2f, 0.1f};
+  opaque.roughness = 0.1f;
+  DisneyParameters sheet = opaque;
+  sheet.opacity_mode = OpacityMode::transparent, sheet.thin = true, sheet.spec_trans = 0.7f;
+  for (const float degrees : {0.0f, 40.0f, 70.0f}) {
+    const float theta = degrees * kPi / 180;
+    const Vec3f wo(std::sin(theta), 0, std::cos(theta)), mirrored(-wo.x, 0, wo.z);
+    const DisneyTransmissiveBsdf bsdf(sheet, wo, {1.5f, false}, EnergyModel::bounded);
+    Rgb highlight, of_opaque;
+    const Rgb all = bsdf.evaluate(mirrored, &highlight).f_cos;
+    const Rgb whole = DisneyBsdf(opaque, wo, EnergyModel::bounded).evaluate(mirrored, &of_opaque).f_cos;
+    EXPECT_EQ(highlight, of_opaque);
+    EXPECT_NEAR(all.r - highlight.r, 0.3f * (whole.r - of_opaque.r), 0.02f * whole.r);
+    const Rgb passed = bsdf.straight();
+    EXPECT_NEAR(passed.g, 0.7f * (1 - lerp(0.04f, 1.0f, schlick_weight(wo.z))), 0.004f) << degrees;
+    EXPECT_EQ(passed, Rgb(passed.g));
+    EXPECT_FALSE(bsdf.scatters_beyond());
+  }
 }
 
 TEST(FresnelDielectric, KnownValues) {

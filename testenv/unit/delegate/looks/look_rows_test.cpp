@@ -17,6 +17,16 @@ namespace {
 using Inputs = std::map<std::string, Vec3f>;
 using Expected = std::function<Vec3f(const Inputs&)>;
 
+float mixed(double bare, double coated, const Vec3f& coat) {
+  return float(bare + (coated - bare) * std::min(double(coat.x), 1.0));
+}
+/// Emission below a coat.
+Vec3f shining(const Inputs& in, const char* strength, const char* coat) {
+  Vec3f light = in.at(strength) * in.at("emission_color");
+  for (int i = 0; i < 3; ++i) light[i] *= mixed(1, double(in.at("coat_color")[i]), in.at(coat));
+  return light;
+}
+
 // Rows that are no product of their inputs.
 using Named = std::map<std::string, Expected>;
 const std::map<std::string, Named>& formulas() {
@@ -27,6 +37,7 @@ const std::map<std::string, Named>& formulas() {
       {"diffuseRoughness", [](const Inputs&) { return Vec3f(0.43f); }},
       {"anisotropic", [](const Inputs& in) { return in.at("specular_anisotropy") / 0.9f; }},
       {"iridescence", [](const Inputs& in) { return Vec3f(in.at("thin_film_thickness").x > 0 ? 1.0f : 0.0f); }},
+      {"emission", [](const Inputs& in) { return shining(in, "emission", "coat"); }},
       {"opacity", [](const Inputs& in) {
          const Vec3f o = in.at("opacity");
          return Vec3f((o.x + o.y + o.z) / 3);
@@ -34,10 +45,19 @@ const std::map<std::string, Named>& formulas() {
   static const auto open = std::map<std::string, Expected>{
       {"roughness",
        [](const Inputs& in) {  // the geometric mean of both alphas of OpenPBR is the square of ours
-         const double r = in.at("specular_roughness").x, a = in.at("specular_roughness_anisotropy").x;
+         const double bare = in.at("specular_roughness").x, a = in.at("specular_roughness_anisotropy").x,
+                      under = std::pow(bare, 4) + 2 * std::pow(double(in.at("coat_roughness").x), 4),
+                      r = mixed(bare, std::min(1.0, std::pow(under, 0.25)), in.at("coat_weight"));
          const double along = r * r * std::sqrt(2 / (1 + (1 - a) * (1 - a))), across = (1 - a) * along;
          return Vec3f(float(std::sqrt(std::sqrt(along * across))));
        }},
+      {"ior",
+       [](const Inputs& in) {
+         const double i = in.at("specular_ior").x, n = std::max(1.0f, in.at("coat_ior").x);
+         return in.at("transmission_weight").x > 0 ? Vec3f(float(i))
+                                                   : Vec3f(mixed(i, std::max(i / n, n / i), in.at("coat_weight")));
+       }},
+      {"emission", [](const Inputs& in) { return shining(in, "emission_luminance", "coat_weight"); }},
       {"dispersion",
        [](const Inputs& in) {
          return in.at("transmission_dispersion_scale") * (20 / in.at("transmission_dispersion_abbe_number").x);
@@ -140,6 +160,7 @@ bool is_joined(const Look& look, const LookRow& row) {
   const bool joins = std::any_of(look.rows.begin(), look.rows.end(), [](const LookRow& one) {
     return std::string_view(one.target) == "transmissionColor";
   });
+  if (is_parameter(row) && find_material_parameter(row.target)->words[0]) return true;  // preview_surface_test.cpp
   if (!is_parameter(row) || target == "scatterAnisotropy" || target == "diffTransColor") return true;
   return (target == "baseColor" || target == "specTrans" || target == "thin") && joins;
 }

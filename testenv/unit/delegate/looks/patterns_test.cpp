@@ -47,6 +47,22 @@ MaterialConnection from(const char* node, const char* output = "out") {
   return {node, output};
 }
 
+TEST(Coats, WhatIsBelowOneFollowsItOrIsToldOnce) {
+  SampleLook look;
+  look.network.nodes["/s"].parameters = {
+      {"coat_weight", 1.0f}, {"coat_roughness", 0.5f}, {"specular_roughness", 0.0f}, {"emission_luminance", 2.0f}};
+  look.add_image("/t");
+  look.connect("coat_color", "/t");
+  EXPECT_EQ(look.read().parameters.at("roughness"), Value(std::pow(0.125f, 0.25f)));
+  EXPECT_EQ(look.texture("emission"), look.texture("coatColor"));
+  EXPECT_TRUE(look.warnings.empty());
+  look.add_image("/r", "ND_image_float");
+  look.connect("specular_roughness", "/r"), look.connect("coat_weight", "/r");
+  look.read();
+  ASSERT_EQ(look.warnings.size(), 1u);
+  EXPECT_NE(look.warnings[0].find("a coat does not change"), std::string::npos) << look.warnings[0];
+}
+
 TEST(Patterns, ConstantsAreFolded) {
   SampleLook look;
   look.add("/c", "ND_constant_color3", {{"value", Vec3f(0.1f, 0.2f, 0.4f)}});

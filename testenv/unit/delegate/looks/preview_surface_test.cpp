@@ -49,6 +49,20 @@ TEST(PreviewSurface, ConstantsAreParameters) {
   EXPECT_EQ(t.parameter("opacity"), Value(0.3f));
 }
 
+TEST(PreviewSurface, OpacityIsTransparentUnlessItIsAskedForOtherwise) {
+  const auto mode = [](const std::map<Token, Value>& parameters) {
+    PreviewRead t(preview(parameters));
+    EXPECT_TRUE(t.warnings.empty());
+    const auto& all = t.node("/m/surface").parameters;
+    return all.contains("opacityMode") ? all.at("opacityMode").text_or("") : "presence";
+  };
+  EXPECT_EQ(mode({{"opacity", 0.3f}}), "transparent");
+  EXPECT_EQ(mode({{"opacity", 0.3f}, {"opacityMode", Token("transparent")}}), "transparent");
+  EXPECT_EQ(mode({{"opacity", 0.3f}, {"opacityMode", Token("presence")}}), "presence");
+  EXPECT_EQ(mode({{"opacity", 0.3f}, {"opacityThreshold", 0.2f}}), "presence");
+  EXPECT_EQ(mode({}), "presence") << "an opaque surface is no sheet";
+}
+
 TEST(PreviewSurface, TheSpecularWorkflowGivesF0AndNoMetal) {
   PreviewRead t(preview({{"useSpecularWorkflow", 1}, {"specularColor", Vec3f(0.04f, 0.08f, 1)}, {"metallic", 1.0f}}));
   EXPECT_FALSE(t.node("/m/surface").parameters.contains("ior")) << "1.5";

@@ -85,10 +85,12 @@ TEST(StandardSurface, LayersAreThereOnlyWithAWeight) {
 }
 
 TEST(StandardSurface, UnsupportedInputsAreReported) {
-  const StandardRead t(standard({{"diffuse_roughness", 0.5f}, {"coat", 1.0f}, {"coat_color", Vec3f(1, 0, 0)}}));
+  const StandardRead t(
+      standard({{"diffuse_roughness", 0.5f}, {"coat", 1.0f}, {"coat_rotation", 0.2f}, {"coat_anisotropy", 0.5f}}));
   ASSERT_EQ(t.warnings.size(), 1u);
-  EXPECT_NE(t.warnings[0].find("diffuse_roughness, coat_color"), std::string::npos) << t.warnings[0];
-  const StandardRead unused(standard({{"coat_color", Vec3f(1, 0, 0)}, {"transmission_dispersion", 3.0f}}));
+  EXPECT_NE(t.warnings[0].find("diffuse_roughness, coat_anisotropy, coat_rotation"), std::string::npos)
+      << t.warnings[0];
+  const StandardRead unused(standard({{"coat_affect_color", 1.0f}, {"transmission_dispersion", 3.0f}}));
   EXPECT_TRUE(unused.warnings.empty()) << "of layers that have no weight";
 }
 
