@@ -2,6 +2,7 @@
 #include <cmath>
 #include <cstdio>
 #include <filesystem>
+#include <fstream>
 
 #include "core/files/real_path.h"
 #include "delegate/cli/exit_codes.h"
@@ -36,7 +37,7 @@ class RenderCommand {
       if (!a_.pixel) set_products();
       session_.start(console_.sink());
     } catch (const Exit& end) {
-      if (end.code != kUsage) write_stats(stats_, stats_file(), end.code);
+      if (end.code != kUsage && may_be_statistics(stats_file())) write_stats(stats_, stats_file(), end.code);
       throw;
     }
     if (a_.pixel) return trace_pixel();
@@ -376,6 +377,14 @@ class RenderCommand {
     const std::string way = command.empty() ? "add to the command: --pixel " + pixel : "run:\n  " + command;
     console_.sink()(
         {failed ? hd::Severity::error : hd::Severity::warning, "render.sample", "", what + " To see its path, " + way});
+  }
+
+  /// The inputs of a scene that cannot be read are not known: a file of something else may be one.
+  static bool may_be_statistics(const std::string& file) {
+    if (!std::filesystem::exists(file)) return true;
+    std::ifstream in(file);
+    const auto found = nlohmann::json::parse(in, nullptr, false);
+    return found.contains("versions") && found.contains("phases");
   }
 
   void write_stats(const RunStats& stats, const std::string& file, int code) {

@@ -14,12 +14,14 @@ Turntable::Turntable(SceneSession* session, bool lights) : session_(*session) {
 }
 
 void Turntable::turn(double degrees) {
-  if (degrees == 0) return;
-  hd::Matrix4d to_middle, rotation, back;
-  to_middle.setTranslation(-middle_);
-  rotation.setAxisAngle(up_, degrees * std::numbers::pi / 180);
-  back.setTranslation(middle_);
-  const hd::Matrix4d turned = to_middle * rotation * back;
+  hd::Matrix4d turned;
+  if (degrees != 0) {  // without rounding, as they stood
+    hd::Matrix4d to_middle, rotation, back;
+    to_middle.setTranslation(-middle_);
+    rotation.setAxisAngle(up_, degrees * std::numbers::pi / 180);
+    back.setTranslation(middle_);
+    turned = to_middle * rotation * back;
+  }
   for (auto [path, camera] : cameras_) {
     camera.transform *= turned;
     for (auto& sample : camera.transformSamples.values) sample *= turned;

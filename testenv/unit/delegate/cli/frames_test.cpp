@@ -190,6 +190,8 @@ TEST_F(FramesTest, ATurntableIsATurnOfTheCameraAboutTheObjects) {
   EXPECT_LT(mean_difference("l.2.exr", "lights.exr"), 1e-4);
   EXPECT_GT(mean_difference("l.2.exr", "t.2.exr"), 1e-3);
   EXPECT_EQ(render("turn.json", {"--turntable-lights", "-o", "x.exr"}), 2);
+  ASSERT_EQ(render("turn.json", {"--turntable", "8", "--frames", "3,1", "-o", "b.#.exr"}), 0);
+  EXPECT_EQ(pixels("t.1.exr"), pixels("b.1.exr"));
 }
 
 // promise: pipeline.stats.failed
@@ -206,6 +208,8 @@ TEST_F(FramesTest, EachFrameHasStatisticsAndSoHasARunThatFails) {
   json stats = json::parse(std::ifstream(folder_ / "b.json"));
   EXPECT_EQ(stats["status"], "failed");
   EXPECT_EQ(stats["exitCode"], 3);
+  EXPECT_EQ(render("broken.gltf", {"-o", "b.exr", "--stats", "broken.gltf"}), 3);
+  EXPECT_EQ(std::filesystem::file_size(folder_ / "broken.gltf"), 1u) << "an input";
   EXPECT_EQ(render("moving.gltf",
                    {"-o", "b.exr", "--stats", "b.json", "--set", "memoryLimit=1", "--crop", "0,0,20000,20000"}),
             4);
