@@ -135,7 +135,7 @@ std::optional<FrameList> parse_frames(const std::string& text) {
       if (!number) return std::nullopt;
       range.push_back(*number);
       if (const size_t point = word.find('.'); point != std::string::npos)
-        all.digits = std::max(all.digits, word.size() - point - 1);
+        all.digits = std::max(all.digits, word.find_last_not_of('0') - point);
     }
     if (range.empty() || range.size() > 3) return std::nullopt;
     const double first = range[0], last = range.size() > 1 ? range[1] : first;

@@ -1,7 +1,9 @@
 #include "delegate/cli/outputs.h"
 
 #include <algorithm>
+#include <cctype>
 #include <filesystem>
+#include <fstream>
 #include <map>
 
 #include "delegate/cli/command_words.h"
@@ -79,7 +81,10 @@ hd::Rect2i product_window(const hd::RenderSettingsDescription& frame, const hd::
 bool is_there(const hd::RenderSettingsDescription& frame, const hd::RenderProduct& product) {
   hd::Rect2i window = product_window(frame, product);
   if (is_exr(product) && frame.crop) window = {0, 0, frame.width, frame.height};  // which its display window is
-  return hd::host::PictureSize(product.file) == hd::Vec2i(window.width(), window.height());
+  if (hd::host::PictureSize(product.file) != hd::Vec2i(window.width(), window.height())) return false;
+  std::ifstream in(product.file, std::ios::binary);  // every format has our attributes as plain texts
+  const std::string bytes(std::istreambuf_iterator<char>(in), {});
+  return bytes.find("alabaster/incomplete") == std::string::npos;
 }
 
 std::optional<FramePlace> frame_place(const std::string& file) {
@@ -97,6 +102,7 @@ std::optional<FramePlace> frame_place(const std::string& file) {
     size_t end = at + (file[at] == '%' ? 1 : 2), width = 0;
     for (; is_digit(end) && width < 10; ++end) width = 10 * width + size_t(file[end] - '0');
     if (file[at] == '%' && (end >= file.size() || file[end++] != 'd')) continue;
+    if (end < file.size() && std::isalnum(static_cast<unsigned char>(file[end]))) continue;  // of a word
     return FramePlace{at, end, std::max(width, size_t(1)), 0};
   }
   return {};

@@ -69,6 +69,8 @@ class RenderCommand {
         {a_.start_frame && a_.turntable, "--start-frame", "It cannot be given with --turntable."},
         {a_.turntable_lights && !a_.turntable, "--turntable-lights", "It needs --turntable."},
         {a_.skip_existing && !frames, "--skip-existing", "It needs --frames."},
+        {a_.skip_existing && a_.samples, "--skip-existing",
+         "It cannot be given with --samples, which writes no files of frames."},
         {a_.samples && spp, "--samples", "It cannot be given with --spp: its end says how many samples there are."},
         {a_.pixel && !no_checkpoint, "--checkpoint", "It cannot be given with --pixel."},
         {a_.resume && no_checkpoint, "--resume", "It needs --checkpoint FILE."},

@@ -104,12 +104,14 @@ TEST_F(FramesTest, ListsAreThoseOfUsdrecordAndNamesHaveEveryKindOfPlace) {
       {"a.%04d.exr", {"a.0007.exr", "a.0003.exr", "a.0001.exr", "a.-001.exr"}},
       {"b.$F3.exr", {"b.007.exr", "b.003.exr", "b.001.exr", "b.-01.exr"}},
       {"c.$F.exr", {"c.7.exr", "c.3.exr", "c.1.exr", "c.-1.exr"}},
+      {"w.#.100%done.$Fx.exr", {"w.7.100%done.$Fx.exr", "w.3.100%done.$Fx.exr", "w.1.100%done.$Fx.exr"}},
       {"d#.%d.##.exr", {"d#.%d.07.exr", "d#.%d.03.exr", "d#.%d.01.exr", "d#.%d.-1.exr"}}};
   for (const auto& [name, files] : names) {
     ASSERT_EQ(render("moving.gltf", {"--frames", "7,3:-1x-2", "-o", name}), 0) << name;
     for (const std::string& file : files) EXPECT_FALSE(pixels(file).empty()) << file;
   }
   std::string said;
+  ASSERT_EQ(render("moving.gltf", {"--frames", "1.0:2.00", "-o", "g.#.exr"}), 0);
   ASSERT_EQ(render("moving.gltf", {"--frames", "1:2x0.5", "-o", "e.####.#.exr", "--stats", "e.json"}, &said), 0)
       << said;
   for (const char* file : {"e.0001.0.exr", "e.0001.5.exr", "e.0002.0.exr"}) EXPECT_FALSE(pixels(file).empty()) << file;
@@ -194,7 +196,7 @@ TEST_F(FramesTest, ATurntableIsATurnOfTheCameraAboutTheObjects) {
   EXPECT_EQ(pixels("t.1.exr"), pixels("b.1.exr"));
 }
 
-// promise: pipeline.stats.failed
+// promise: pipeline.stats.failed, pipeline.stats.exit_code
 TEST_F(FramesTest, EachFrameHasStatisticsAndSoHasARunThatFails) {
   ASSERT_EQ(render("moving.gltf", {"--frames", "0:4:4", "-o", "f.#.exr", "--stats", "f.##.json"}), 0);
   for (const char* file : {"f.00.json", "f.04.json"}) {
