@@ -82,12 +82,11 @@ void Path::forget_ended_stays(const SceneSnapshot& scene) {
 void Path::leave(const PathContext& context, const Vertex& v, const VertexBsdf& bsdf, const ScatterSample& sample) {
   const bool was_within =
       !media.empty() && context.mode() == SubsurfaceMode::walk && stands_within(context.scene, media, v);
+  const bool decides = seeks_layer();
   if (layers) {
     const bool through_clear = walk_decides_layer() && v.kind == Vertex::Kind::interface && sample.side == Side::far;
-    const bool decides = seeks_layer();
     if (decides) layer = {Layer::Kind::local, sample.specular};
     layer.through_clear = through_clear;
-    if (sample.lobe != Lobe::straight || !may_pass_sheet(v)) layer.is_new = decides;
   }
   if (features && !is_mirror(v, sample.lobe)) features = nullptr;
   Vec3f origin;
@@ -111,6 +110,7 @@ void Path::leave(const PathContext& context, const Vertex& v, const VertexBsdf& 
   } else {
     straight = 0;
     specular_share = sample.specular;
+    layer.is_new = decides;
     lights = &context.scene.lights_of(*v.instance);
     light_context = bsdf.light_context();
     if (keeps_footprints(context)) footprint.scatter(sample.pdf);
@@ -137,6 +137,7 @@ void Path::pass(const Vertex& boundary) {
 
 void Path::enter(const PathContext& context, Vertex* v, float roulette) {
   features = nullptr;
+  layer.is_new = false;
   branches = 1;
   lights = &context.scene.lights_of(*v->instance);
   v->find_medium(context.settings);
