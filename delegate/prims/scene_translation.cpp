@@ -349,13 +349,14 @@ struct SceneTranslator::Run {
   }
 
   // A named set and the set of a material never meet. Among several materials the first that scatters names the set.
+  // What does not scatter is in named ones: bones.
   static std::string set_of(const InstanceDescription& instance, const MeshRecord& mesh) {
     return set_of(scattering_slots(instance), mesh);
   }
   static std::string set_of(const std::vector<size_t>& slots, const MeshRecord& mesh) {
-    if (mesh.subsurface_set.empty() || slots.empty()) return {};
+    if (mesh.subsurface_set.empty()) return {};
     if (mesh.subsurface_set != "byMaterial") return "named " + mesh.subsurface_set;
-    return "material " + mesh.materials[slots.front()].str();
+    return slots.empty() ? std::string() : "material " + mesh.materials[slots.front()].str();
   }
 
   // Bodies that scatter are reported as the unions that they are (core/scene/scene_reports.h). A sheet that spreads

@@ -287,8 +287,9 @@ class ContentOfTheSameMedium:
 
     @staticmethod
     def asks(scenery):
-        # The ball has its material's layers and holes, fills a hollow, and stands out of other shapes.
-        others = ("opacity", "inner shell", "below glass", "glass on its face", *LAYERS)
+        # The ball has its material's layers and holes, fills a hollow, stands out of other shapes, and its wall is tinted by a colour
+        # beside the medium's.
+        others = ("opacity", "inner shell", "below glass", "glass on its face", "weight", *LAYERS)
         return scenery.kind != "opaque body" and "ball within" in scenery.features and not scenery.any(*others)
 
     @staticmethod

@@ -74,6 +74,15 @@ class Edits(unittest.TestCase):
             self.assertEqual(after, picture(hdalabaster.Renderer(milk(**fresh), samples=2)), fresh)
             before = after
 
+    def test_bones_are_walls_in_the_set_of_the_flesh(self):
+        scene = milk((-.1, .1, .1))
+        scene.set_material("/white", baseColor=(1, 1, 1), scatterDistance=(1, 1, 1))
+        scene.set_primvar("/milk", "subsurfaceSet", "hand", "constant")
+        renderer = hdalabaster.Renderer(scene, samples=64)
+        without = pixel(draw(renderer), 8, 8)[0]
+        scene.set_primvar("/stone", "subsurfaceSet", "hand", "constant")
+        self.assertLess(pixel(draw(renderer), 8, 8)[0], 0.9 * without)
+
     def test_settings_are_all_set_or_none(self):
         renderer = hdalabaster.Renderer(square(), samples=4)
         for wrong in [{"samples": 9, "subsurface": "x"}, {"samples": 9, "sampels": 3}, {"seed": 1, "maxDepth": -1}]:

@@ -262,9 +262,9 @@ TEST(MeshSync, SubsurfaceSetsAreNamedOrByMaterial) {
                                           host::PrimvarValue{Interpolation::constant, {}, 3.0f, {}}})
     EXPECT_EQ(dump_with(wrong).find("subsurfaceSet"), std::string::npos);
   EXPECT_EQ(stage.count("mesh.subsurfaceSet"), 2u);
-  // An object that does not scatter is in no set.
+  // An object that does not scatter is in named sets alone.
   mesh.material = Path();
-  EXPECT_EQ(dump_with({Interpolation::constant, {}, Token("body"), {}}).find("subsurfaceSet"), std::string::npos);
+  EXPECT_EQ(dump_with({Interpolation::constant, {}, Token("byMaterial"), {}}).find("subsurfaceSet"), std::string::npos);
 }
 
 TEST(MeshSync, HoldoutAndVisibleToCameraAreConstantFlags) {
