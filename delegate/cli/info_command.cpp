@@ -13,6 +13,7 @@
 #include "delegate/cli/shell_word.h"
 #include "delegate/cli/stopwatch.h"
 #include "delegate/description/scene_names.h"
+#include "delegate/host/input_digests.h"
 #include "delegate/host/parameter_pages.h"
 #include "delegate/support/json_values.h"
 #include "delegate/support/nearest_name.h"
@@ -113,6 +114,8 @@ Json model_json(const hd::host::SceneFacts& model) {
   if (model.timeCodesPerSecond > 0) out["timeCodesPerSecond"] = model.timeCodesPerSecond;
   if (model.range) out["range"] = *model.range;
   if (!model.unread.empty()) out["unread"] = model.unread;
+  out["files"] = Json::object();
+  for (const std::string& file : model.files) out["files"][file] = hd::host::FileDigest(file);
   return out;
 }
 
@@ -284,6 +287,7 @@ void print_choices(const Json& model) {
   for (size_t i = 0; i < animations.size(); ++i)
     std::printf("  %zu%s: %.4g s\n", i, quoted(animations[i]["name"]).c_str(), animations[i]["seconds"].get<double>());
   print("variants", model["variants"], "--variant");
+  if (model["files"].size() > 1) std::printf("files: %zu, which --json lists\n", model["files"].size());
   if (model["upAxis"] != "Y") std::printf("up axis: %s\n", shown(model["upAxis"]).c_str());
   if (model["metersPerUnit"] != 1) std::printf("metres per unit: %.6g\n", model["metersPerUnit"].get<double>());
   if (model.contains("timeCodesPerSecond"))

@@ -1183,6 +1183,36 @@ def test_an_archive_of_a_stage_is_always_the_same():
     assert len(digests) == 1, digests
 
 
+def test_farms_and_info_count_every_layer_and_image():
+    write("farm/sky.usda", '#usda 1.0\ndef DomeLight "sky"\n{\n}\n')
+    write("farm/part.usda", '#usda 1.0\n(\n defaultPrim = "R"\n)\ndef Xform "R"\n{\n' + cube("c", 1.4) + "}\n")
+    write("farm/l.mtlx", """<?xml version="1.0"?>
+<materialx version="1.39"> <standard_surface name="s" type="surfaceshader"/>
+  <surfacematerial name="m" type="material"> <input name="surfaceshader" type="surfaceshader" nodename="s"/> </surfacematerial> </materialx>
+""")
+    image = os.path.join(FOLDER, "farm/i.png")
+    subprocess.run(["oiiotool", "--pattern", "constant:color=0,0,1", "4x4", "3", "-o", image], check=True)
+    body = PREVIEW % ("color3f inputs:diffuseColor.connect = </World/m/t.outputs:rgb>", "i.png") + '    def "p" (references = @part.usda@) { }\n    def "l" (references = @l.mtlx@</MaterialX>) { }\n'
+    file = stage("farm/whole.usda", body)
+    write("farm/whole.usda", open(file).read().replace("metersPerUnit = 1", "metersPerUnit = 1\n    subLayers = [@sky.usda@]"))
+    names = {os.path.join(FOLDER, "farm", n) for n in ("whole.usda", "sky.usda", "part.usda", "l.mtlx")}
+    digests = prims(file)["models"][0]["files"]
+    assert set(digests) == names and all(digests.values()), digests
+    out, task = os.path.join(FOLDER, "farm/f.exr"), os.path.join(FOLDER, "whole_farm/task.sh")
+    code, said = run("farm", file, "-o", out, "--spp", "4", "--size", "32x32", "--tasks", "2")
+    inputs = open(os.path.join(FOLDER, "whole_farm/inputs.txt")).read()
+    assert code == 0 and all("file %s " % n in inputs for n in names | {image}), (said, inputs)
+    for k in "01":
+        subprocess.run(["sh", task, k], check=True, capture_output=True)
+    subprocess.run(["sh", os.path.join(os.path.dirname(task), "merge.sh")], check=True, capture_output=True)
+    one = os.path.join(FOLDER, "farm/one.exr")
+    code, said = run("render", file, "-o", one, "--spp", "4", "--size", "32x32", "--quiet")
+    assert code == 0 and apart(one, out) == 0, (said, apart(one, out))
+    write("farm/sky.usda", '#usda 1.0\ndef DomeLight "sky"\n{\n float inputs:intensity = 2\n}\n')
+    again = subprocess.run(["sh", task, "0"], capture_output=True, text=True)
+    assert again.returncode == 3 and "sky.usda" in again.stderr, (again.returncode, again.stderr)
+
+
 def test_without_openusd_one_command_is_named():
     file = stage("plain.usda", cube("c", 0))
     code, said = run("check", file, environment={"ALABASTER_USD": FOLDER})

@@ -111,7 +111,7 @@ def add_primvars(gprim, inherited, fields, time, notes, constant_only):
 
 def _primvar(primvar, time, notes, gprim):
     value = primvar.Get(time)
-    kind = str(primvar.GetTypeName())
+    kind = str(primvar.GetTypeName()) or "that OpenUSD does not know"
     made = value_of(value, kind)
     if made is None or made.type.startswith(("string", "token", "matrix", "uint", "int64")):
         notes.tell("primvars of type %s are not read" % (kind if made is None or made.type.startswith("matrix") else made.type.replace("[]", "")
