@@ -94,23 +94,6 @@ TEST(LightChoice, ChoosesAsOftenAsItSays) {
   }
 }
 
-// By hand: beside the sphere of radius 1/2 at distance 2, pi L / 16; the sky, pi L.
-TEST(LightChoice, FollowsWhatTheLightsGiveAtThePoint) {
-  const std::vector<Light> lights = {described(LightType::sphere, 16), described(LightType::distant, 1)};
-  EXPECT_NEAR(LightChoice(lights, {0, 0, 0}).probability(0), 0.5f, 1e-6f);
-  EXPECT_NEAR(LightChoice(lights, {0, 0, 1}).probability(0), 0.9f * 0.8f + 0.05f, 1e-6f);
-  EXPECT_NEAR(LightChoice(lights, {0, 0, 4002}).probability(0), 0.05f, 1e-5f);
-}
-
-TEST(LightChoice, OneLightIsCertainAndNoLightIsNone) {
-  const std::vector<Light> one = {described(LightType::sphere, 1)}, dark(3, described(LightType::sphere, 0));
-  EXPECT_EQ(LightChoice(one, {0, 0, 0}).probability(0), 1);
-  EXPECT_EQ(LightChoice(one, {0, 0, 0}).choose(0.99f)->probability, 1);
-  EXPECT_FALSE(LightChoice({}, {0, 0, 0}).choose(0.5f));
-  EXPECT_FALSE(LightChoice(dark, {0, 0, 0}).choose(0.5f));
-  EXPECT_EQ(LightChoice(dark, {0, 0, 0}).probability(2), 0);
-}
-
 // More lights than the importances that are kept, and emissions at the ends of the floats.
 TEST(LightChoice, ManyAndExtremeLights) {
   std::vector<Light> lights;

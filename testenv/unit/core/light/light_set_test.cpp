@@ -2,7 +2,6 @@
 
 #include <gtest/gtest.h>
 
-#include "core/math/frame.h"
 #include "core/sampling/pixel_sampler.h"
 #include "core/sampling/warp.h"
 
@@ -144,24 +143,6 @@ TEST(LightSet, ConstantDomesTakeNoPartInTheChoiceOfALight) {
     set.emitted({p, {0, 1, 0}}, true, false, ConstantDomes::sampled, keep);
     set.emitted({p, {0, 1, 0}}, true, false, ConstantDomes::bsdf_sampling_only, keep);
     EXPECT_EQ(pdfs, (std::vector<float>{pdf_uniform_sphere(), 0})) << others;
-  }
-}
-
-TEST(LightSet, ALeadingDomesNumbersGiveItsSample) {
-  const Vec3f p(0, 0, -3), n = normalize(Vec3f(-0.6f, 0.3f, -0.8f));
-  const std::array<float, 4> u = {0.3f, 0.7f, 0.2f, 0};
-  for (const size_t others : {0u, 1u, 3u, 4u, 20u, 300u}) {
-    const LightSet bright = domed(4, others, 1e-3f);
-    const auto numbers = bright.leading_dome_numbers(p, u);
-    ASSERT_TRUE(numbers) << others;
-    std::vector<Vec3f> directions;
-    for (const LightSample& s : drawn(bright, p, {n, n}, u, {ConstantDomes::sampled, n}))
-      if (std::isinf(s.distance)) directions.push_back(s.wi);
-    ASSERT_EQ(directions.size(), 1u) << others;
-    EXPECT_EQ(directions[0], frame_from_normal(n).to_world(sample_cosine_hemisphere(*numbers))) << others;
-    if (others > 0) {
-      EXPECT_FALSE(domed(4, others, 1e4f).leading_dome_numbers(p, u)) << others;
-    }
   }
 }
 

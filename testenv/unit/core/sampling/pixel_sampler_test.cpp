@@ -105,14 +105,6 @@ TEST(PixelSampler, NumbersAreUniformOverPixels) {
   }
 }
 
-TEST(PixelSampler, IsAFunctionOfItsArgumentsAlone) {
-  EXPECT_EQ(PixelSampler(1, 2).draw(Dimension::bsdf, 3), PixelSampler(1, 2).draw(Dimension::bsdf, 3));
-  EXPECT_NE(PixelSampler(1, 2).draw(Dimension::bsdf, 3), PixelSampler(1, 2).draw(Dimension::bsdf, 4));
-  EXPECT_NE(pixel_seed(1, 2, 0, 0), pixel_seed(2, 1, 0, 0));
-  EXPECT_NE(pixel_seed(1, 2, 0, 0), pixel_seed(1, 2, 1, 0));
-  EXPECT_NE(pixel_seed(1, 2, 0, 0), pixel_seed(1, 2, 0, 1));
-}
-
 TEST(UnitFloat, NeverReachesOne) {
   EXPECT_EQ(to_unit_float(0), 0);
   EXPECT_EQ(to_unit_float(0xffffffffu), kOneMinusEpsilon);
@@ -123,14 +115,6 @@ TEST(Rng, IsPcg32) {
   Rng rng(42, 54);
   for (uint32_t expected : {0xa15c02b7u, 0x7b47f409u, 0xba1d3330u, 0x83d2f293u, 0xbfa4784bu, 0xcbed606eu})
     EXPECT_EQ(rng.next(), expected);
-}
-
-TEST(Rng, StreamsOfSamplesAndBlocksDiffer) {
-  std::set<uint32_t> seen;
-  for (uint32_t index = 0; index < 16; ++index)
-    for (uint32_t depth = 0; depth < 16; ++depth)
-      seen.insert(PixelSampler(7, index).stream(Dimension::subsurface, depth).next());
-  EXPECT_GE(seen.size(), 255u);
 }
 
 }  // namespace

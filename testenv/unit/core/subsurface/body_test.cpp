@@ -86,35 +86,6 @@ TEST(SubsurfaceBody, LeavesALoneObjectOutwardsHoweverItIsWoundOrMirrored) {
     }
 }
 
-TEST(SubsurfaceBody, BelowALoneObjectIsJustInsideItsMesh) {
-  Bodies b;
-  const SubsurfaceBody& body = b.add(sphere_mesh(1, 8, false), placed(1e4, 3)).body();
-  for (uint32_t t = 0; t < b.snapshot().instances[0].prototype->mesh.triangles.size(); ++t) {
-    const SubsurfaceEntry entry = entry_of(b.snapshot(), 0, t);
-    const float depth = dot(entry.hit.p_object - body.below(entry), entry.hit.ng_object);
-    EXPECT_GT(depth, 0);
-    EXPECT_LT(depth, 1e-4f);
-  }
-  const Vec3f p(0.25f, -0.5f, 0.125f);
-  EXPECT_NEAR(length(body.to_walk_space({}, body.members[0].to_body.point(p)) - p), 0, 1e-5);
-}
-
-TEST(SubsurfaceBody, BelowAUnionIsJustInsideTheMemberThatIsEntered) {
-  Bodies b;
-  const auto sphere = SceneBuilder().prototype(sphere_mesh(1, 8, false));
-  const SubsurfaceBody& body = b.add(sphere, placed(1000)).add(sphere, placed(1001.5, 2)).body();
-  ASSERT_TRUE(body.is_union());
-  for (const uint32_t instance : {0u, 1u})
-    for (uint32_t t = 0; t < sphere->mesh.triangles.size(); ++t) {
-      const SubsurfaceEntry entry = entry_of(b.snapshot(), instance, t);
-      const Vec3f below = body.below(entry);
-      const float depth = dot(body.to_walk_space(entry, entry.hit.p) - below, entry.hit.ng);
-      EXPECT_GT(depth, 0);
-      EXPECT_LT(depth, 1e-4f);
-      EXPECT_TRUE(body.contains_in_body_space({below, kAside}, nullptr));
-    }
-}
-
 // Spheres about 0 and 1.5, the second turned inside out; and a plane that contains nothing.
 TEST(SubsurfaceBody, AUnionContainsWhatAnyClosedShellDoes) {
   Bodies b;
@@ -178,19 +149,6 @@ TEST(SubsurfaceBody, AUnionCrossesTheSurfaceThatWasHit) {
   }
 }
 
-TEST(SubsurfaceBody, ManyMembersHaveNoGrids) {
-  const auto sphere = SceneBuilder().prototype(sphere_mesh(1, 8, false));
-  const auto body_of = [&](int members) {
-    Bodies b;
-    for (int i = 0; i < members; ++i) b.add(sphere, placed(3 * i));
-    const SubsurfaceBody& body = b.body();
-    EXPECT_TRUE(body.members.back().room_for_spheres);
-    return std::count_if(body.members.begin(), body.members.end(), [](const auto& m) { return m.distances; });
-  };
-  EXPECT_EQ(body_of(16), 16);
-  EXPECT_EQ(body_of(17), 0);
-}
-
 // A sphere step must keep clear of every member.
 TEST(SubsurfaceBody, NoMemberHasAGridWhereOneCanHaveNone) {
   Bodies b;
@@ -198,28 +156,6 @@ TEST(SubsurfaceBody, NoMemberHasAGridWhereOneCanHaveNone) {
   EXPECT_TRUE(body.members[0].room_for_spheres);
   EXPECT_FALSE(body.bounds_distances());
   for (const SubsurfaceBody::Member& m : body.members) EXPECT_FALSE(m.distances);
-}
-
-// The grid of the sphere is kept with its mesh even so, and counts.
-TEST(SubsurfaceBody, UnusedGridCountsInTheScenesMemory) {
-  const auto bytes_of = [&](float scatter_distance) {
-    Bodies b(scatter_distance);
-    b.add(sphere_mesh(1, 8, false)).add(heap_of_sheets()).body();
-    return b.snapshot().memory_bytes;
-  };
-  EXPECT_GE(bytes_of(0.01f), bytes_of(1) + 100 * 100 * 100);
-}
-
-TEST(MeshInterior, CountsWhatHasBeenBuilt) {
-  const auto plane = SceneBuilder().prototype(testing::plane_mesh(1));
-  const MeshInterior& interior = plane->interior;
-  EXPECT_EQ(interior.memory_bytes(), 0u);
-  const size_t flags = plane->shells().triangle_flags.size();
-  EXPECT_EQ(flags, plane->mesh.triangles.size()) << "an open mesh has flags";
-  EXPECT_EQ(interior.memory_bytes(), flags);
-  const DistanceGrid* grid = interior.distances(plane->mesh);
-  ASSERT_TRUE(grid);
-  EXPECT_EQ(interior.memory_bytes(), flags + grid->memory_bytes());
 }
 
 }  // namespace

@@ -8,9 +8,6 @@
 #include <chrono>
 #include <thread>
 
-#include "core/subsurface/mesh_interior.h"
-#include "testenv/support/scene_builder.h"
-
 namespace alabaster {
 namespace {
 
@@ -60,14 +57,6 @@ TEST(BuiltOnce, ABuilderThatWaitsTakesUpNoOtherTask) {
   helper.join();
   EXPECT_TRUE(shared);
   EXPECT_FALSE(taken);
-}
-
-TEST(MeshInterior, PartsAreBuiltOnce) {
-  const Mesh mesh = testing::sphere_mesh(1, 8, false);
-  const auto object = build_object_scene(make_trace_device({}), mesh, {});
-  const MeshInterior interior;
-  EXPECT_EQ(&interior.shells(mesh, *object), &interior.shells(mesh, *object));
-  EXPECT_EQ(interior.distances(mesh), interior.distances(mesh));
 }
 
 }  // namespace

@@ -153,19 +153,5 @@ TEST(DistanceGrid, RefusesWhatHasNoExtentOrNoEnd) {
   EXPECT_FALSE(build_distance_grid(mesh_of({{0, 0, 0}, {1, 1, 0}, {0, 1, 1}}, sheets), 128));
 }
 
-TEST(DistanceGrid, ScalesExactlyByPowersOfTwo) {
-  const Mesh mesh = random_mesh(10, 3);
-  Mesh scaled = mesh;
-  const float scale = std::ldexp(1.0f, -17);
-  scaled.bounds = {};
-  for (Vec3f& p : scaled.points) scaled.bounds.extend(p *= scale);
-  const auto grid = build_distance_grid(mesh, 64), small = build_distance_grid(scaled, 64);
-  Rng rng(9, 9);
-  for (int i = 0; i < 1000; ++i) {
-    const Vec3f p(rng.uniform() * 2 - 1, rng.uniform() * 2 - 1, rng.uniform() * 2 - 1);
-    EXPECT_EQ(grid->bound(p) * scale, small->bound(p * scale));
-  }
-}
-
 }  // namespace
 }  // namespace alabaster

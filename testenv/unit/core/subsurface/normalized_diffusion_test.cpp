@@ -204,22 +204,5 @@ TEST(NormalizedDiffusion, PowersOfTwoChangeNothing) {
   for (const int exponent : {-20, -7, 1, 20}) EXPECT_EQ(picture(exponent), expected) << "2^" << exponent;
 }
 
-TEST(NormalizedDiffusion, BytesDoNotDependOnThreads) {
-  testing::SceneBuilder b;
-  RenderRequest request = skin_request(1, &b);
-  request.settings.threads = 1;
-  const auto one = testing::render(request)->resolve_float(Aov::color);
-  request.settings.threads = 3;
-  EXPECT_EQ(one, testing::render(request)->resolve_float(Aov::color));
-}
-
-TEST(NormalizedDiffusion, IsAModeOfItsOwn) {
-  testing::SceneBuilder b;
-  RenderRequest request = skin_request(1, &b);
-  const auto diffusion = testing::render(request)->resolve_float(Aov::color);
-  request.settings.subsurface = SubsurfaceMode::walk;
-  EXPECT_NE(diffusion, testing::render(request)->resolve_float(Aov::color));
-}
-
 }  // namespace
 }  // namespace alabaster
