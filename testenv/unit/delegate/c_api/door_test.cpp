@@ -31,7 +31,7 @@ TEST(DoorVersion, TheTableHasEveryFunction) {
   }
 }
 
-TEST(DoorFields, HaveTypes) {
+TEST(DoorFieldTypes, AreThoseOfTheRows) {
   const AlabasterApi& api = *alabaster_api(1);
   int32_t type = -1, is_array = -1;
   EXPECT_EQ(api.field_type("mesh", "holeIndices", &type, &is_array), ALABASTER_OK);
