@@ -102,7 +102,9 @@ class RenderCommand {
 
   void load() {
     timed_load([&] { open_scene(a_, load_options(a_), console_, console_.sink(), &session_); });
-    if (a_.start_frame && session_.file.info.timeCodesPerSecond > 0)
+    const auto is_stage = [](const auto& model) { return model.timeCodesPerSecond > 0; };
+    if (const auto& models = session_.file.models;
+        a_.start_frame && std::any_of(models.begin(), models.end(), is_stage))
       console_.usage_error("--start-frame", "The frames of a stage are its time codes: leave it out.");
   }
 
@@ -234,7 +236,12 @@ class RenderCommand {
         turntable->turn(degrees);
         place = formatted("turned by %.4g degrees", degrees);
       } else if (i > 0) {
-        timed_load([&] { session_.pose(frame - start, console_.sink()); });
+        try {
+          timed_load([&] { session_.pose(frame - start, console_.sink()); });
+        } catch (const Exit& end) {
+          if (has_stats_of_frames()) write_stats(of_frame_stats_, frame_file(a_.stats, frame), end.code);
+          return end.code;
+        }
       }
       say_time_code(frame);
       console_.note(formatted("frame %g %s (%zu of %zu)", frame, place.c_str(), i + 1, frames.size()));
@@ -383,7 +390,7 @@ class RenderCommand {
 
   /// The inputs of a scene that cannot be read are not known: a file of something else may be one.
   static bool may_be_statistics(const std::string& file) {
-    if (!std::filesystem::exists(file)) return true;
+    if (!std::filesystem::is_regular_file(file)) return true;
     std::ifstream in(file);
     const auto found = nlohmann::json::parse(in, nullptr, false);
     return found.contains("versions") && found.contains("phases");
