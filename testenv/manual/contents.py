@@ -15,9 +15,12 @@ import pathlib
 import random
 import sys
 
-sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1] / "scenes"))
+HERE = pathlib.Path(__file__).resolve().parent
+sys.path[:0] = [str(HERE.parent / "scenes"), str(HERE.parent / "benchmark/peers")]
+from formulas import exact_alpha, mean_free_path  # noqa: E402
 from gltf_writer import Document, Mesh  # noqa: E402
 from implicit import SurfaceNet, cone_chain, curve, ellipsoid, smooth_max, smooth_min  # noqa: E402
+from scatter_distances import root  # noqa: E402
 from shapes import backdrop, box, cube_sphere, lathe, noise, placed  # noqa: E402
 
 MM = 0.001
@@ -36,8 +39,11 @@ def net(body, low, high, cell):
     return SurfaceNet(body, low, high, cell).mesh()
 
 
-def scattering(color, distance, ior, **more):
-    return {"baseColor": color, "scatterDistance": [MM * d for d in distance], "ior": ior, "specTrans": 1.0, "roughness": 0.0, **more}
+def medium(scattering, absorption, ior):
+    """Behind a smooth clear wall; per mm, the absorption of each channel."""
+    albedos = [root(lambda a, s=scattering / (scattering + absorbed): exact_alpha(a) - s, 0, 1) for absorbed in absorption]
+    distances = [MM / (scattering + absorbed) / mean_free_path(albedo, 1) for absorbed, albedo in zip(absorption, albedos)]
+    return {"baseColor": albedos, "scatterDistance": distances, "ior": ior, "specTrans": 1.0, "roughness": 0.0}
 
 
 def glass(ior, **more):
@@ -74,7 +80,7 @@ def milk():
     straw = lathe([(2.6, 0), (2.6, 3), (2.6, 75), (2.6, 147), (2.6, 150), (2.2, 150), (2.2, 147), (2.2, 75), (2.2, 3), (2.2, 0.4)], sides=16)
     cubes = [(-12, 66, 9, 0.5, 0.35), (12, 64, 14, -0.3, -0.3), (-3, 67, -15, 1.2, 0.2)]
     things = [floor([0.24, 0.33, 0.42]), ("tumbler", metres(tumbler), glass(1.5, priority=1), None),
-              ("milk", metres(drink), scattering([0.985, 0.96, 0.92], (7, 6, 5), 1.35), None),
+              ("milk", metres(drink), medium(0.05, (0.0002, 0.0005, 0.0012), 1.35), None),
               ("straw", metres(straw), matt([0.75, 0.05, 0.05], 0.25), placed(0.35, 0.24, at=(-0.016, 0.012, 0.004)))]
     things += [(f"ice{k}", metres(box(21, 21, 21, 3)), glass(1.31, priority=2), placed(turn, lean, at=(MM * x, MM * y, MM * z)))
                for k, (x, y, z, turn, lean) in enumerate(cubes)]
@@ -87,7 +93,7 @@ def jelly():
     def flutes(angle, k, radius):
         return radius * (1 + 0.05 * math.cos(8 * angle) * min(1.0, k / 2) * (k < 7))
     body = lathe([(50, 0), (52, 2), (51.5, 9), (48, 26), (43, 42), (38.5, 49), (31, 52.5), (16, 52), (4, 51)], sides=48, radius_of=flutes)
-    things = [floor([0.8, 0.79, 0.76]), ("jelly", metres(body), scattering([0.995, 0.80, 0.42], (60, 48, 34), 1.36), None),
+    things = [floor([0.8, 0.79, 0.76]), ("jelly", metres(body), medium(0.008, (0.002, 0.03, 0.022), 1.36), None),
               ("plate", metres(lathe([(40, -6), (70, -4), (80, 0.5), (79, 1.2), (68, -1.5), (20, -1.5)], sides=48)), matt([0.85, 0.87, 0.9], 0.15),
                placed(at=(0, 0.0062, 0)))]
     things[1] = (*things[1][:3], placed(at=(0, 0.0048, 0)))
@@ -145,7 +151,7 @@ def amber():
         bump = 1 + 0.10 * (noise(2.2 * x + 5, 2.2 * y + 2 * z + 5, 3) - 0.5) + 0.06 * (noise(4 * z + 9, 4 * x - 3 * y + 9, 8) - 0.5)
         return (21 * x * bump, 15 * y * bump, 11 * z * bump)
     things = [floor([0.5, 0.47, 0.43]),
-              ("amber", metres(cube_sphere(16, stone)), scattering([0.995, 0.80, 0.22], (50, 45, 22), 1.54), placed(0.25, 0.12, at=(0, 0.0142, 0))),
+              ("amber", metres(cube_sphere(16, stone)), medium(0.012, (0.003, 0.022, 0.11), 1.54), placed(0.25, 0.12, at=(0, 0.0142, 0))),
               ("gnat", metres(net(insect, (-8.5, -5, -8), (10, 4, 8), 0.28)), matt([0.03, 0.018, 0.01], 0.35), placed(0.5, 0.35, at=(0.001, 0.015, 0.001)))]
     for k, turn in enumerate((0.85, 0.2)):
         things.append((f"wing{k}", metres(net(wing, (-10.5, -0.8, -2.4), (1, 0.8, 2.4), 0.2)), matt([0.25, 0.16, 0.08], 0.3, opacity=0.45),
@@ -186,10 +192,10 @@ def bones(p):
 
 def backlit_hand():
     """Skin has a diffuse wall, and bones are of its subsurfaceSet."""
-    skin = {"baseColor": [0.97, 0.76, 0.66], "roughness": 0.45, "ior": 1.4, "scatterDistance": [0.0125, 0.0042, 0.0024]}
-    things = [("skin", metres(net(hand, (-74, -56, -28), (50, 158, 28), 3.0)), skin, None),
-              ("bones", metres(net(bones, (-70, -52, -12), (46, 152, 18), 1.5)), matt([0.8, 0.74, 0.62], 0.6), None)]
-    lights = [lamp("behind", (0, 60, -150), (0, 60, 0), 4.0, 260, (1, 0.93, 0.85)), sky(0.03, (0.7, 0.8, 1.0))]
+    skin = {"baseColor": [0.97, 0.76, 0.66], "roughness": 0.45, "ior": 1.4, "scatterDistance": [0.014, 0.005, 0.003]}
+    things = [("skin", metres(net(hand, (-74, -56, -28), (50, 158, 28), 4.0)), skin, None),
+              ("bones", metres(net(bones, (-70, -52, -12), (46, 152, 18), 2.0)), matt([0.1, 0.07, 0.05], 0.6), placed(at=(0, 0, 0.003)))]
+    lights = [lamp("behind", (0, 60, -150), (0, 60, 0), 8.0, 260, (1, 0.93, 0.85)), sky(0.03, (0.7, 0.8, 1.0))]
     return things, lights, camera((30, 60, 520), (-6, 55, 0), 52)
 
 
@@ -208,6 +214,7 @@ def write(folder, name):
         (folder / "hand_alone.json").write_text(json.dumps(scene, indent=1) + "\n")
         scene["meshes"] = [{"match": "*", "subsurfaceSet": "hand"}]
     (folder / f"{name}.json").write_text(json.dumps(scene, indent=1) + "\n")
+    return folder / f"{name}.json"
 
 
 if __name__ == "__main__":

@@ -1,5 +1,6 @@
 #!/usr/bin/env python3
-"""Renders the figures of the manual into delegate/manual/figures: rows of cups, a value of a parameter or a material each.
+"""Renders the figures of the manual into delegate/manual/figures: rows of cups, a value of a parameter or a material each, and the
+scenes of contents.py.
 
   figures.py [--program PATH] [--only NAME ...] [--out FOLDER] [--samples N] [--denoise] [--check]
 
@@ -18,6 +19,7 @@ import tempfile
 HERE = pathlib.Path(__file__).resolve().parent
 TOP = HERE.parents[1]
 sys.path.insert(0, str(TOP / "testenv/scenes"))
+import contents  # noqa: E402
 from gltf_writer import Document, Mesh  # noqa: E402
 from scatter_distances import material_of  # noqa: E402
 from shapes import backdrop, lathe, placed  # noqa: E402
@@ -74,11 +76,15 @@ def row_files(folder, name, materials, lights):
     return folder / f"{name}.json"
 
 
-def render(options, folder, name, materials, lights):
-    scene = row_files(folder, name, materials, lights)
+def render(options, folder, name, row):
+    """`row`: materials and lights, or a scene of contents.py, which is noisier."""
+    if isinstance(row, str):
+        scene, samples = contents.write(folder, row), 8 * options.samples
+    else:
+        scene, samples = row_files(folder, name, *row), options.samples
     picture = folder / f"{name}.png"
     subprocess.run([options.program, "render", str(scene), "-o", str(picture), "--quiet", "--threads", str(options.threads), "--spp",
-                    str(options.samples), *(["--denoise"] if options.denoise else [])], check=True)
+                    str(samples), *(["--denoise"] if options.denoise else [])], check=True)
     return str(picture)
 
 
@@ -90,7 +96,7 @@ def write_jpeg(pictures, columns, file):
 
 
 def figures():
-    """Figures by name: their pictures, as (materials, lights), and how many stand side by side."""
+    """Figures by name: their pictures, as render() takes them, and how many stand side by side."""
     lights = TABLE["lights"]
     made = {row["name"]: ([([{**row["base"], **value} for value in row["values"]], lights[row.get("side", "front")])], 1) for row in TABLE["rows"]}
     recipes = [material_of(medium, RECIPE_UNIT) for medium in TABLE["recipes"] if medium.get("in_figure")]
@@ -100,6 +106,7 @@ def figures():
     made["labels"] = ([(labelled, lights["front"]), (labelled, lights["back"])], 1)
     cups = [([TABLE["cup_under_lights"]], lights[name]) for name in TABLE["lights_in_figure"]]
     made["lights"] = (cups, len(cups))
+    made["contents"] = (list(contents.SCENES), 2)
     return made
 
 
@@ -136,7 +143,7 @@ def main():
     for name, (pictures, columns) in figures().items():
         if not options.only or name in options.only:
             with tempfile.TemporaryDirectory() as folder:
-                files = [render(options, pathlib.Path(folder), f"{name}{i}", *picture) for i, picture in enumerate(pictures)]
+                files = [render(options, pathlib.Path(folder), f"{name}{i}", picture) for i, picture in enumerate(pictures)]
                 write_jpeg(files, columns, options.out / f"{name}.jpg")
     return 0
 
