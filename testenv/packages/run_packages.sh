@@ -1,5 +1,5 @@
 #!/bin/sh
-# Makes the .deb and the wheel, and tries them: the wheel in a fresh virtual environment, the .deb in a bare chroot of this
+# Makes the two .deb and the wheel, and tries them: the wheel in a fresh virtual environment, the .deb in a bare chroot of this
 # system (root and debootstrap; else it says that it did not).
 #   run_packages.sh [BUILD_FOLDER]    by default build/release, which is built where the program is missing
 # The packages remain in BUILD_FOLDER and in build/wheel/dist.
@@ -16,11 +16,13 @@ if [ ! -e "$build/bin/alabaster-tradeoff" ] || [ -z "$(find "$build/python/hdala
   cmake --build "$build" --target alabaster alabaster-tradeoff alabaster_images
   cmake --build "$build" --target alabaster_python alabaster-view
 fi
-rm -f "$build"/hdalabaster_*.deb
+rm -f "$build"/hdalabaster_*.deb "$build"/hdalabaster-usd_*.deb
 (cd "$build" && cpack -G DEB >"$scratch/cpack.log" 2>&1) || { cat "$scratch/cpack.log"; exit 1; }
 deb=$(ls "$build"/hdalabaster_*.deb)
 (cd "$scratch" && python3 -m pip download --quiet --no-deps --timeout 10 --retries 1 --dest probe wheel >/dev/null 2>&1) ||
   { echo "skipped: the .deb was made; the wheel needs PyPI"; exit 77; }
+sh "$top/delegate/packages/make_usd_deb.sh" "$build"
+usd=$(ls "$build"/hdalabaster-usd_*.deb)
 python3 "$top/delegate/packages/make_wheel.py" >"$scratch/wheel.log" 2>&1 || { tail -n 40 "$scratch/wheel.log"; exit 1; }
 wheel=$(ls "$top"/build/wheel/dist/*.whl)
 du -m "$deb" "$wheel"
@@ -53,6 +55,12 @@ grep -q pyoidn "$scratch/refused.txt" || { cat "$scratch/refused.txt"; exit 1; }
 "$scratch/venv/bin/pip" install --quiet --disable-pip-version-check "$wheel[denoise]"
 # shellcheck disable=SC2086
 "$scratch/venv/bin/alabaster" $denoised
+# [usd] brings OpenUSD; without it a stage is refused by the command that installs it.
+printf '#usda 1.0\ndef Sphere "s"\n{\n}\n' >"$scratch/stage.usda"
+if HOME=$scratch "$scratch/venv/bin/alabaster" check "$scratch/stage.usda" 2>"$scratch/refused.txt"; then echo "error: a stage without OpenUSD"; exit 1; fi
+grep -q 'alabaster usd install' "$scratch/refused.txt" || { cat "$scratch/refused.txt"; exit 1; }
+"$scratch/venv/bin/pip" install --quiet --disable-pip-version-check "$wheel[usd]"
+"$scratch/venv/bin/alabaster" render "$scratch/stage.usda" -o "$scratch/stage.png" --size 64x64 --spp 4 --quiet
 oiiotool --info -v "$scratch/denoised.exr" | grep -q 'denoised\.R' || { echo "error: no layer denoised"; exit 1; }
 ls "$scratch"/venv/lib/python3*/site-packages/hdalabaster-*.dist-info/licenses/alabaster.txt >/dev/null
 
@@ -62,4 +70,4 @@ if [ "$(id -u)" -ne 0 ] || ! command -v debootstrap >/dev/null; then
   exit 0
 fi
 suite=$(. /etc/os-release && echo "$VERSION_CODENAME")
-sh "$top/testenv/packages/try_in_chroot.sh" "$suite" --deb "$deb" --wheel "$wheel"
+sh "$top/testenv/packages/try_in_chroot.sh" "$suite" --deb "$deb" --usd "$usd" --wheel "$wheel"

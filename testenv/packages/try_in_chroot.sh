@@ -1,16 +1,18 @@
 #!/bin/sh
 # Installs the packages in a Debian that has nothing else, and renders there. Prints the seconds from the installation's
 # begin to the first picture. Needs root and debootstrap.
-#   try_in_chroot.sh SUITE [--deb FILE] [--wheel FILE] [--folder DIR]     SUITE: bookworm or trixie
+#   try_in_chroot.sh SUITE [--deb FILE [--usd FILE]] [--wheel FILE] [--folder DIR]     SUITE: bookworm or trixie
+# --usd: the .deb of OpenUSD, which reads a stage without a network.
 # Without --deb and --wheel both are made first, in another chroot of SUITE (packages depend on the system that made them).
 # The bare chroot is kept in DIR, by default build/chroots, as an archive: only its first use takes debootstrap's minute.
 set -eu
 top=$(cd "$(dirname "$0")/../.." && pwd)
-suite=$1 deb="" wheel="" folder="$top/build/chroots"
+suite=$1 deb="" usd="" wheel="" folder="$top/build/chroots"
 shift
 while [ $# -gt 0 ]; do
   case $1 in
     --deb) deb=$2 ;;
+    --usd) usd=$2 ;;
     --wheel) wheel=$2 ;;
     --folder) folder=$2 ;;
     *) echo "error: unknown argument $1" >&2; exit 2 ;;
@@ -74,6 +76,8 @@ if [ -z "$deb$wheel" ]; then
   inside "cd /alabaster && apt-get update -qq && sh testenv/packages/run_packages.sh"
   deb=$folder/$suite.deb
   cp "$root"/alabaster/build/release/hdalabaster_*.deb "$deb"
+  usd=$folder/$suite.usd.deb
+  cp "$root"/alabaster/build/release/hdalabaster-usd_*.deb "$usd"
   cp "$root"/alabaster/build/wheel/dist/*.whl "$folder/"
   wheel=$folder/$(basename "$root"/alabaster/build/wheel/dist/*.whl)
 fi
@@ -84,6 +88,22 @@ if [ -n "$deb" ]; then
     $render
     python3 -c 'import hdalabaster; print(hdalabaster.__version__)'
     test -s /usr/share/doc/hdalabaster/copyright && test -s /usr/share/bash-completion/completions/alabaster"
+  # A stage: one command is named, with python3 or without; the package of OpenUSD needs no network.
+  printf '#usda 1.0\ndef Sphere "s"\n{\n}\n' >"$root/tried/stage.usda"
+  for path in /usr/bin /nowhere; do
+    inside "code=0; env PATH=$path /usr/bin/alabaster check /tried/stage.usda 2>/tried/said || code=\$?
+      [ \$code -eq 3 ] && grep -q 'alabaster usd install' /tried/said" || { cat "$root/tried/said" >&2; exit 1; }
+  done
+  echo "$suite: without OpenUSD a stage ends with exit 3 and the command that installs it"
+  if [ -n "$usd" ]; then
+    cp "$usd" "$root/tried/hdalabaster-usd.deb"
+    inside "apt-get install -y -qq --no-install-recommends /tried/hdalabaster-usd.deb" >"$folder/$suite.usd.log" 2>&1 || { tail -n 20 "$folder/$suite.usd.log" >&2; exit 1; }
+    begin=$(date +%s.%N)
+    unshare -n chroot "$root" env -i HOME=/root PATH=/usr/bin:/bin alabaster render /tried/stage.usda -o /tried/stage.png --size 64x64 --spp 4 --quiet
+    end=$(date +%s.%N)
+    [ -s "$root/tried/stage.png" ] || { echo "error: no picture of the stage" >&2; exit 1; }
+    echo "$suite: a stage by the package of OpenUSD, without a network: $(echo "$end $begin" | awk '{printf "%.1f", $1 - $2}') s"
+  fi
   # The window, on a screen without a monitor: it is still open after 10 s.
   inside "apt-get install -y -qq --no-install-recommends xvfb xauth libgl1-mesa-dri
     opened=0
