@@ -18,6 +18,7 @@ enum class Aov {
   prim_id,
   instance_id,
   element_id,
+  material_id,
   sample_count,
   diffuse,
   subsurface,
@@ -26,9 +27,12 @@ enum class Aov {
   subsurface_unscattered,
   specular,
   emission,
-  error,         // of color: PixelNoise::deviation()
-  nonfinite,     // samples whose colour was not finite: black in color
-  denoised,      // color without its noise (core/denoise)
+  error,          // of color: PixelNoise::deviation()
+  nonfinite,      // samples whose colour was not finite: black in color
+  denoised,       // color without its noise (core/denoise)
+  crypto_object,  // Cryptomatte's layers (core/film/id_counts.h)
+  crypto_material,
+  crypto_asset,
   eye_point,     // Hydra's Peye
   eye_normal,    // Hydra's Neye
   motion,        // of the first hit over the picture, in pixels, while the shutter is open
@@ -45,6 +49,7 @@ enum class AovSource {
   samples,  // all of them: their mean, number or error
   layer,    // the mean of one of LightLayers
   closest,  // the one that hit the closest surface
+  ids,      // how many of the pixel's samples hit each of the things that they hit
   frame,    // all pixels' samples, once the frame has its last
 };
 
@@ -84,6 +89,7 @@ inline constexpr AovInfo kAovs[] = {
     {Aov::prim_id, "primId", AovSource::closest, AovValue::integer, -1, "primId", "X"},
     {Aov::instance_id, "instanceId", AovSource::closest, AovValue::integer, -1, "instanceId", "X"},
     {Aov::element_id, "elementId", AovSource::closest, AovValue::integer, -1, "elementId", "X"},
+    {Aov::material_id, "materialId", AovSource::closest, AovValue::integer, -1, "materialId", "X"},
     {Aov::sample_count, "sampleCount", AovSource::samples, AovValue::integer, 0, "sampleCount", "X"},
     {Aov::diffuse, "diffuse", AovSource::layer, AovValue::color, 0, "diffuse", "RGB"},
     {Aov::subsurface, "subsurface", AovSource::layer, AovValue::color, 0, "subsurface", "RGB"},
@@ -96,6 +102,9 @@ inline constexpr AovInfo kAovs[] = {
     {Aov::error, "error", AovSource::samples, AovValue::exact, 0, "error", "X"},
     {Aov::nonfinite, "nonfiniteSamples", AovSource::samples, AovValue::integer, 0, "nonfiniteSamples", "X"},
     {Aov::denoised, "denoised", AovSource::frame, AovValue::color, 0, "denoised", "RGBA"},
+    {Aov::crypto_object, "cryptoObject", AovSource::ids, AovValue::exact, 0, "CryptoObject00", "RGBA"},
+    {Aov::crypto_material, "cryptoMaterial", AovSource::ids, AovValue::exact, 0, "CryptoMaterial00", "RGBA"},
+    {Aov::crypto_asset, "cryptoAsset", AovSource::ids, AovValue::exact, 0, "CryptoAsset00", "RGBA"},
     {Aov::eye_point, "Peye", AovSource::closest, AovValue::exact, 0, "Peye", "XYZ"},
     {Aov::eye_normal, "Neye", AovSource::closest, AovValue::number, 0, "Neye", "XYZ"},
     {Aov::motion, "motion", AovSource::closest, AovValue::exact, 0, "motion", "XY"},
@@ -131,11 +140,26 @@ constexpr std::string_view primvar_of_aov(std::string_view name) {
   const std::string_view prefix = kPrimvarAov.name;
   return name.starts_with(prefix) ? name.substr(prefix.size()) : std::string_view();
 }
-/// Null if no AOV has this name. All primvars have one row.
+/// An AOV of ids shows two ranks of a pixel's ids: its name ends with the number of the pair, of two digits, or shows
+/// the first pair.
+struct RankPair {
+  std::string_view aov;  // without the digits
+  int number = 0;
+};
+inline constexpr int kMostRankPairs = 8;
+constexpr RankPair rank_pair(std::string_view name) {
+  const size_t base = name.size() < 2 ? 0 : name.size() - 2;
+  const std::string_view digits = name.substr(base);
+  if (!name.starts_with("crypto") || digits.size() < 2 || digits[0] != '0' || digits[1] < '0' ||
+      digits[1] >= '0' + kMostRankPairs)
+    return {name};
+  return {name.substr(0, base), digits[1] - '0'};
+}
+/// Null if no AOV has this name. All primvars have one row, and so have all pairs of ranks.
 constexpr const AovInfo* find_aov(std::string_view name) {
   if (!primvar_of_aov(name).empty()) return &kPrimvarAov;
   for (const AovInfo& info : kAovs)
-    if (name == info.name) return &info;
+    if (rank_pair(name).aov == info.name) return &info;
   return nullptr;
 }
 
@@ -148,6 +172,12 @@ constexpr AovSet aovs_from(AovSource source) {
 }
 /// The AOVs that need LightLayers.
 inline constexpr AovSet kLayerAovs = aovs_from(AovSource::layer);
+/// The AOVs of ids: Cryptomatte.
+inline constexpr AovSet kIdsAovs = aovs_from(AovSource::ids);
+/// Those that need the number of a sample's material.
+inline constexpr AovSet kMaterialIdAovs = aov_bit(Aov::material_id) | aov_bit(Aov::crypto_material);
+/// Those whose numbers stand for names.
+inline constexpr AovSet kNamedAovs = kIdsAovs | aov_bit(Aov::prim_id) | aov_bit(Aov::material_id);
 inline constexpr AovSet kPrimvarAovs = ((AovSet{1} << kMostPrimvarAovs) - 1)
                                        << static_cast<uint32_t>(Aov::first_primvar);
 /// The AOVs that show the closest sample's first hit.

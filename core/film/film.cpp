@@ -51,6 +51,12 @@ void Film::take_memory(Film* old) {
   if (window_ == old->window_ && aovs_ == old->aovs_ && extras_ == old->extras_) tiles_.swap(old->tiles_);
 }
 
+void Film::count_ids_in(const std::shared_ptr<MemoryBudget>& memory) {
+  held_.clear();
+  if (memory && (aovs_ & kIdsAovs))
+    for (int i = 0; i < tile_count(); ++i) held_.emplace_back(memory, MemoryUse::frames);
+}
+
 PixelRect Film::tile_rect(int tile) const {
   const int x = window_.x0 + (tile % tiles_x_) * kTileSize, y = window_.y0 + (tile / tiles_x_) * kTileSize;
   return {x, y, std::min(x + kTileSize, window_.x1), std::min(y + kTileSize, window_.y1)};
@@ -77,7 +83,10 @@ FilmTile& Film::drawn_tile(size_t tile) {
 void Film::add(int tile, size_t pixel, const FilmSample& sample, const LightLayers* layers, uint32_t rays) {
   const auto i = static_cast<size_t>(tile);
   const std::lock_guard lock(locks_[i]);
-  drawn_tile(i).add(pixel, sample, layers, rays);
+  FilmTile& drawn = drawn_tile(i);
+  drawn.add(pixel, sample, layers, rays);
+  if (!held_.empty() && drawn.more_id_bytes() > held_[i].bytes()) [[unlikely]]
+    held_[i].resize(drawn.more_id_bytes(), "the ids of a tile of Cryptomatte");
 }
 
 // Revisions rise after the change, and the film's after the tile's: a reader that sees the new one sees the change,
@@ -234,6 +243,15 @@ void Film::resolve_int(int tile, Aov aov, const TakeRow<int32_t>& take) const {
       tile, aov,
       [aov](const FilmTile& from, size_t pixel, int32_t* out, size_t count) {
         from.resolve_int(pixel, aov, out, count);
+      },
+      take);
+}
+
+void Film::resolve_ranks(int tile, Aov aov, int pair, const IdKeys& keys, const TakeRow<float>& take) const {
+  resolve_rows<float>(
+      tile, aov,
+      [&](const FilmTile& from, size_t pixel, float* out, size_t count) {
+        from.resolve_ranks(pixel, aov, pair, keys, out, count);
       },
       take);
 }

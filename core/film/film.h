@@ -11,6 +11,7 @@
 
 #include "core/diagnostics/cancel.h"
 #include "core/film/film_tile.h"
+#include "core/memory/memory_budget.h"
 
 namespace alabaster {
 
@@ -40,6 +41,8 @@ class Film {
   /// Takes over the memory of a film of the same window and AOVs, whose samples are lost. Nobody uses that one, and
   /// this has no sample yet; it may be read meanwhile.
   void take_memory(Film* old);
+  /// Counts there what grows with the ids that samples meet, beyond film_bytes(): add() throws MemoryRefused.
+  void count_ids_in(const std::shared_ptr<MemoryBudget>& memory);
 
   const PixelRect& data_window() const { return window_; }
   AovSet aovs() const { return aovs_; }
@@ -84,6 +87,8 @@ class Film {
   /// is not requested resolves to its background value.
   void resolve_float(int tile, Aov aov, const TakeRow<float>& take) const;
   void resolve_int(int tile, Aov aov, const TakeRow<int32_t>& take) const;
+  /// Of an AOV of ids: a pair of ranks.
+  void resolve_ranks(int tile, Aov aov, int pair, const IdKeys& keys, const TakeRow<float>& take) const;
   /// A frame, row-major, y-down.
   std::vector<float> resolve_float(Aov aov) const;
   std::vector<int32_t> resolve_int(Aov aov) const;
@@ -115,6 +120,7 @@ class Film {
   std::vector<FilmTile> tiles_;  // those that are not drawn may hold what an earlier film left
   std::vector<uint8_t> drawn_;   // guarded by the tile's lock
   std::vector<std::atomic<FilmRevision>> tile_revisions_;
+  std::vector<MemoryReservation> held_;  // by tile, for its ids; empty: not counted
   mutable std::vector<std::mutex> locks_;
   mutable std::mutex denoised_lock_;
   std::shared_ptr<const std::vector<float>> denoised_;

@@ -23,7 +23,8 @@ constexpr struct {
   int32_t FilmSample::*member;
 } kIds[] = {{Aov::prim_id, &FilmSample::prim_id},
             {Aov::instance_id, &FilmSample::instance_id},
-            {Aov::element_id, &FilmSample::element_id}};
+            {Aov::element_id, &FilmSample::element_id},
+            {Aov::material_id, &FilmSample::material_id}};
 
 constexpr struct {
   Aov aov;
@@ -46,6 +47,9 @@ constexpr AovSet aovs_of(const Table& table) {
 }
 static_assert(aovs_of(kLayers) == kLayerAovs, "a layer has no row");
 static_assert((aovs_of(kDepths) | aovs_of(kIds) | kVectorAovs) == kClosestAovs, "a value of the first hit has no row");
+
+// Those that count prims; crypto_material counts materials.
+constexpr AovSet kPrimCountAovs = aov_bit(Aov::crypto_object) | aov_bit(Aov::crypto_asset);
 
 template <class T>
 T background(Aov aov) {
@@ -98,6 +102,8 @@ FilmTile::FilmTile(size_t pixels, AovSet aovs, const FilmExtras& extras)
   for (auto a = static_cast<size_t>(Aov::eye_point); a < kAovCount; ++a)
     if (const Aov aov = static_cast<Aov>(a); aovs & kVectorAovs & aov_bit(aov))
       vectors_.push_back({aov, std::vector<std::array<float, 3>>(pixels)});
+  if (aovs & kPrimCountAovs) prims_.resize(pixels);
+  if (aovs & aov_bit(Aov::crypto_material)) materials_.resize(pixels);
   if (extras.rays) rays_.resize(pixels);
 }
 
@@ -113,6 +119,7 @@ void FilmTile::clear() {
   for (auto& plane : ids_) std::fill(plane.values.begin(), plane.values.end(), background<int32_t>(plane.aov));
   for (LayerPlane& layer : layers_) blank(layer.sums);
   for (VectorPlane& plane : vectors_) blank(plane.closest);
+  prims_.clear(), materials_.clear();
 }
 
 uint32_t FilmTile::least_samples() const {
@@ -150,6 +157,13 @@ std::vector<std::span<std::byte>> FilmTile::planes() {
   return all;
 }
 
+std::vector<IdCounts*> FilmTile::ids() {
+  std::vector<IdCounts*> all;
+  for (IdCounts* counts : {&prims_, &materials_})
+    if (!counts->empty()) all.push_back(counts);
+  return all;
+}
+
 bool FilmTile::accept_planes() {
   covered_ = samples_.size() - static_cast<size_t>(std::count(samples_.begin(), samples_.end(), 0u));
   const auto valid = [](const std::vector<RgbSum>& sums) {
@@ -164,7 +178,7 @@ size_t FilmTile::bytes_per_pixel(AovSet aovs, const FilmExtras& extras) {
   FilmTile one(1, aovs, extras);
   size_t bytes = 0;
   for (const auto& plane : one.planes()) bytes += plane.size();
-  return bytes;
+  return bytes + one.ids().size() * IdCounts::bytes_per_pixel();
 }
 
 void FilmTile::add(size_t pixel, const FilmSample& s, const LightLayers* layers, uint32_t rays) {
@@ -188,6 +202,9 @@ void FilmTile::add(size_t pixel, const FilmSample& s, const LightLayers* layers,
     if (s.vectors)
       for (VectorPlane& plane : vectors_) plane.closest[pixel] = s.vectors->of(plane.aov);
   }
+  if (s.is_held_out) return;
+  if (!prims_.empty() && s.prim_id >= 0) prims_.add(pixel, s.prim_id);
+  if (!materials_.empty() && s.material_id >= 0) materials_.add(pixel, s.material_id);
 }
 
 void FilmTile::append(const FilmTile& next) {
@@ -203,6 +220,7 @@ void FilmTile::append(const FilmTile& next) {
   append_plane(next.normal_, &normal_);
   append_plane(next.albedo_, &albedo_);
   for (size_t i = 0; i < layers_.size(); ++i) append_plane(next.layers_[i].sums, &layers_[i].sums);
+  prims_.append(next.prims_), materials_.append(next.materials_);
 }
 
 void FilmTile::take_closest(size_t pixel, const FilmTile& from) {
@@ -279,6 +297,8 @@ void FilmTile::take(size_t pixel, const FilmTile& from) {
   if (!rays_.empty()) rays_[pixel] = from.rays_[pixel];
   if (!nonfinite_.empty()) nonfinite_[pixel] = from.nonfinite_[pixel];
   for (size_t i = 0; i < layers_.size(); ++i) layers_[i].sums[pixel] = from.layers_[i].sums[pixel];
+  if (!prims_.empty()) prims_.take(pixel, from.prims_);
+  if (!materials_.empty()) materials_.take(pixel, from.materials_);
   for (size_t i = pixel * marks_per_pixel_; i < (pixel + 1) * marks_per_pixel_; ++i) marks_[i] = from.marks_[i];
 }
 
@@ -346,6 +366,14 @@ void FilmTile::resolve(size_t pixel, Aov aov, float* out, size_t count) const {
         return each([&](size_t i, double, float* to) { std::copy_n(vector->closest[i].begin(), components, to); });
       std::fill_n(out, components * count, background<float>(aov));
   }
+}
+
+void FilmTile::resolve_ranks(size_t pixel, Aov aov, int pair, const IdKeys& keys, float* out, size_t count) const {
+  const IdCounts& counts = aov == Aov::crypto_material ? materials_ : prims_;
+  if (counts.empty())
+    std::fill_n(out, 4 * count, 0.0f);
+  else
+    counts.rank(pixel, count, pair, keys.of(aov), samples_, out);
 }
 
 void FilmTile::resolve_int(size_t pixel, Aov aov, int32_t* out, size_t count) const {

@@ -12,6 +12,7 @@
 
 #include "core/color/rgb.h"
 #include "core/film/aov.h"
+#include "core/film/id_counts.h"
 #include "core/film/pixel_noise.h"
 #include "core/film/sample_sum.h"
 #include "core/math/vector.h"
@@ -52,7 +53,8 @@ struct FilmSample {
   float camera_depth = 0;  // along -z, world units; 0 if no hit
   Vec3f normal{0, 0, 0};   // world, shading; 0 if no hit
   Rgb albedo{0.0f};
-  int32_t prim_id = -1, instance_id = -1, element_id = -1;
+  int32_t prim_id = -1, instance_id = -1, element_id = -1, material_id = -1;
+  bool is_held_out = false;             // by the surface of these ids, which counts for no id
   bool nonfinite = false;               // the colour was not finite, and was made black
   const HitVectors* vectors = nullptr;  // of a hit, where any of kVectorAovs is drawn
 };
@@ -96,6 +98,8 @@ class FilmTile {
   /// Writes the components of `count` pixels: averages, or the values of the closest sample.
   void resolve(size_t pixel, Aov aov, float* out, size_t count = 1) const;
   void resolve_int(size_t pixel, Aov aov, int32_t* out, size_t count = 1) const;
+  /// Of an AOV of ids: the values of a pair of ranks (IdCounts::rank()).
+  void resolve_ranks(size_t pixel, Aov aov, int pair, const IdKeys& keys, float* out, size_t count = 1) const;
   PixelNoise noise(size_t pixel) const;
   /// Replaces a pixel by that of another tile of the same shape, AOVs and extras.
   void take(size_t pixel, const FilmTile& from);
@@ -104,6 +108,11 @@ class FilmTile {
 
   /// The memory of all planes, for a checkpoint: it depends on the number of pixels, the AOVs and the extras alone.
   std::vector<std::span<std::byte>> planes();
+  /// Those of the AOVs of ids, which take as many bytes as there are ids: a block of its own in a checkpoint.
+  std::vector<IdCounts*> ids();
+  /// Bytes that they take beside bytes_per_pixel().
+  size_t more_id_bytes() const { return prims_.more_bytes() + materials_.more_bytes(); }
+  const std::vector<uint32_t>& samples() const { return samples_; }
   /// To be called when the planes have been read from a file. False if they hold what no samples give.
   bool accept_planes();
 
@@ -153,6 +162,7 @@ class FilmTile {
   std::vector<float> distance_;              // to the closest sample, where any AOV shows that one
   std::vector<ClosestPlane<float>> depths_;  // those that are requested
   std::vector<ClosestPlane<int32_t>> ids_;   // the same
+  IdCounts prims_, materials_;               // where an AOV of ids shows them
   std::vector<uint32_t> rays_, nonfinite_;
   std::vector<RgbSum> marks_;
 };

@@ -133,7 +133,7 @@ bool find_next_vertex(const PathContext& context, const PixelSampler& sampler, P
   if (path->depth == 0) record_first_hit(context, *v, passed, first_hit);
   if (path->features) record_features(context, *v, *path);
   if (path->depth == 0 && v->instance->options.holdout && first_hit) [[unlikely]] {  // only lights on the way show
-    path->held_out = true;
+    path->held_out = first_hit->is_held_out = true;
     first_hit->alpha = 0;
     return end(context, "a hold-out");
   }

@@ -56,8 +56,9 @@ struct PathContext {
   PathRecord* record = nullptr;               // the path is written here
   float time = 0;                             // of the shutter; all rays have it. `camera` stands as it does then
   const HitVectorRequest* vectors = nullptr;  // null: no AOV shows them
-  const CameraInteriors* camera_interiors = nullptr;  // null: camera rays begin outside of clear bodies
-  bool begins_behind_fronts = false;                  // camera rays do: begin_behind_fronts()
+  const MaterialNumbers::element_type* materials = nullptr;  // the same
+  const CameraInteriors* camera_interiors = nullptr;         // null: camera rays begin outside of clear bodies
+  bool begins_behind_fronts = false;                         // camera rays do: begin_behind_fronts()
   /// How walks go: `reference` differs from `walk` in its settings.
   SubsurfaceMode mode() const {
     if (!scene.features.subsurface) return SubsurfaceMode::lambert;

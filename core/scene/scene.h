@@ -192,6 +192,9 @@ struct SceneSnapshot {
   std::vector<std::shared_ptr<const TriangleSlots>> slots;       // keep-alive
 };
 
+/// The numbers of materials in AOV materialId, by address in order.
+using MaterialNumbers = std::shared_ptr<const std::vector<std::pair<const DisneyMaterial*, int32_t>>>;
+
 /// One that shares nothing with others (SnapshotCompiler). Null when Embree refuses (reported). Throws std::bad_alloc.
 std::shared_ptr<const SceneSnapshot> compile_snapshot(const SceneDescription& description, uint64_t number,
                                                       const std::shared_ptr<TraceDevice>& device,

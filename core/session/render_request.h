@@ -23,8 +23,10 @@ struct RenderRequest {
   PixelRect data_window;      // pixels to render; may be a crop of, or larger than (overscan), the display window
   AovSet aovs = aov_bit(Aov::color);
   RenderSettings settings;
-  std::vector<UvSetName> primvars = {};      // those that AOVs from primvar_aov(0) on show, kMostPrimvarAovs at most
-  std::shared_ptr<const Denoiser> denoiser;  // makes AOV `denoised`, which is color without it
+  std::vector<UvSetName> primvars = {};       // those that AOVs from primvar_aov(0) on show, kMostPrimvarAovs at most
+  std::shared_ptr<MemoryBudget> memory = {};  // of what grows with samples (Film::count_ids_in()); null: not counted
+  MaterialNumbers materials = {};             // for kMaterialIdAovs; null: not asked for
+  std::shared_ptr<const Denoiser> denoiser;   // makes AOV `denoised`, which is color without it
   /// A render of the same scene, view and settings, which this one continues and whose film it takes. Null: none.
   /// Without a scene its film is shown, and nothing is rendered.
   std::shared_ptr<RenderState> resumed = {};

@@ -79,6 +79,9 @@ std::span<const SettingParameter> setting_parameters() {
        "refineLevel.", kResyncs},
       {"filter", &S::filter, 0, 0, {"box", "triangle", "gaussian", "blackmanHarris"},
        "none", "Pixel filter."},
+      {"cryptoRanks", &S::crypto_ranks, 2, 16, {},
+       "none", "Objects, materials or assets that a pixel of a file's Cryptomatte layers names, those with the largest "
+       "coverage; an odd number is raised by one. The renderer counts all of them.", kLive | kNoPixels},
       {"denoise", &S::denoise, -kUnbounded, kUnbounded, {},
        "none", "Denoises the picture after its last sample with Open Image Denoise 2, which must be installed. AOV "
        "'denoised' holds the result and 'color' stays as rendered; where a host draws 'color' alone, it shows the "

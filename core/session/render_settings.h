@@ -34,8 +34,9 @@ struct RenderSettings {
   float glossy_filter = 0;   // see IntegratorSettings; above 0 it blurs
   PixelFilter filter = PixelFilter::blackman_harris;
   float refine_edge_length =
-      0;                 // pixels: refined meshes get edges as long as this in the picture; 0: by their refineLevel
-  bool denoise = false;  // read by who binds AOVs: paths and films never depend on it
+      0;  // pixels: refined meshes get edges as long as this in the picture; 0: by their refineLevel
+  uint32_t crypto_ranks = 6;  // read by who writes files: films keep all ids
+  bool denoise = false;       // read by who binds AOVs: paths and films never depend on it
   bool operator==(const RenderSettings&) const = default;
 };
 

@@ -88,6 +88,8 @@ bool write_film(const Film& film, const Film* other, uint32_t exchanged, const B
     block.clear();
     for (const auto& plane : tile.planes()) block.insert(block.end(), plane.begin(), plane.end());
     if (!sink(block)) return false;
+    for (const IdCounts* ids : tile.ids())
+      if (!sink(ids->write())) return false;
   }
   return true;
 }
@@ -107,7 +109,10 @@ bool read_tile(const BlockSource& source, FilmTile* tile) {
     std::memcpy(plane.data(), at, plane.size());
     at += plane.size();
   }
-  return tile->accept_planes();
+  if (!tile->accept_planes()) return false;
+  for (IdCounts* ids : tile->ids())
+    if (!source(IdCounts::most_bytes(tile->samples()), &block) || !ids->read(block, tile->samples())) return false;
+  return true;
 }
 
 // True if each pixel has all samples of the range.

@@ -33,8 +33,8 @@ struct RenderState {
   double wall_seconds = 0, cpu_seconds = 0;
 };
 
-/// Writes a block for the head, one for the rates if there are any, and one for each tile, as each is at its turn.
-/// False: the sink did not take them.
+/// Writes a block for the head, one for the rates if there are any, and one for each tile, with its ids in another
+/// where AOVs count them, as each is at its turn. False: the sink did not take them.
 bool write_state(const RenderState& state, const BlockSink& sink);
 
 /// Reads it. False, whatever the bytes are, if they are not such a state. Throws MemoryRefused if its films take more

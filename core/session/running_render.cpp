@@ -93,6 +93,7 @@ RenderSession::Render::Render(const RenderRequest& next, Render* last, DeferredN
   const bool same_tiles = last->tile_order && last->request.data_window == film->data_window();
   tile_order = same_tiles ? last->tile_order : tiles_from_centre(*film);
   film->set_ended(false);
+  film->count_ids_in(next.memory);
   request.aovs = film->aovs();  // a film that is continued may have more
   request.resumed = nullptr;
   if (next.aovs & aov_bit(Aov::denoised)) denoiser = next.denoiser;

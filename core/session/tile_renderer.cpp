@@ -95,6 +95,7 @@ FilmSample TileRenderer::trace_sample(const SampleAddress& at, const PixelSample
       parts.record,    time};
   context.camera_interiors = camera_interiors_.get();
   context.begins_behind_fronts = begins_behind_fronts_;
+  context.materials = request_.aovs & kMaterialIdAovs ? request_.materials.get() : nullptr;
   std::optional<HitVectorRequest> vectors;
   std::optional<Camera> closes;
   if (parts.vectors) [[unlikely]] {

@@ -17,6 +17,9 @@ TimeSamples<Value> SceneDelegate::SamplePrimvar(const Path&, const Token&) {
 TimeSamples<Matrix4d> SceneDelegate::SampleInstancerTransform(const Path&) {
   return {};
 }
+Token SceneDelegate::GetDisplayName(const Path&) {
+  return {};
+}
 std::vector<Token> SceneDelegate::GetCategories(const Path&) {
   return {};
 }

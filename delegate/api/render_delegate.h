@@ -130,10 +130,13 @@ class ALABASTER_API RenderDelegate {
   virtual AovDescriptor GetDefaultAovDescriptor(const Token& aov) const = 0;  // format invalid: unsupported
 
   /// Runs a command by name. An unknown command or argument is an error, which names the nearest known one. The first
-  /// three wait until the scene that was committed last has been built, unless the delegate is stopped. Values
+  /// four wait until the scene that was committed last has been built, unless the delegate is stopped. Values
   /// answered:
   /// - "dumpScene": string, stable text of the translated scene.
   /// - "requirements": string, the features that the committed snapshot requires, and why.
+  /// - "names": a dictionary of dictionaries, of the scene or the checkpoints that are shown: "primId" and "materialId"
+  ///   {number: name}; "cryptoObject", "cryptoMaterial" and "cryptoAsset" {name: its hash, 8 hexadecimal digits}. The
+  ///   name is GetDisplayName's where it is unique, else the path.
   /// - "waitForScene" {optionally seconds, the longest to wait}: bool, the snapshot is there.
   /// - "tracePixel" {x, y, and optionally sample}: string, the path of a sample of the frame that Execute drew last,
   ///   vertex by vertex, traced with that frame's random numbers. Without a sample: the colour of each of the pixel's
@@ -162,7 +165,7 @@ class ALABASTER_API RenderDelegate {
 };
 
 /// Bumped whenever a class above changes its layout or meaning.
-inline constexpr uint32_t kAbiVersion = 11;
+inline constexpr uint32_t kAbiVersion = 12;
 
 struct DelegateOptions {
   DiagnosticSink diagnostics;  // empty: discarded

@@ -31,6 +31,10 @@ class ALABASTER_API SceneDelegate {
   /// A primvar ("points", "st", "normals", ...), unflattened: with `indices` when its descriptor says indexed.
   virtual Value GetPrimvar(const Path& id, const Token& name, Array<int32_t>* indices) = 0;
 
+  /// The name under which people know a mesh or a material, where its file has such names; it need not be unique. By
+  /// default empty: its path. Asked when the prim is new.
+  virtual Token GetDisplayName(const Path& id);
+
   // Motion: asked together with the values themselves, which are those of time 0. The defaults say that nothing moves.
   /// For meshes and cameras.
   virtual TimeSamples<Matrix4d> SampleTransform(const Path& id);

@@ -9,6 +9,7 @@
 #include <optional>
 #include <thread>
 
+#include "core/film/aov.h"
 #include "core/math/float_environment.h"
 #include "core/texture/texture.h"
 #include "delegate/host/frame_request.h"
@@ -437,6 +438,17 @@ class Recording {
     return all;
   }
 
+  void add_names(ProductImage* image) {
+    const bool has_numbers = std::any_of(request().aovs.begin(), request().aovs.end(), [](const std::string& name) {
+      const AovInfo* aov = find_aov(name);
+      return aov && (kNamedAovs & aov_bit(aov->aov)) != 0;
+    });
+    if (!has_numbers) return;
+    const CommandResult named = delegate_->InvokeCommand("names", {});
+    if (const auto names = named.value.get_or(std::shared_ptr<const Dictionary>()))
+      image->names = *names, result_.stats["names"] = names;
+  }
+
   void write() {
     if (options_.writing) options_.writing();
     const Phase phase(&result_.stats, "write");
@@ -465,6 +477,7 @@ class Recording {
     image->framing.pixelAspectRatio = d.pixelAspectRatio;
     image->incomplete = result_.status == RecordStatus::interrupted;
     image->metadata = metadata();
+    add_names(image);
     if (options_.picture) options_.picture(*image);
     const auto written = write_planned(request().files, *image, options_.diagnostics);
     result_.written.insert(result_.written.end(), written.begin(), written.end());

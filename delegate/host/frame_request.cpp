@@ -48,6 +48,24 @@ std::set<std::string> aovs_of(const std::vector<RenderProduct>& products) {
   return aovs;
 }
 
+// Cryptomatte's layers hold two ranks each, and have the number of their pair at the end of their names.
+void expand_ranks(const RenderSettingsDescription& d, const RenderDelegate& delegate, std::vector<RenderVar>* vars) {
+  const auto own = d.settings.find("cryptoRanks");
+  const Value ranks = own != d.settings.end() ? own->second : delegate.GetRenderSetting("cryptoRanks");
+  const int pairs = std::clamp(static_cast<int>(ranks.number_or(0) + 1) / 2, 1, kMostRankPairs);
+  std::vector<RenderVar> all;
+  for (const RenderVar& var : *vars) {
+    const AovInfo* aov = find_aov(var.aov.str());
+    const bool has_layers = aov && aov->source == AovSource::ids && var.aov == Token(aov->name);
+    for (int pair = 0; pair < pairs && has_layers; ++pair) {
+      const std::string digits = "0" + std::to_string(pair);
+      all.push_back({var.name.empty() ? "" : var.name + digits, var.aov.str() + digits, "float"});
+    }
+    if (!has_layers) all.push_back(var);
+  }
+  *vars = std::move(all);
+}
+
 bool wants_denoised(const RenderSettingsDescription& d, const RenderDelegate& delegate) {
   const auto own = d.settings.find("denoise");
   return (own != d.settings.end() ? own->second : delegate.GetRenderSetting("denoise")).number_or(0) != 0;
@@ -117,7 +135,10 @@ FramePlan PlanFrame(const RetainedSceneDelegate& scene, const Path& settings, co
   RenderSettingsDescription all = found->second;
   if (!options.products.empty()) all.products = options.products;
   const bool denoise = wants_denoised(all, delegate);
-  for (RenderProduct& product : all.products) product.denoise = product.denoise.value_or(denoise);
+  for (RenderProduct& product : all.products) {
+    product.denoise = product.denoise.value_or(denoise);
+    expand_ranks(all, delegate, &product.vars);
+  }
 
   // The pictures
   std::vector<FrameRequest> pictures = pictures_of(all);

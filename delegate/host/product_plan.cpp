@@ -60,8 +60,9 @@ ChannelStore exr_store(const AovInfo& aov, const RenderVar& var, ChannelStore pr
 }
 
 std::vector<PlannedChannel> channels_of(const RenderVar& var, const AovInfo& aov, ChannelStore store) {
-  const bool usual = var.name.empty() || var.name == aov.name;
-  const std::string layer = !usual ? var.name : is_primvar(aov.aov) ? var.aov.str() : aov.layer;
+  const bool usual = var.name.empty() || var.name == var.aov.str();
+  std::string layer = !usual ? var.name : is_primvar(aov.aov) ? var.aov.str() : aov.layer;
+  if (usual && aov.source == AovSource::ids) layer.back() = static_cast<char>('0' + rank_pair(var.aov.str()).number);
   std::vector<PlannedChannel> channels;
   const std::string suffixes = aov.channels;
   const bool distance = aov.value == AovValue::distance;

@@ -6,15 +6,21 @@
 #include <algorithm>
 #include <climits>
 #include <cmath>
+#include <cstdio>
 #include <mutex>
+#include <nlohmann/json.hpp>
+#include <set>
 
 #include "core/color/config_inputs.h"
+#include "core/digest/cryptomatte_hash.h"
 #include "core/files/real_path.h"
+#include "core/film/aov.h"
 #include "core/images/format_limits.h"
 #include "core/math/float_environment.h"
 #include "delegate/host/planned_product.h"
 #include "delegate/host/product_metadata.h"
 #include "delegate/host/product_pixels.h"
+#include "delegate/support/json_values.h"
 #include "delegate/support/output_file.h"
 #include "delegate/support/size_text.h"
 
@@ -87,6 +93,34 @@ std::vector<ImageAttribute> attributes_of(const ProductImage& image, const Outpu
   return attributes;
 }
 
+/// The names of the numbers in a file: of Cryptomatte's layers as its specification 1.2.0 has them, of others by
+/// number.
+void add_names(const ProductPlan& plan, const Dictionary& names, std::vector<ImageAttribute>* attributes) {
+  std::set<std::string> layers;
+  for (const PlannedChannel& channel : plan.channels) {
+    const std::string aov(rank_pair(channel.aov.str()).aov);
+    const AovInfo* info = find_aov(aov);
+    const auto found = names.find(aov);
+    if (plan.kind != FileKind::exr || !info || found == names.end()) continue;
+    const std::string table =
+        support::json_of(found->second).dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
+    std::string layer = channel.name.substr(0, channel.name.rfind('.'));
+    if (info->source == AovSource::ids && layer.size() > 2) layer.resize(layer.size() - 2);  // without its number
+    if (!layers.insert(layer).second) continue;
+    if (info->source != AovSource::ids) {
+      attributes->push_back({"alabaster/names/" + aov, table});
+      continue;
+    }
+    char id[9];
+    std::snprintf(id, sizeof id, "%08x", cryptomatte_hash(layer));
+    const std::string prefix = "cryptomatte/" + std::string(id, 7) + "/";
+    attributes->push_back({prefix + "name", layer});
+    attributes->push_back({prefix + "hash", std::string("MurmurHash3_32")});
+    attributes->push_back({prefix + "conversion", std::string("uint32_to_float32")});
+    attributes->push_back({prefix + "manifest", table});
+  }
+}
+
 bool has_color(const ProductPlan& plan) {
   return std::any_of(plan.channels.begin(), plan.channels.end(), [](const auto& c) { return c.is_color; });
 }
@@ -104,6 +138,7 @@ ImageDescription describe(const ProductPlan& plan, const ProductImage& image, co
   file.display = {x, y, std::max(1, int(std::lround(framing.displayMax.x)) - x),
                   std::max(1, int(std::lround(framing.displayMax.y)) - y)};
   file.attributes = attributes_of(image, out, plan.kind);
+  add_names(plan, image.names, &file.attributes);
   if (has_color(plan) && out.encoding != kSrgbCodePoints) file.encoding = out.encoding;
   file.fast = image.incomplete;
   return file;

@@ -26,7 +26,9 @@ struct ProductImage {
   Framing framing;                        // display window and data window
   std::map<std::string, AovPixels> aovs;  // by AOV name; each dataWindow.width() * height() pixels
   Dictionary metadata;                    // written as attributes ("alabaster/samples", "capDate", ...)
-  bool incomplete = false;                // becomes attribute "alabaster/incomplete" = 1
+  /// Of AOVs whose numbers stand for names, what command "names" answers. Files that hold such an AOV have them.
+  Dictionary names = {};
+  bool incomplete = false;  // becomes attribute "alabaster/incomplete" = 1
 
   /// Index in `floats` or `ints` of the first value of a row; row 0 is the uppermost.
   size_t row_begin(const AovPixels& pixels, int row) const {

@@ -247,6 +247,10 @@ Token RetainedSceneDelegate::GetRenderTag(const Path& id) {
   return state_->pull<MeshDescription>(id,
                                        [](const auto& prim) -> decltype((prim.renderTag)) { return prim.renderTag; });
 }
+Token RetainedSceneDelegate::GetDisplayName(const Path& id) {
+  const std::string* name = find_in(state_->names, id);
+  return name ? Token(*name) : Token();
+}
 std::vector<Token> RetainedSceneDelegate::GetCategories(const Path& id) {
   return state_->pull<MeshDescription>(id,
                                        [](const auto& prim) -> decltype((prim.categories)) { return prim.categories; });

@@ -181,6 +181,7 @@ class ALABASTER_API RetainedSceneDelegate : public SceneDelegate {
   CullStyle GetCullStyle(const Path& id) override;
   Token GetRenderTag(const Path& id) override;
   std::vector<Token> GetCategories(const Path& id) override;
+  Token GetDisplayName(const Path& id) override;
   Path GetMaterialId(const Path& id) override;
   std::vector<PrimvarDescriptor> GetPrimvarDescriptors(const Path& id) override;
   Value GetPrimvar(const Path& id, const Token& name, Array<int32_t>* indices) override;

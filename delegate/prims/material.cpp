@@ -370,19 +370,22 @@ DirtyBits MaterialPrim::post_record(SceneDelegate& scene, SceneParam& param, Dir
   if (!(bits & (dirty::kResource | dirty::kParams))) return dirty::kClean;
   auto network = std::make_shared<const MaterialNetwork>(scene.GetMaterialResource(GetId()));
   if (network_ && *network_ == *network) return dirty::kClean;
+  display_name_ = scene.GetDisplayName(GetId());
   post(network, param);
   network_ = std::move(network);  // last: a network counts as known once it is posted
   return dirty::kClean;
 }
 
 void MaterialPrim::post(const std::shared_ptr<const MaterialNetwork>& network, SceneParam& param) {
-  auto read = [&param, id = GetId(), network, faults = faults_](const CancelToken& cancel) -> Record {
+  auto read = [&param, id = GetId(), name = display_name_, network,
+               faults = faults_](const CancelToken& cancel) -> Record {
     std::vector<alabaster::Diagnostic> found;
     const alabaster::DiagnosticSink sink = [&](const alabaster::Diagnostic& d) { found.push_back(d); };
     const auto warn = [&](const char* code, const std::string& text) {
       alabaster::report(sink, alabaster::Severity::warning, code, id.str(), text);
     };
     MaterialRecord record;
+    record.display_name = name;
     record.material = MaterialReader(id, looks::ReadLook(*network, warn), param, sink, cancel).read(&record.fault);
     const alabaster::DiagnosticSink tell = [&](const alabaster::Diagnostic& d) {
       const bool is_of_file = d.where != id.str() && !d.code.starts_with("material.");  // of the prim or its nodes

@@ -167,6 +167,7 @@ void MeshPrim::pull(SceneDelegate& scene, SceneParam& param, DirtyBits bits) {
   if (bits & kPrimvarBits) pull_primvars(scene, param);
   if (bits & dirty::kVisibility) record_.visible = scene.GetVisible(GetId());
   if (bits & dirty::kRenderTag) record_.render_tag = scene.GetRenderTag(GetId());
+  if (bits & dirty::kPrimId) record_.display_name = scene.GetDisplayName(GetId());
   if (bits & dirty::kCategories) record_.categories = scene.GetCategories(GetId());
   if (bits & (dirty::kDoubleSided | dirty::kCullStyle))
     set_sides(scene.GetCullStyle(GetId()), scene.GetDoubleSided(GetId()), &record_.options);

@@ -73,7 +73,8 @@ class MaterialPrim final : public RecordedPrim<Sprim> {
  private:
   DirtyBits post_record(SceneDelegate& scene, SceneParam& param, DirtyBits bits) override;
   void post(const std::shared_ptr<const MaterialNetwork>& network, SceneParam& param);
-  std::shared_ptr<const MaterialNetwork> network_;                               // as posted last
+  std::shared_ptr<const MaterialNetwork> network_;  // as posted last
+  Token display_name_;
   const std::shared_ptr<KnownFaults> faults_ = std::make_shared<KnownFaults>();  // of the builder's thread
 };
 

@@ -39,6 +39,7 @@ struct MeshRecord {
   MeshOptions options;
   Token render_tag = "geometry";
   std::vector<Token> categories;
+  Token display_name;  // empty: none but its path
   bool operator==(const MeshRecord&) const = default;
 };
 
@@ -47,6 +48,7 @@ using support::InstancerRecord;
 struct MaterialRecord {
   std::shared_ptr<const DisneyMaterial> material;
   std::optional<std::string> fault;  // an image that could not be read
+  Token display_name = {};
   bool operator==(const MaterialRecord&) const = default;
 };
 

@@ -222,6 +222,7 @@ struct SceneTranslator::Run {
       if (!moving.empty()) place(std::move(moving), &instance);
       add(std::move(instance), mesh);
     }
+    if (!mesh.display_name.empty()) out.display_names.emplace_back(path, mesh.display_name);
     if (open) note_open(*open);  // last: a mesh that is left out has no such report
   }
 
@@ -430,7 +431,10 @@ struct SceneTranslator::Run {
     const auto& own =
         translator.default_materials_[(mesh.colors.empty() ? 0u : 1u) | (mesh.opacities.empty() ? 0u : 2u)];
     if (id.empty()) return own;
-    if (const MaterialRecord* record = materials.find(id); record && record->material) return record->material;
+    if (const MaterialRecord* record = materials.find(id); record && record->material) {
+      if (!record->display_name.empty()) out.display_names.emplace_back(id, record->display_name);
+      return record->material;
+    }
     translator.warn("mesh.material", prim,
                     "material " + id.str() + " does not exist; the default is used" + nearest<MaterialRecord>(id));
     return own;

@@ -24,12 +24,13 @@ CameraParameters posed_camera(const CameraRecord& record, const Shutter& of_scen
 struct Translation {
   SceneDescription scene;
   Shutter shutter;
-  std::vector<Path> material_paths;                // of all instances' materials, in order; empty path: default
-  std::vector<std::vector<Path>> array_materials;  // the same of each array's look
-  std::vector<Path> light_paths;                   // parallel to scene.lights
-  std::vector<Token> categories;                   // that lights name: the first is 1 in scene.lights
-  SceneFaults faults;                              // meshes of too many places (reported)
-  std::shared_ptr<MemoryReservation> memory;       // of the instances
+  std::vector<Path> material_paths;                   // of all instances' materials, in order; empty path: default
+  std::vector<std::vector<Path>> array_materials;     // the same of each array's look
+  std::vector<Path> light_paths;                      // parallel to scene.lights
+  std::vector<std::pair<Path, Token>> display_names;  // of meshes and materials that have one
+  std::vector<Token> categories;                      // that lights name: the first is 1 in scene.lights
+  SceneFaults faults;                                 // meshes of too many places (reported)
+  std::shared_ptr<MemoryReservation> memory;          // of the instances
 };
 
 class BuiltMeshes;

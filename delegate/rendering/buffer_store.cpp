@@ -37,6 +37,7 @@ BufferStore::BufferStore(const RenderBufferDescriptor& description, const Buffer
       window_(source.film ? source.film->data_window() : PixelRect()),
       buffer_x_(source.buffer_x),
       buffer_y_(source.buffer_y),
+      rank_pair_(source.rank_pair),
       clear_(source.clear),
       pixels_(static_cast<size_t>(description.dimensions.x) * static_cast<size_t>(description.dimensions.y) *
               FormatSize(description.format)),
@@ -54,7 +55,8 @@ BufferStore::BufferStore(const RenderBufferDescriptor& description, const Buffer
 
 bool BufferStore::fits(const RenderBufferDescriptor& description, const BufferSource& source) const {
   return description_ == description && source.film && window_ == source.film->data_window() && aov_ == source.aov &&
-         buffer_x_ == source.buffer_x && buffer_y_ == source.buffer_y && clear_ == source.clear;
+         buffer_x_ == source.buffer_x && buffer_y_ == source.buffer_y && rank_pair_ == source.rank_pair &&
+         clear_ == source.clear;
 }
 
 bool BufferStore::update(const BufferSource& source, const BufferStore* before) {
@@ -140,6 +142,8 @@ void BufferStore::convert_tile(int tile, const BufferSource& source) {
   };
   if (aov_info(aov_).is_integer())
     source.film->resolve_int(tile, aov_, take);
+  else if (source.keys && (kIdsAovs & aov_bit(aov_)))
+    source.film->resolve_ranks(tile, aov_, rank_pair_, *source.keys, take);
   else
     source.film->resolve_float(tile, aov_, take);
 }

@@ -12,7 +12,9 @@ struct BufferSource {
   Aov aov = Aov::color;
   int buffer_x = 0, buffer_y = 0;  // of the film's pixel (0, 0), y-down
   Value clear;
-  std::function<void()> complete;  // called by each Resolve before it reads the film; may be empty
+  std::function<void()> complete = {};      // called by each Resolve before it reads the film; may be empty
+  std::shared_ptr<const IdKeys> keys = {};  // of an AOV of ids
+  int rank_pair = 0;
 };
 
 class BufferStore {
@@ -52,6 +54,7 @@ class BufferStore {
   Aov aov_;
   PixelRect window_;  // of the film
   int buffer_x_, buffer_y_;
+  int rank_pair_;
   Value clear_;
   std::vector<uint8_t> pixels_;
   std::vector<FilmRevision> tiles_;  // what each shows; 0: nothing yet

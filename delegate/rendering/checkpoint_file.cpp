@@ -1,6 +1,8 @@
 #include "delegate/rendering/checkpoint_file.h"
 
 #include <algorithm>
+#include <charconv>
+#include <cstring>
 #include <utility>
 
 #include "core/digest/digest.h"
@@ -18,7 +20,7 @@ namespace {
 using nlohmann::json;
 
 // The number rises whenever the state or the header changes its meaning.
-constexpr std::string_view kMagic = "Alabaster checkpoint 5\n", kAnyMagic = "Alabaster checkpoint ";
+constexpr std::string_view kMagic = "Alabaster checkpoint 6\n", kAnyMagic = "Alabaster checkpoint ";
 
 struct BlockHead {
   uint64_t size = 0, checksum = 0;
@@ -107,9 +109,9 @@ std::string was_and_is(const std::string& what, const std::string* was, const st
 constexpr size_t kMostHeaderBytes = size_t(64) << 20;  // a scene has some hundred bytes for each of its prims
 constexpr size_t kDigestBytes = 32;                    // of text: core/digest/digest.h
 constexpr std::pair<const char*, json::value_t> kMembers[] = {
-    {"library", json::value_t::object},   {"scene", json::value_t::object}, {"frame", json::value_t::object},
-    {"settings", json::value_t::object},  {"aovs", json::value_t::string},  {"note", json::value_t::string},
-    {"complete", json::value_t::boolean}, {"samples", json::value_t::array}};
+    {"library", json::value_t::object},  {"scene", json::value_t::object},  {"frame", json::value_t::object},
+    {"settings", json::value_t::object}, {"names", json::value_t::object},  {"aovs", json::value_t::string},
+    {"note", json::value_t::string},     {"samples", json::value_t::array}, {"complete", json::value_t::boolean}};
 
 /// Parses a header without trust: as any JSON, a hostile text takes gigabytes. `held` holds what is made, by and by
 /// (MemoryRefused).
@@ -156,7 +158,7 @@ class HeaderParser {
                                        [&member = name](const auto& one) { return member == one.first; });
       if (known == std::end(kMembers) || value.type() != known->second) return false;
       if (name == "note" && value.get_ref<const std::string&>().size() > kMostNoteBytes) return false;
-      if (value.is_structured() && !are_parts(value, name == "scene")) return false;
+      if (value.is_structured() && name != "names" && !are_parts(value, name == "scene")) return false;
     }
     return true;
   }
@@ -178,7 +180,33 @@ class HeaderParser {
 
 }  // namespace
 
-CheckpointHeader checkpoint_header(const RenderRequest& request, const std::map<std::string, std::string>& scene) {
+namespace {
+
+// The members of names, by their kinds.
+constexpr struct {
+  const char* kind;
+  prims::NamesById prims::IdNames::*names;
+} kNames[] = {{"primId ", &prims::IdNames::prims},
+              {"asset ", &prims::IdNames::assets},
+              {"materialId ", &prims::IdNames::materials}};
+
+}  // namespace
+
+prims::IdNames names_of(const CheckpointHeader& header) {
+  constexpr int32_t kMostId = 1 << 24;
+  prims::IdNames all;
+  for (const auto& [key, name] : member(header, "names").items())
+    for (const auto& [kind, names] : kNames) {
+      if (!key.starts_with(kind) || !name.is_string()) continue;
+      int32_t id = -1;
+      std::from_chars(key.data() + std::strlen(kind), key.data() + key.size(), id);
+      if (id >= 0 && id < kMostId) (all.*names)[id] = name.get<std::string>();
+    }
+  return all;
+}
+
+CheckpointHeader checkpoint_header(const RenderRequest& request, const std::map<std::string, std::string>& scene,
+                                   const prims::IdNames* names) {
   CheckpointHeader header;
   header["library"] = library_versions();
   header["scene"] = scene;
@@ -194,6 +222,9 @@ CheckpointHeader checkpoint_header(const RenderRequest& request, const std::map<
       const Value value = support::get_parameter(parameter, request.settings);
       settings[parameter.name] = value.text_or(value.to_string());
     }
+  if (names)
+    for (const auto& [kind, of_kind] : kNames)
+      for (const auto& [id, name] : names->*of_kind) header["names"][kind + std::to_string(id)] = name;
   // As a file gives it back: names that are not UTF-8 do not survive JSON.
   return json::parse(text_of_header(header));
 }
@@ -217,6 +248,10 @@ std::string checkpoint_difference(const CheckpointHeader& file, const Checkpoint
   compare(member(file, "scene"), member(render, "scene"),
           [&](const std::string& name, const std::string* was, const std::string* is) {
             all.add(name + (!was ? " is new" : !is ? " is gone" : " has changed"));
+          });
+  compare(member(file, "names"), member(render, "names"),
+          [&](const std::string& id, const std::string* was, const std::string* is) {
+            all.add(was_and_is("the name of " + id, was, is));
           });
   return all.text();
 }

@@ -10,6 +10,7 @@
 #include "core/memory/memory_budget.h"
 #include "core/session/render_request.h"
 #include "core/session/render_state.h"
+#include "delegate/prims/id_names.h"
 
 namespace alabaster::hd::rendering {
 
@@ -18,14 +19,19 @@ namespace alabaster::hd::rendering {
 /// - scene {kind and path: digest}: digest_scene()
 /// - camera {name: value}, frame {name: value}, aovs text
 /// - settings {name: value}: those that change pixels; where samples decide where others go, their number, too
+/// - names {"primId 3" and the like: name}, where AOVs show ids
 /// Besides, which a render may differ in: samples [first, end], complete flag, note text.
 using CheckpointHeader = nlohmann::json;
 
 /// A longer note is neither written nor read.
 inline constexpr size_t kMostNoteBytes = size_t(64) << 10;
 
-/// The header of a request. `scene`: digest_scene() of what request.scene was compiled from.
-CheckpointHeader checkpoint_header(const RenderRequest& request, const std::map<std::string, std::string>& scene);
+/// The header of a request. `scene`: digest_scene() of what request.scene was compiled from. `names`: null where no AOV
+/// shows ids.
+CheckpointHeader checkpoint_header(const RenderRequest& request, const std::map<std::string, std::string>& scene,
+                                   const prims::IdNames* names);
+/// Those of a header, which may say anything.
+prims::IdNames names_of(const CheckpointHeader& header);
 
 /// Names what differs between the render of a file and another, in words for people; empty if nothing does.
 std::string checkpoint_difference(const CheckpointHeader& file, const CheckpointHeader& render);

@@ -56,9 +56,23 @@ std::shared_ptr<const Checkpoints::Pending> Checkpoints::pending() const {
 }
 
 void Checkpoints::set_pending(std::shared_ptr<const Pending> pending, bool shown) {
+  std::shared_ptr<const prims::IdNames> names;
+  if (shown) names = std::make_shared<const prims::IdNames>(names_of(pending->header));
   const std::lock_guard lock(mutex_);
   pending_.swap(pending);
+  shown_names_.swap(names);
   shown_ = shown;
+}
+
+std::shared_ptr<const prims::IdNames> Checkpoints::shown_names() const {
+  const std::lock_guard lock(mutex_);
+  return shown_names_;
+}
+
+CheckpointHeader Checkpoints::header_of(const RenderRequest& request, const DelegateState& delegate,
+                                        const BuiltScene& scene) const {
+  const auto names = request.aovs & kNamedAovs ? delegate.names_of(scene) : nullptr;
+  return checkpoint_header(request, *digests_of(scene), names.get());
 }
 
 // Made once for each snapshot.
@@ -79,7 +93,7 @@ CommandResult Checkpoints::write(const DelegateState& delegate, const std::strin
   if (!scene) return command_failed("the scene has changed since it was rendered");
   if (note.size() > kMostNoteBytes)
     return {CommandStatus::invalid, "the note is longer than " + std::to_string(kMostNoteBytes) + " bytes", {}};
-  CheckpointHeader header = checkpoint_header(*request, *digests_of(*scene));
+  CheckpointHeader header = header_of(*request, delegate, *scene);
   header["samples"] = samples_of(*request);
   header["complete"] = pass->progress().state == SessionState::finished;
   header["note"] = note;
@@ -227,7 +241,8 @@ bool has_state_of(const RenderSettings& settings, const RenderState& state) {
 
 }  // namespace
 
-std::string Checkpoints::fault(const BuiltScene* scene, const RenderRequest& request) const {
+std::string Checkpoints::fault(const DelegateState& delegate, const BuiltScene* scene,
+                               const RenderRequest& request) const {
   const std::shared_ptr<const Pending> pending = this->pending();
   if (!pending) return {};
   const Film& film = *pending->state->film;
@@ -236,8 +251,7 @@ std::string Checkpoints::fault(const BuiltScene* scene, const RenderRequest& req
   if (film.data_window() != request.data_window || (aovs & ~film.aovs()) != 0 || (!shown_ && aovs != film.aovs()))
     fault = "it has another size or other AOVs";
   if (!shown_ && scene) {
-    const std::string difference =
-        checkpoint_difference(pending->header, checkpoint_header(request, *digests_of(*scene)));
+    const std::string difference = checkpoint_difference(pending->header, header_of(request, delegate, *scene));
     const RenderSettings& settings = request.settings;
     const SampleRange range = range_of(pending->header), now{settings.first_sample, settings.samples};
     if (!difference.empty())

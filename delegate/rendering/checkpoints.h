@@ -31,10 +31,12 @@ class Checkpoints {
   static CommandResult describe(const std::string& file, bool measure, const Memory& memory);
 
   /// Why a render of the scene cannot go on from the file; empty if it can, or none was named. Null: of no scene.
-  std::string fault(const BuiltScene* scene, const RenderRequest& request) const;
+  std::string fault(const DelegateState& delegate, const BuiltScene* scene, const RenderRequest& request) const;
   /// The next render continues from a file, which is compared with the scene as it will be.
   bool is_pending() const { return pending() != nullptr; }
   bool is_shown() const { return shown_; }
+  /// The names of what AOVs number in the files that are shown; null: none are.
+  std::shared_ptr<const prims::IdNames> shown_names() const;
   /// The state from which the next render continues. Null: nothing was named.
   std::shared_ptr<RenderState> take();
 
@@ -48,12 +50,15 @@ class Checkpoints {
   using Digests = std::map<std::string, std::string>;
   std::shared_ptr<const Pending> pending() const;
   void set_pending(std::shared_ptr<const Pending> pending, bool shown);
+  CheckpointHeader header_of(const RenderRequest& request, const DelegateState& delegate,
+                             const BuiltScene& scene) const;
   std::shared_ptr<const Digests> digests_of(const BuiltScene& scene) const;
 
-  mutable std::mutex mutex_;                // guards pending_
-  std::shared_ptr<const Pending> pending_;  // null: none
-  mutable std::mutex digests_mutex_;        // held while they are made
-  mutable uint64_t digested_ = 0;           // the number of the snapshot that digests_ are of
+  mutable std::mutex mutex_;                           // guards pending_
+  std::shared_ptr<const Pending> pending_;             // null: none
+  std::shared_ptr<const prims::IdNames> shown_names_;  // likewise guarded
+  mutable std::mutex digests_mutex_;                   // held while they are made
+  mutable uint64_t digested_ = 0;                      // the number of the snapshot that digests_ are of
   mutable std::shared_ptr<const Digests> digests_;
   std::atomic<bool> shown_{false};
 };

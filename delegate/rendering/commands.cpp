@@ -101,6 +101,11 @@ constexpr Command kCommands[] = {
     {"requirements",
      {},
      [](DelegateState& delegate, const Arguments&) { return command_done(delegate.requirements()); }},
+    {"names",
+     {},
+     [](DelegateState& delegate, const Arguments&) {
+       return command_done(std::make_shared<const Dictionary>(delegate.names()));
+     }},
     {"waitForScene", {"seconds"}, wait_for_scene},
     {"tracePixel", {"x", "y", "sample"}, trace_pixel},
     {"measureNoise", {}, measure_noise},

@@ -307,6 +307,21 @@ std::string DelegateState::requirements() {
   return built ? prims::describe_requirements(*built->snapshot, built->translation) : std::string();
 }
 
+Dictionary DelegateState::names() {
+  if (const auto shown = checkpoints.shown_names()) return prims::describe_names(*shown);
+  builder_.wait(kUnlimited);
+  const auto built = scene();
+  return prims::describe_names(built ? *names_of(*built) : prims::IdNames());
+}
+
+std::shared_ptr<const prims::IdNames> DelegateState::names_of(const BuiltScene& scene) const {
+  const std::lock_guard lock(names_mutex_);
+  if (!names_ || named_ != scene.snapshot->number)
+    names_ = std::make_shared<const prims::IdNames>(prims::name_ids(scene.translation));
+  named_ = scene.snapshot->number;
+  return names_;
+}
+
 // A pass keeps the scene that it draws while the builder makes those of others.
 template <class IsWanted>
 std::shared_ptr<const BuiltScene> DelegateState::find_scene(const IsWanted& is_wanted) const {

@@ -5,6 +5,7 @@
 #include <set>
 
 #include "core/session/render_request.h"
+#include "delegate/prims/id_names.h"
 #include "delegate/rendering/checkpoints.h"
 #include "delegate/rendering/snapshot_builder.h"
 
@@ -45,6 +46,7 @@ class DelegateState {
   /// These wait for the builder.
   std::string dump();
   std::string requirements();
+  Dictionary names();
 
   // Any thread.
   /// Loads the library at the first call. Null, with the reason in *problem, if it cannot be used.
@@ -76,6 +78,9 @@ class DelegateState {
   /// memory.
   std::vector<std::string> scene_faults(bool* input) const;
   double commit_seconds() const { return commit_seconds_ + builder_.compile_seconds(); }
+
+  /// Made once for each snapshot.
+  std::shared_ptr<const prims::IdNames> names_of(const BuiltScene& scene) const;
 
   /// The frame that was started last; null: none of a snapshot that is current.
   void set_last_request(const RenderRequest& request, std::weak_ptr<PassControl> pass);
@@ -120,8 +125,11 @@ class DelegateState {
   std::shared_ptr<const RenderRequest> last_request_;
   std::weak_ptr<PassControl> last_pass_;
   std::vector<std::weak_ptr<PassControl>> passes_;
-  Dictionary last_pass_stats_;  // of a pass that is gone
-  std::mutex denoiser_mutex_;   // guards what follows, while the library is loaded, too
+  Dictionary last_pass_stats_;      // of a pass that is gone
+  mutable std::mutex names_mutex_;  // guards what follows, while they are made
+  mutable uint64_t named_ = 0;      // the number of the snapshot that names_ are of
+  mutable std::shared_ptr<const prims::IdNames> names_;
+  std::mutex denoiser_mutex_;  // guards what follows, while the library is loaded, too
   std::shared_ptr<const Denoiser> denoiser_;
   std::string denoiser_problem_;
 

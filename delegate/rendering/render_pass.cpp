@@ -150,7 +150,7 @@ void PassControl::add_bindings(const DrawRequest& asked, PassInputs* in, std::ve
     }
     const Value clear =
         binding.clearValue.empty() ? default_aov_descriptor(binding.aovName).clearValue : binding.clearValue;
-    in->bindings.push_back({*aov, buffer, buffer->allocation(), clear});
+    in->bindings.push_back({*aov, buffer, buffer->allocation(), clear, rank_pair(name).number});
     if (const std::string fault = size_fault(asked.state.framing, buffer->wanted()); !fault.empty())
       faults->push_back(
           {alabaster::Severity::warning, "pass.size", buffer->id().str(), "the buffer of AOV '" + name + "' " + fault});
@@ -167,6 +167,7 @@ PassInputs PassControl::inputs(const DrawRequest& asked, const BuiltScene* scene
   in.settings.texture_memory = {};
   in.settings.memory_limit = {};
   in.settings.refine_edge_length = {};
+  in.settings.crypto_ranks = {};  // of files alone
   in.restarts = delegate_->restarts();
   add_bindings(asked, &in, faults);
   const Path camera = state.freeCamera       ? Path(kFreeCamera)
@@ -192,7 +193,7 @@ PassInputs PassControl::inputs(const DrawRequest& asked, const BuiltScene* scene
   if (in.error.empty() && !(in.error = part_fault(in.settings)).empty()) in.refused = true;
   if (in.error.empty()) choose_denoiser(&in);
   if (in.error.empty() && (in.scene || in.shows_checkpoint) &&
-      !(in.error = delegate_->checkpoints.fault(scene, request_of(in))).empty())
+      !(in.error = delegate_->checkpoints.fault(*delegate_, scene, request_of(in))).empty())
     in.refused = true;
   if (in.error.empty()) {
     // Linux grants memory that it does not have and ends the process that uses it, without a report.
@@ -257,6 +258,14 @@ void PassControl::start(PassInputs next) {
   if (is_empty) return set_converged(true);  // nothing to draw
 
   RenderRequest request = request_of(running_);
+  std::shared_ptr<const IdKeys> keys;
+  if (request.aovs & (kMaterialIdAovs | kIdsAovs)) {
+    auto names = delegate_->checkpoints.shown_names();
+    if (!names) names = delegate_->names_of(*scene());
+    request.memory = delegate_->param->memory();
+    request.materials = names->numbers;
+    keys = std::make_shared<const IdKeys>(prims::keys_of(*names));
+  }
   delegate_->set_last_request(request, weak_from_this());
   request.resumed = delegate_->checkpoints.take();
   for (const auto& binding : running_.bindings) binding.buffer->release_film();
@@ -264,8 +273,9 @@ void PassControl::start(PassInputs next) {
   // A film that another render or a checkpoint leaves may have more AOVs: its memory is held already.
   frame_memory_.try_resize(bytes_of(running_, session_->film()->aovs()));
   for (const auto& binding : running_.bindings) {
-    BufferSource source{session_->film(),         binding.aov,   running_.framed.buffer_x,
-                        running_.framed.buffer_y, binding.clear, {}};
+    BufferSource source{session_->film(), binding.aov, running_.framed.buffer_x, running_.framed.buffer_y,
+                        binding.clear};
+    source.keys = keys, source.rank_pair = binding.rank_pair;
     if (binding.aov == Aov::denoised)
       source.complete = [session = session_, film = source.film.get()] { session->denoise_stopped(film); };
     binding.buffer->bind(std::move(source));

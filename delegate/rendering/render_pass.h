@@ -26,6 +26,7 @@ struct PassInputs {
     std::shared_ptr<BufferState> buffer;
     uint64_t allocation = 0;
     Value clear;
+    int rank_pair = 0;  // of an AOV of ids
     bool operator==(const Binding&) const = default;
   };
   std::vector<Binding> bindings;

@@ -56,6 +56,7 @@ class _SharedSettings(TypedDict, total=False):
     glossyFilter: Optional[float]
     refineEdgeLength: Optional[float]
     filter: Optional[Literal["box", "triangle", "gaussian", "blackmanHarris"]]
+    cryptoRanks: Optional[int]
     denoise: Optional[bool]
 
 class RenderSettings(_SharedSettings, total=False):

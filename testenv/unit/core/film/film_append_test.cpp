@@ -28,6 +28,8 @@ FilmSample sample(size_t pixel, uint32_t number, LightLayers* layers) {
   s.normal = {0.3f, -0.2f, static_cast<float>(random() % 1000) / 1000};
   s.albedo = {0.1f, static_cast<float>(random() % 1000) / 999, 0.5f};
   s.prim_id = s.instance_id = s.element_id = static_cast<int32_t>(number);
+  s.material_id = static_cast<int32_t>(random() % 3) - 1;
+  s.is_held_out = random() % 5 == 0;
   for (Rgb* layer : {&layers->diffuse, &layers->specular, &layers->unscattered, &layers->single, &layers->multiple,
                      &layers->emission})
     *layer = {light(random), light(random), light(random)};
@@ -49,6 +51,10 @@ FilmTile tile_of(const SampleRange& range) {
 std::vector<std::byte> contents(FilmTile tile) {
   std::vector<std::byte> bytes;
   for (const auto& plane : tile.planes()) bytes.insert(bytes.end(), plane.begin(), plane.end());
+  for (const IdCounts* ids : tile.ids()) {
+    const std::vector<std::byte> written = ids->write();
+    bytes.insert(bytes.end(), written.begin(), written.end());
+  }
   for (size_t pixel = 0; pixel < kPixels; ++pixel)
     for (const AovInfo& info : kAovs) {
       float values[4] = {};
@@ -70,6 +76,19 @@ TEST(FilmAppend, TwoPartsGiveTheBytesOfTheWholeForAllSplits) {
       tile.append(tile_of({at, end}));
       ASSERT_TRUE(contents(tile) == whole) << at << " of " << end;
     }
+  }
+}
+
+TEST(FilmTile, BytesThatNoIdsGiveAreRefused) {
+  FilmTile from = tile_of({0, 40}), to = tile_of({0, 7});
+  ASSERT_EQ(from.ids().size(), 2u) << "of prims and of materials";
+  for (size_t i = 0; i < 2; ++i) {
+    const std::vector<std::byte> bytes = from.ids()[i]->write();
+    EXPECT_LE(bytes.size(), IdCounts::most_bytes(from.samples()));
+    EXPECT_FALSE(to.ids()[i]->read(std::span(bytes).first(bytes.size() - 1), from.samples())) << "cut off";
+    EXPECT_FALSE(to.ids()[i]->read(bytes, {1, 1, 1})) << "more than the samples";
+    std::vector<std::byte> turned(bytes.rbegin(), bytes.rend());
+    EXPECT_FALSE(to.ids()[i]->read(turned, from.samples()));
   }
 }
 

@@ -43,8 +43,8 @@ TEST(Film, BytesAreKnownBeforehand) {
   constexpr size_t kSum = 80, kLeast = 4 + kSum + 8 + 24;
   EXPECT_EQ(film_bytes({0, 0, 10, 7}, 0), 70u * kLeast);
   EXPECT_EQ(film_bytes({-5, 3, 5, 10}, aov_bit(Aov::depth) | aov_bit(Aov::prim_id)), 70u * (kLeast + 12));
-  EXPECT_EQ(film_bytes({0, 0, 1 << 20, 1 << 20}, ~0u),
-            (size_t(1) << 40) * (kLeast + 24 + 24 + 24 + 7 * kSum + 11 * 12 + 4 + 12));
+  EXPECT_EQ(film_bytes({0, 0, 1 << 20, 1 << 20}, ~AovSet{0}),
+            (size_t(1) << 40) * (kLeast + 24 + 24 + 28 + 7 * kSum + 11 * 12 + 4 + 12 + 2 * 12));
   EXPECT_EQ(film_bytes({0, 0, 10, 7}, aov_bit(Aov::specular) | aov_bit(Aov::emission)), 70u * (kLeast + 2 * kSum));
   EXPECT_EQ(film_bytes({4, 4, 0, 9}, ~0u), 0u);
   EXPECT_EQ(film_bytes({0, 0, 10, 7}, 0, {false, {256, 511}}), 70u * kLeast);
@@ -167,7 +167,8 @@ TEST(FilmTile, APixelIsTakenWithAllItsPlanes) {
   for (uint32_t i = 0; i < 16; ++i) {
     FilmSample sample;
     sample.color = Rgb(float(i % 3)), sample.alpha = 1, sample.distance = float(20 - i), sample.normal = {0, 1, 0};
-    sample.albedo = Rgb(0.5f), sample.prim_id = 7, sample.nonfinite = i % 2 == 0, sample.depth = 0.5f;
+    sample.albedo = Rgb(0.5f), sample.prim_id = sample.material_id = int32_t(i % 5), sample.nonfinite = i % 2 == 0,
+    sample.depth = 0.5f;
     for (auto& value : vectors.values) value = {1, 2, 3};
     sample.vectors = &vectors;
     LightLayers layers;
@@ -180,6 +181,8 @@ TEST(FilmTile, APixelIsTakenWithAllItsPlanes) {
   ASSERT_EQ(planes.size(), expected.size());
   for (size_t i = 0; i < planes.size(); ++i)
     EXPECT_TRUE(std::equal(planes[i].begin(), planes[i].end(), expected[i].begin(), expected[i].end())) << i;
+  from.take(0, to);  // over what is there
+  for (size_t i = 0; i < to.ids().size(); ++i) EXPECT_EQ(to.ids()[i]->write(), from.ids()[i]->write());
 }
 
 }  // namespace

@@ -115,7 +115,7 @@ TEST(PathIntegrator, FirstHitValuesAreComputedForBoundAovsOnly) {
     EXPECT_EQ(s.normal, normal ? Vec3f(0, 1, 0) : unset.normal) << name;
     EXPECT_NEAR(s.albedo.g, albedo ? 0.29f : 0, 1e-6f) << name << ": base color and f0";
     EXPECT_NEAR(s.camera_depth, closest ? 2.0f : unset.camera_depth, 1e-5f) << name;
-    EXPECT_EQ(s.prim_id, closest ? 1 : unset.prim_id) << name;
+    EXPECT_EQ(s.prim_id, closest || info.source == AovSource::ids ? 1 : unset.prim_id) << name;
     EXPECT_EQ(s.instance_id, closest ? 0 : unset.instance_id) << name;
     EXPECT_EQ(s.element_id >= 0, closest) << name;
     EXPECT_EQ(std::isfinite(s.distance), closest) << name;

@@ -50,14 +50,19 @@ class CheckpointTest : public hd::description::SceneFiles {
   std::string said_, printed_;
 };
 
-// promise: farm.checkpoint.parts, farm.parts.merged
+// promise: farm.checkpoint.parts, farm.parts.merged, pipeline.cryptomatte.ranks
 TEST_F(CheckpointTest, PartsMergeToTheFilesOfOneRender) {
-  ASSERT_EQ(render({"--spp", "11", "-o", "whole.exr", "-o", "whole.png", "--aov", "normal"}), 0) << said_;
-  ASSERT_EQ(render({"--samples", "0:5", "--checkpoint", "a", "--aov", "normal"}), 0) << said_;
-  ASSERT_EQ(render({"--samples", "5:9", "--checkpoint", "b", "-o", "b.exr", "--aov", "normal", "--threads", "1"}), 0);
-  ASSERT_EQ(render({"--samples", "9:11", "--checkpoint", "c", "--aov", "normal"}), 0) << said_;
+  const auto with_aovs = [](std::vector<std::string> words) {
+    for (const char* aov : {"normal", "cryptoObject", "cryptoMaterial", "cryptoAsset", "primId", "materialId"})
+      words.insert(words.end(), {"--aov", aov});
+    return words;
+  };
+  ASSERT_EQ(render(with_aovs({"--spp", "11", "-o", "whole.exr", "-o", "whole.png"})), 0) << said_;
+  ASSERT_EQ(render(with_aovs({"--samples", "0:5", "--checkpoint", "a"})), 0) << said_;
+  ASSERT_EQ(render(with_aovs({"--samples", "5:9", "--checkpoint", "b", "-o", "b.exr", "--threads", "1"})), 0);
+  ASSERT_EQ(render(with_aovs({"--samples", "9:11", "--checkpoint", "c"})), 0) << said_;
   EXPECT_TRUE(exists("b.exr")) << "a part's own picture";
-  ASSERT_EQ(run({"merge", "b", "a", "c", "-o", "sum.exr", "-o", "sum.png", "--aov", "normal"}), 0) << said_;
+  ASSERT_EQ(run(with_aovs({"merge", "b", "a", "c", "-o", "sum.exr", "-o", "sum.png"})), 0) << said_;
   EXPECT_EQ(pixels("sum.exr"), pixels("whole.exr"));
   EXPECT_EQ(pixels("sum.png"), pixels("whole.png"));
   EXPECT_EQ(attributes("sum.exr"), attributes("whole.exr"));
@@ -74,7 +79,7 @@ TEST_F(CheckpointTest, PartsMergeToTheFilesOfOneRender) {
   EXPECT_EQ(run({"merge", "a", "lit.gltf", "-o", "sum.exr"}), 3);
   EXPECT_TRUE(says("it is not a checkpoint")) << said_;
   EXPECT_EQ(run({"merge", "a", "-o", "a"}), 2) << "a part would be overwritten";
-  ASSERT_EQ(render({"--samples", "5:9", "--checkpoint", "d", "--aov", "normal", "--seed", "4"}), 0) << said_;
+  ASSERT_EQ(render(with_aovs({"--samples", "5:9", "--checkpoint", "d", "--seed", "4"})), 0) << said_;
   EXPECT_EQ(run({"merge", "a", "d", "-o", "sum.exr"}), 3);
   EXPECT_TRUE(says("'d' is of another render than 'a': setting seed was 4 and is 0")) << said_;
 }

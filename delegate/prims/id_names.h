@@ -1,0 +1,31 @@
+// The names of what AOVs number: primId, materialId and Cryptomatte's layers.
+#pragma once
+
+#include "core/film/id_counts.h"
+#include "delegate/prims/scene_translation.h"
+
+namespace alabaster::hd::prims {
+
+/// By primId or materialId.
+using NamesById = std::map<int32_t, std::string>;
+
+/// A mesh or material has the name that its file gives it (SceneDelegate::GetDisplayName), where no other that is drawn
+/// has the same; else its path. Materials are numbered in the order of their paths. The asset of a mesh is the first
+/// two words of its path, or the first of two.
+struct IdNames {
+  NamesById prims, assets, materials;
+  MaterialNumbers numbers;  // null: of no scene
+
+  const NamesById& of(Aov aov) const {
+    if (aov == Aov::prim_id || aov == Aov::crypto_object) return prims;
+    return aov == Aov::crypto_asset ? assets : materials;
+  }
+};
+
+IdNames name_ids(const Translation& translation);
+IdKeys keys_of(const IdNames& names);
+/// {"primId": {"0": name}, "materialId": the same, "cryptoObject": {name: 8 hexadecimal digits}, ...}: the answer to
+/// command "names".
+Dictionary describe_names(const IdNames& names);
+
+}  // namespace alabaster::hd::prims
