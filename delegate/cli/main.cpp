@@ -19,7 +19,7 @@ namespace {
 constexpr const char* kExitCodes =
     "Exit codes: 0 success, 2 bad usage, 3 bad input (a damaged image included), 4 render failed or memory ran out, 5 "
     "output failed, 6 rendered with --keep-going without all that the scene names, 130 interrupted (the picture so far "
-    "is written and marked incomplete). After 2 and 3 nothing was rendered.";
+    "is written and marked incomplete, of --frames those that are done). After 2 and 3 nothing was rendered.";
 
 /// A flag that only names a setting. CLI11 runs callbacks in the order of this table, so --quality stays its first row:
 /// the others override settings of the preset.

@@ -102,7 +102,8 @@ std::optional<FramePlace> frame_place(const std::string& file) {
     size_t end = at + (file[at] == '%' ? 1 : 2), width = 0;
     for (; is_digit(end) && width < 10; ++end) width = 10 * width + size_t(file[end] - '0');
     if (file[at] == '%' && (end >= file.size() || file[end++] != 'd')) continue;
-    if (end < file.size() && std::isalnum(static_cast<unsigned char>(file[end]))) continue;  // of a word
+    const bool is_bare = width == 0;  // %d and $F may be of a word
+    if (is_bare && end < file.size() && std::isalnum(static_cast<unsigned char>(file[end]))) continue;
     return FramePlace{at, end, std::max(width, size_t(1)), 0};
   }
   return {};

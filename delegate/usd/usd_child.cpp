@@ -247,6 +247,7 @@ Child::Answer Child::ask(const json& request) {
                     " for a file: a pipe, or a share that does not answer. Allow more with --usd-limit SECONDS.");
       continue;
     }
+    idle = 0;
     drain();
     if (!(wait[0].revents & (POLLIN | POLLHUP))) {
       if (wait[1].revents & POLLHUP) fail_ended();

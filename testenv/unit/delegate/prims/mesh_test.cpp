@@ -290,5 +290,36 @@ TEST(MeshSync, HoldoutAndVisibleToCameraAreConstantFlags) {
   }
 }
 
+TEST(MeshSync, OpenClearMeshesOfASetAreReportedOnce) {
+  Stage stage;
+  MaterialNetwork clear = scattering();
+  for (auto& [path, node] : clear.nodes) node.parameters = {{"specTrans", 1.0f}};
+  stage.scene.SetMaterial("/glass", clear);
+  host::MeshDescription pane = Stage::quad();
+  pane.material = "/glass";
+  stage.scene.SetMesh("/alone", pane);
+  const auto said = [&](const char* set) {
+    for (const char* name : {"/b", "/c", "/d"}) {
+      pane.primvars["subsurfaceSet"] = {Interpolation::constant, {}, std::string(set), {}};
+      stage.scene.SetMesh(name, pane);
+    }
+    stage.index->SyncAll();
+    std::vector<std::string> texts;
+    for (const Diagnostic& d : stage.take_diagnostics())
+      if (d.code == "mesh.open") texts.push_back(d.where + ": " + d.text);
+    return texts;
+  };
+  for (const char* set : {"window", "byMaterial"}) {
+    std::vector<std::string> texts = said(set);
+    std::erase_if(texts, [](const std::string& text) { return text.starts_with("/alone: "); });
+    ASSERT_EQ(texts.size(), set == std::string("window") ? 1u : 0u) << set << ": the same report is not repeated";
+    for (const std::string& text : texts) {
+      EXPECT_EQ(text.find("/b: a clear material"), 0u) << text;
+      EXPECT_NE(text.find("2 other meshes of its subsurfaceSet are not closed either"), std::string::npos) << text;
+    }
+  }
+  EXPECT_EQ(said("").size(), 3u) << "each for itself";
+}
+
 }  // namespace
 }  // namespace alabaster::hd

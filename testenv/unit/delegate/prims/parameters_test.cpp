@@ -266,5 +266,11 @@ TEST(Delegate, UnknownCommandsAndArgumentsAreErrors) {
   EXPECT_NE(requirements.find("instances: 1 of 1 meshes"), std::string::npos) << requirements;
 }
 
+TEST(MaterialSync, AlphaComesFromTheImageThatIsReadForColors) {
+  Stage one, both;
+  EXPECT_LT(memory_with_image(both, {{"baseColor", "rgb"}, {"opacity", "a"}}),
+            memory_with_image(one, {{"baseColor", "rgb"}}) + 0x1p20);
+}
+
 }  // namespace
 }  // namespace alabaster::hd

@@ -257,5 +257,27 @@ TEST(BackgroundControl, APauseFromBeforeHoldsTheFirstRenderAndAnEditEndsIt) {
   EXPECT_EQ(s.pass->GetState(), PassState::rendering);
 }
 
+TEST(RenderPass, AFramingThatCannotBeRenderedFailsAndSaysWhy) {
+  constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
+  const auto error_of = [](const std::function<void(Framing&)>& change) {
+    Shot s;
+    const RenderPassState sound = s.state;
+    change(s.state.framing);
+    s.pass->Execute(s.state);
+    EXPECT_TRUE(s.pass->IsConverged());
+    EXPECT_EQ(s.pass->GetState(), PassState::failed);
+    s.pass->Execute(s.state);
+    EXPECT_EQ(s.stage.count("pass.failed"), 1u) << "told once";
+    const std::string error = s.stage.text_stat("error");
+    s.state = sound;
+    EXPECT_TRUE(s.finish());
+    EXPECT_EQ(s.pass->GetState(), PassState::converged);
+    return error;
+  };
+  EXPECT_NE(error_of([](Framing& f) { f.pixelAspectRatio = kNan; }).find("pixel aspect ratio"), std::string::npos);
+  EXPECT_NE(error_of([](Framing& f) { f.displayMax.x = -8; }).find("display window"), std::string::npos);
+  EXPECT_NE(error_of([](Framing& f) { f.dataWindow.maxY = -3; }).find("data window"), std::string::npos);
+}
+
 }  // namespace
 }  // namespace alabaster::hd
