@@ -45,7 +45,11 @@ class EditedObjects : public ::testing::Test {
     for (size_t i = 0; i < a.size(); ++i)
       EXPECT_TRUE(a[i].triangle == b[i].triangle && a[i].t == b[i].t && a[i].u == b[i].u && a[i].v == b[i].v) << i;
   }
-  std::shared_ptr<TraceDevice> device_ = make_trace_device({});
+  size_t traced_bytes() const { return memory_->in_use(MemoryUse::tracing); }
+
+  std::shared_ptr<MemoryBudget> memory_ = std::make_shared<MemoryBudget>();
+  test::RecordingSink sink_;
+  std::shared_ptr<TraceDevice> device_ = make_trace_device(sink_.sink(), memory_);
   EditedObject edited_;
 };
 
@@ -84,6 +88,50 @@ TEST_F(EditedObjects, ReusedObjectOfQuadsHasTheHitsOfANewOne) {
   Mesh turned = first;
   for (Corners& c : turned.triangles) turn(&c, 1);
   expect_same(hits(*edited_.build(device_, turned, {})), hits(*build_object_scene(device_, turned, {})));
+}
+
+TEST_F(EditedObjects, ChangedTrianglesAreBuiltAnew) {
+  const Mesh cube = build_mesh(test::cube_cage(), {}, {});
+  for (const Mesh& mesh : {moved(0), cube, moved(0.01f)}) {
+    const auto object = edited_.build(device_, mesh);
+    TriangleHit hit, fresh;
+    ASSERT_TRUE(object->intersect({{3, 0.1f, 0.2f}, {-1, 0, 0}}, &hit));
+    ASSERT_TRUE(build_object_scene(device_, mesh, {})->intersect({{3, 0.1f, 0.2f}, {-1, 0, 0}}, &fresh));
+    EXPECT_EQ(hit.t, fresh.t);
+    EXPECT_EQ(hit.triangle, fresh.triangle);
+  }
+}
+
+TEST_F(EditedObjects, CancelledOrRefusedBuildsLeaveNoMemory) {
+  std::atomic<bool> cancelled{true};
+  EXPECT_THROW(edited_.build(device_, moved(0), CancelToken(&cancelled)), BuildCancelled);
+  EXPECT_TRUE(edited_.build(device_, moved(0)));  // and is a spare
+  EXPECT_THROW(edited_.build(device_, moved(0.01f), CancelToken(&cancelled)), BuildCancelled);
+  const Mesh mesh = moved(0.02f);
+  expect_same(hits(*edited_.build(device_, mesh)), hits(*build_object_scene(device_, mesh, {})));
+  EXPECT_TRUE(sink_.all().empty());
+}
+
+TEST_F(EditedObjects, MemoryIsCountedAndSparesAreFreed) {
+  const size_t before = traced_bytes();
+  auto shown = edited_.build(device_, moved(0));
+  const size_t one = traced_bytes() - before;
+  EXPECT_GT(one, 0u);
+  edited_.build(device_, moved(0.01f));
+  EXPECT_GT(traced_bytes() - before, one * 3 / 2) << "the spare counts";
+  edited_.rest();
+  EXPECT_LE(traced_bytes() - before, one * 5 / 4);
+  shown = nullptr;
+  EXPECT_LE(traced_bytes(), before + one / 4) << "no spare while it rests";
+}
+
+TEST_F(EditedObjects, ObjectsOutliveTheirEditor) {
+  std::shared_ptr<const ObjectScene> object;
+  {
+    EditedObject edited;
+    object = edited.build(device_, moved(0));
+  }
+  expect_same(hits(*object), hits(*build_object_scene(device_, moved(0), {})));
 }
 
 TEST(TriangleGroups, CostMoreTheFartherTheirTrianglesAreApart) {

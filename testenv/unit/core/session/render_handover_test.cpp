@@ -114,6 +114,120 @@ TEST(RenderHandover, WaitsForTheRenderThatReplacesAnother) {
   EXPECT_TRUE(same_picture(*session.film(), *testing::render(seeded_request(20))));
 }
 
+TEST(RenderHandover, AFilmTakesTheMemoryOfTheLastOfItsShape) {
+  const RenderRequest request = seeded_request(1);
+  const auto drawn = testing::render(request);
+  Film old(drawn->data_window(), drawn->aovs()), next(drawn->data_window(), drawn->aovs());
+  for (int tile = 0; tile < drawn->tile_count(); ++tile) old.store_tile(tile, drawn->load_tile(tile));
+  const FilmTile* held = nullptr;
+  old.change_tile(0, [&](FilmTile& tile) { held = &tile; });
+  next.take_memory(&old);
+  EXPECT_FALSE(next.is_covered());
+  EXPECT_TRUE(same_picture(next, Film(drawn->data_window(), drawn->aovs()))) << "old samples show";
+  next.change_tile(0, [&](FilmTile& tile) { EXPECT_EQ(held, &tile); });
+  for (int tile = 0; tile < drawn->tile_count(); ++tile) next.store_tile(tile, drawn->load_tile(tile));
+  EXPECT_TRUE(same_picture(next, *drawn));
+}
+
+TEST(DeferredNotifier, NotifiesAtOnceWithoutAPoller) {
+  int notified = 0;
+  DeferredNotifier notifier([&] { ++notified; }, {});
+  notifier.request();
+  EXPECT_EQ(notified, 1);
+  {
+    const DeferredNotifier::Poller poller(&notifier);
+    notifier.request();
+    notifier.request();
+    EXPECT_EQ(notified, 1);
+    poller.poll();
+    poller.poll();
+    EXPECT_EQ(notified, 2);
+    {
+      notifier.request();
+      EXPECT_EQ(notified, 2);
+      const DeferredNotifier::PollingPause pause(&notifier);
+      EXPECT_EQ(notified, 3) << "the pause notifies, for no other thread polls";
+      notifier.request();
+      EXPECT_EQ(notified, 4);
+    }
+    notifier.request();
+    EXPECT_EQ(notified, 4);
+  }
+  EXPECT_EQ(notified, 5) << "the end of the last poller notifies";
+}
+
+TEST(DeferredNotifier, PollersWaitForTheGrace) {
+  int notified = 0;
+  DeferredNotifier notifier([&] { ++notified; }, std::chrono::milliseconds(200));
+  const DeferredNotifier::Poller poller(&notifier);
+  const auto begun = DeferredNotifier::Clock::now();
+  notifier.request();
+  while (notified == 0) {
+    notifier.request();  // puts nothing off
+    poller.poll();
+  }
+  const std::chrono::duration<double> waited = DeferredNotifier::Clock::now() - begun;
+  EXPECT_GE(waited.count(), 0.2);
+}
+
+// How long yield_core() takes a thread of its own, in seconds, while `meanwhile` runs here.
+template <class F>
+double yielded_seconds(DeferredNotifier* notifier, const std::atomic<bool>& stopped, const F& meanwhile) {
+  const auto yield = [&] {
+    const DeferredNotifier::Poller poller(notifier);
+    const auto begun = DeferredNotifier::Clock::now();
+    notifier->yield_core(stopped);
+    return std::chrono::duration<double>(DeferredNotifier::Clock::now() - begun).count();
+  };
+  auto yielded = std::async(std::launch::async, yield);
+  meanwhile();
+  return yielded.get();
+}
+
+TEST(DeferredNotifier, OneThreadYieldsItsCoreUntilTheWorkEnds) {
+  DeferredNotifier notifier([] {}, {});
+  const std::atomic<bool> go_on{false};
+  notifier.yield_core(go_on);  // no work goes on: it returns
+  EXPECT_FALSE(notifier.wants_core());
+  notifier.begin_work();
+  EXPECT_TRUE(notifier.wants_core());
+  yielded_seconds(&notifier, go_on, [&] {
+    while (notifier.wants_core()) std::this_thread::yield();
+    notifier.yield_core(go_on);  // one thread yields already: it returns
+    notifier.end_work();
+  });
+  EXPECT_FALSE(notifier.wants_core());
+  notifier.begin_work();
+  EXPECT_TRUE(notifier.wants_core()) << "other work wants a core again";
+  notifier.end_work();
+}
+
+TEST(DeferredNotifier, LongWorkAndAStopGetNoCoreForLong) {
+  DeferredNotifier notifier([] {}, {});
+  std::atomic<bool> stopped{false};
+  notifier.begin_work();
+  EXPECT_GT(yielded_seconds(&notifier, stopped, [] {}), 0.029);
+  EXPECT_FALSE(notifier.wants_core()) << "no core is yielded twice for the same work";
+  notifier.begin_work();
+  stopped = true;
+  EXPECT_LT(yielded_seconds(&notifier, stopped, [] {}), 0.029);
+  notifier.end_work();
+}
+
+TEST(DeferredNotifier, AThreadThatYieldsItsCoreDoesNotPoll) {
+  std::atomic<int> notified{0};
+  DeferredNotifier notifier([&] { ++notified; }, std::chrono::seconds(100));
+  const std::atomic<bool> go_on{false};
+  notifier.begin_work();
+  yielded_seconds(&notifier, go_on, [&] {
+    while (notifier.wants_core()) std::this_thread::yield();
+    notifier.request();
+    while (notified == 0) std::this_thread::yield();  // by this thread, or by the other one when its pause begins
+    notifier.end_work();
+  });
+  EXPECT_EQ(notified, 1);
+}
+
 TEST(DeferredNotifier, LosesNoRequestWhilePollersComeAndGo) {
   std::atomic<int> requested{0}, seen{0};
   DeferredNotifier notifier([&] { seen = requested.load(); }, std::chrono::microseconds(5));
