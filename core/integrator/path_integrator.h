@@ -14,7 +14,7 @@ namespace alabaster {
 
 /// Raised where equal scenes, settings and seeds no longer give equal samples: sums of different samples cannot be
 /// parts of one picture.
-inline constexpr int kSamplingVersion = 15;
+inline constexpr int kSamplingVersion = 16;
 
 enum class SubsurfaceMode {
   lambert,    // scatter distances are taken as zero: the 2015 diffuse

@@ -62,7 +62,8 @@ class RenderCommand {
       const char *flag, *text;
     } combinations[] = {
         {a_.fps && !frames && !a_.shutter, "--fps", "It needs --frames or --shutter."},
-        {frames && (a_.time || a_.pixel), "--frames",
+        {a_.turntable && a_.pixel, "--turntable", "It cannot be given with --pixel, which shows one frame."},
+        {frames && !a_.turntable && (a_.time || a_.pixel), "--frames",
          "It cannot be given with --time or --pixel, which show one frame."},
         {twice, "--frames", "It names a frame twice."},
         {a_.start_frame && !frames, "--start-frame", "It needs --frames."},

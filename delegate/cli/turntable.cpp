@@ -9,7 +9,7 @@ Turntable::Turntable(SceneSession* session, bool lights) : session_(*session) {
   const auto all = session->scene.GetLights();
   if (lights) lights_.assign(all.begin(), all.end());
   const hd::description::WorldBox box = objects_box(session->scene);
-  middle_ = (box.min + box.max) / 2;
+  if (box.min.x <= box.max.x) middle_ = (box.min + box.max) / 2;  // else nothing is seen
   up_ = session->file.info.up == hd::Token("Z") ? hd::Vec3d(0, 0, 1) : hd::Vec3d(0, 1, 0);
 }
 

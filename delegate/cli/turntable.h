@@ -17,7 +17,7 @@ class Turntable {
   SceneSession& session_;
   std::vector<std::pair<hd::Path, hd::CameraDescription>> cameras_;
   std::vector<std::pair<hd::Path, hd::host::LightDescription>> lights_;
-  hd::Vec3d middle_, up_;
+  hd::Vec3d middle_{0, 0, 0}, up_{0, 1, 0};
 };
 
 }  // namespace alabaster::cli
