@@ -49,10 +49,10 @@ struct DisneyParameters {
   Rgb emission{0.0f};            // radiance
   float opacity = 1;             // the share of the surface that is there
   float opacity_threshold = 0;   // > 0: present where opacity reaches it, nowhere else
+  float spec_trans = 0;          // share of the dielectric base that refracts instead of scattering
+  bool thin = false;             // the surface is a sheet without an interior
+  Sides sides = Sides::mesh;     // no lobe reads it
   OpacityMode opacity_mode = OpacityMode::presence;
-  float spec_trans = 0;               // share of the dielectric base that refracts instead of scattering
-  bool thin = false;                  // the surface is a sheet without an interior
-  Sides sides = Sides::mesh;          // no lobe reads it
   float flatness = 0;                 // thin only: towards a flatter diffuse reflection
   float diff_trans = 0;               // 1: half of the diffuse light leaves on the other side; 2: all of it
   Rgb diff_trans_color{0.8f};         // of that light
