@@ -80,15 +80,14 @@ void sample_lights(const PathContext& context, const VertexBsdf& bsdf, Vertex* v
       const float mis = light->delta ? 1.0f : power_heuristic(light->pdf, pdf);
       Rgb arriving = value.f_cos * light->radiance * (mis / light->pdf) * visible;
       if (origin == Vertex::kSmooth) arriving *= 1 / from.chance;
-      Rgb specular = value.specular;
-      if (light->scales) [[unlikely]] {
-        const Rgb scale = light->scales->of(value.specular);
-        arriving *= scale;
-        specular = share_of(value.specular * light->scales->specular, scale);
-      }
+      if (light->scales) [[unlikely]]
+        arriving *= light->scales->of(value.specular);
       if (!media.empty()) arriving *= media.transmittance(light->distance);
       direct += arriving;
       if (path->layers) {
+        const LobeScales* const scales = light->scales;
+        const Rgb specular =
+            scales ? share_of(value.specular * scales->specular, scales->of(value.specular)) : value.specular;
         const Layer layer = path->seeks_layer() ? Layer{Layer::Kind::local, specular} : path->layer;
         layer.add(path->throughput * arriving, path->layers);
       }

@@ -109,8 +109,8 @@ void Path::leave(const PathContext& context, const Vertex& v, const VertexBsdf& 
     straight += ray.tmax;
   } else {
     straight = 0;
-    specular_share = sample.specular;
-    layer.is_new = decides;
+    if (context.scene.features.lobe_scales) [[unlikely]]
+      specular_share = sample.specular, layer.is_new = decides;
     lights = &context.scene.lights_of(*v.instance);
     light_context = bsdf.light_context();
     if (keeps_footprints(context)) footprint.scatter(sample.pdf);

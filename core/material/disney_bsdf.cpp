@@ -63,13 +63,19 @@ void DisneyBsdf::mix(const DisneyParameters& p) {
 
 void DisneyBsdf::set_probabilities(const Rgb& walked) {
   float weight[kLobes] = {};
-  const Rgb once = coat_passage(), twice = once * once;
-  weight[index(Lobe::diffuse)] = choice_weight(twice * (diffuse_.albedo(wo_) * kept_.base + several_albedo_ * lost_));
-  weight[index(Lobe::sheen)] = choice_weight(twice * (fibrous() ? layers_->fibres.albedo(wo_) : sheen_.albedo(wo_)));
-  weight[index(Lobe::specular)] = choice_weight(twice * specular_.albedo(wo_));
+  const Rgb diffuse = diffuse_.albedo(wo_) * kept_.base + several_albedo_ * lost_, specular = specular_.albedo(wo_);
+  const Rgb sheen = fibrous() ? layers_->fibres.albedo(wo_) : sheen_.albedo(wo_);
+  weight[index(Lobe::diffuse)] = choice_weight(diffuse);
+  weight[index(Lobe::sheen)] = choice_weight(sheen);
+  weight[index(Lobe::specular)] = choice_weight(specular);
   weight[index(Lobe::clearcoat)] = choice_weight(coated() ? layers_->coat.albedo(wo_) : clearcoat_.albedo(wo_));
-  weight[index(Lobe::subsurface)] = choice_weight(once * walked);  // it has the way in
-  if (layers_) {
+  weight[index(Lobe::subsurface)] = choice_weight(walked);
+  if (layers_) [[unlikely]] {
+    const Rgb once = coat_passage(), twice = once * once;
+    weight[index(Lobe::diffuse)] = choice_weight(twice * diffuse);
+    weight[index(Lobe::sheen)] = choice_weight(twice * sheen);
+    weight[index(Lobe::specular)] = choice_weight(twice * specular);
+    weight[index(Lobe::subsurface)] = choice_weight(once * walked);  // it has the way in
     weight[index(Lobe::diffuse)] *= passed_layers(wo_);
     weight[index(Lobe::specular)] *= std::sqrt(passed_layers(wo_));
     if (coated()) weight[index(Lobe::sheen)] *= layers_->coat.passed(wo_);

@@ -167,7 +167,7 @@ TEST(MaterialParameters, DefaultsAreInRangeAndEveryMemberHasARow) {
         },
         row.member);
   }
-  EXPECT_EQ((bytes + 3) / 4 * 4, sizeof(DisneyParameters)) << "thin and sides share a word";
+  EXPECT_EQ((bytes + 3) / 4 * 4, sizeof(DisneyParameters)) << "thin, sides and opacity_mode share a word";
 }
 
 }  // namespace
