@@ -175,13 +175,15 @@ class ContentsOfScene final : public WalkContents {
       return Rgb(float(t[0]), float(t[1]), float(t[2])) * scale_;
     };
     const LightSet& lights = *path_.lights;
-    const LobeShares diffuse;
+    // What has not scattered is seen as it is, or by the lobes that the path left by.
+    const LobeShares diffuse, left{Rgb(1.0f) - path_.specular_share, path_.specular_share};
+    const LobeShares* const shares = events > 0 ? &diffuse : path_.depth > 0 ? &left : nullptr;
     Rgb met = lights.emitted(
-        segment, false, false, {}, [&](float, float distance) { return passed(distance); }, 0, &diffuse);
+        segment, false, false, {}, [&](float, float distance) { return passed(distance); }, 0, shares);
     if (lights.has_shadow_links())
       met += lights.emitted_with_links(
           segment, {}, [](float) { return 1.0f; },
-          [&](uint32_t, float distance) { return distance <= segment.tmax ? passed(distance) : Rgb(0.0f); }, &diffuse);
+          [&](uint32_t, float distance) { return distance <= segment.tmax ? passed(distance) : Rgb(0.0f); }, shares);
     if (is_black(met)) return;
     const Layer before = path_.layer;
     if (path_.seeks_layer() || (path_.walk_decides_layer() && events > 0))

@@ -44,7 +44,8 @@ struct DisneyCoat {
   /// back, E the albedo of what lies below.
   static Rgb passage_of(const DisneyParameters& p, float f0) {
     const float k = 1 - (1 - f0) / sqr(p.coat_ior);
-    const Rgb e = lerp(lerp(p.base_color, p.medium_albedo(), p.subsurface_weight), p.base_color, p.metallic);
+    const float walked = p.thin ? 0 : p.subsurface_weight * (1 - p.metallic);
+    const Rgb e = lerp(p.base_color, p.medium_albedo(), walked);
     Rgb passage;
     for (int c = 0; c < 3; ++c) {
       const float darkened = lerp(1.0f, (1 - k) / (1 - e[c] * k), p.coat * p.coat_darkening);

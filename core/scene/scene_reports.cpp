@@ -301,7 +301,7 @@ void report_lights_without_size(const ReportedScene& scene) {
   const LightParameters* first = nullptr;
   for (const LightParameters& light : scene.description.lights) {
     if (light.intensity == 0) continue;
-    if (has_size(light)) return;
+    if (has_size(light) || !light.shadow_enable) return;
     if (!first) first = &light;
   }
   if (!first) return;

@@ -144,7 +144,7 @@ std::array<double, 3> left_by_coat(const DisneyParameters& p) {
   std::array<double, 3> left{};
   for (int c = 0; c < 3; ++c) {
     const double b = double(p.base_color[c]), a = double(p.subsurface_color.r >= 0 ? p.subsurface_color[c] : b),
-                 w = double(p.subsurface_weight), dielectric = b + (a - b) * w,
+                 w = p.thin ? 0 : double(p.subsurface_weight), dielectric = b + (a - b) * w,
                  e = dielectric + (b - dielectric) * double(p.metallic);
     const double darkened = 1 + ((1 - k) / (1 - e * k) - 1) * double(p.coat) * double(p.coat_darkening);
     left[size_t(c)] = (1 + (double(p.coat_color[c]) - 1) * double(p.coat)) * darkened;
