@@ -68,7 +68,7 @@ void DisneyBsdf::keep_albedos(const DisneyParameters& p) {
 
 void DisneyBsdf::bound_energy(const DisneyParameters& p) {
   is_transparent_ = p.is_transparent();
-  clear_ = (is_transparent_ ? 1 : nonmetal_) * p.spec_trans;
+  clear_ = nonmetal_ * p.spec_trans;
   beyond_ = p.diff_trans_color * (dielectric_ * 0.5f * p.diff_trans);
   if (energy_ == EnergyModel::conserving) add_several_facets(p);
   safe_cosine_ = least_safe_cosine();

@@ -38,7 +38,7 @@ DisneyTransmissiveBsdf::DisneyTransmissiveBsdf(const DisneyParameters& p, const 
     : wo_(wo), thin_(p.thin), layered_(layered), near_(layered == Layered::far ? without_layers(p) : p, wo, energy) {
   if (!(wo.z > 0)) return;
   const float dielectric = 1 - p.metallic;
-  const float share = (p.is_transparent() ? 1 : dielectric) * p.spec_trans;
+  const float share = dielectric * p.spec_trans;
   reflects_ = passes_ = share;
   diffuse_beyond_ = p.diff_trans_color * (dielectric * (1 - p.spec_trans) * 0.5f * p.diff_trans);
   if (layered == Layered::far && !is_black(diffuse_beyond_))

@@ -62,7 +62,7 @@ TEST_F(PredictTest, PredictsSamplesAndMemory) {
 TEST_F(PredictTest, TakesTheOptionsOfARender) {
   const std::string scene = testing::source_file("testenv/scenes/sample/sample.json");
   const auto listed = [&](std::vector<std::string> more) {
-    more.insert(more.begin(), {"info", scene, "--json", "--predict", "0.3", "--size", "24x16"});
+    more.insert(more.begin(), {"info", scene, "--json", "--predict", "0.02", "--size", "24x16"});
     EXPECT_EQ(run(more), 0) << err_;
     return nlohmann::json::parse(out_);
   };
