@@ -138,7 +138,7 @@ class SheetLight:
 
     @staticmethod
     def asks(sheet):
-        return sheet.is_whole and not sheet.more
+        return sheet.is_whole and not sheet.more and "transparent" not in sheet.features  # parallel light that goes straight on meets no eye
 
     @staticmethod
     def run(sheet):
@@ -201,7 +201,7 @@ class Vanishing:
 
     @staticmethod
     def asks(sheet):
-        return any(FEATURES[f][1] for f in sheet.features)
+        return any(FEATURES[f][1] for f in sheet.features) and not {"specTrans", "transparent"} <= set(sheet.features)  # opacity decides specTrans
 
     @staticmethod
     def draw(material, side):
