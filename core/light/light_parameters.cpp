@@ -18,10 +18,10 @@ std::span<const Parameter<LightParameters>> light_parameters() {
        "irradiance of a distant light of angle 0."},
       {"exposure", &P::exposure, -64, 64, {},
        "stops", "Multiplies intensity by 2 to this power."},
-      {"diffuse", &P::diffuse, 0, kUnbounded, {},
+      {"diffuse", &P::diffuse, 0, 1000, {},
        "none", "Multiplies what diffuse lobes send on of the light, and bodies that it scatters in. Not what is seen of "
        "the light itself."},
-      {"specular", &P::specular, 0, kUnbounded, {},
+      {"specular", &P::specular, 0, 1000, {},
        "none", "Multiplies what specular lobes send on of the light: highlights, coats and clear walls. Sheen is "
        "diffuse."},
       {"color", &P::color, 0, kUnbounded, {},

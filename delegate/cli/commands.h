@@ -53,9 +53,9 @@ struct UsdrecordArguments {
 int run_usdrecord(UsdrecordArguments arguments);
 
 struct InfoArguments : SceneArguments {
-  std::vector<hd::description::Override> settings;
   std::optional<double> predict;  // a relative RMSE
   std::optional<hd::Vec2i> size;
+  std::string threads;
   bool json = false;
 };
 int run_info(const InfoArguments& arguments);

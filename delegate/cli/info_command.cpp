@@ -346,7 +346,9 @@ std::vector<std::string> text_lines(const std::string& text) {
 }
 
 hd::description::LoadOptions load_options(const InfoArguments& a) {
-  hd::description::LoadOptions options = scene_load_options(a, a.settings);
+  std::vector<hd::description::Override> flags;
+  if (!a.threads.empty()) flags.emplace_back("--threads " + a.threads, "threads", a.threads);
+  hd::description::LoadOptions options = scene_load_options(a, std::move(flags));
   options.size = a.size;
   return options;
 }

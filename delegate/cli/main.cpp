@@ -321,7 +321,7 @@ CLI::App* add_info(CLI::App& app, InfoArguments* a) {
              "Predict the cost of rendering to this relative RMSE (0.02 is two per cent) from a probe of a few "
              "seconds");
   add_size(c, &a->size, "Resolution in pixels");
-  add_setting_flags(c, &a->settings);
+  c->add_option("--threads", a->threads, "Render threads, for --predict; 0 uses all cores")->type_name("N");
   c->add_flag("--json", a->json, "Print one JSON document instead of text");
   return c;
 }

@@ -108,6 +108,7 @@ def like_the_whole(a, b):
     return b.code == 0 and same_picture(a, b)
 
 
+SEQUENCE = ("render", "model.glb", "-o", "f.#.exr", *RENDER[4:], "--frames", "1:2")
 CHECKPOINT = (*RENDER, "--checkpoint", "c.checkpoint")
 MORE = (*RENDER[:6], "--spp", "3", *RENDER[8:])
 RENDER_ROWS = {
@@ -123,6 +124,10 @@ RENDER_ROWS = {
     "--output": [Row(("-o", "a.png", "-o", "a.jpg", "-o", "a.tif"), writes("a.png", "a.jpg", "a.tif"))],
     # promise: pipeline.animation
     "--frames": [frame_row(12)],  # of 24 in a second, unless --fps is given
+    "--start-frame": [Row(("--start-frame", "4"), lambda a, b: b.color("f.12.exr") != a.color("f.12.exr"), ("render", "model.glb", "-o", "f.##.exr", *RENDER[4:], "--frames", "12"))],
+    "--skip-existing": [Row(("--skip-existing",), lambda a, b: a.stats["frames"] == [1, 2] and b.stats["frames"] == [], SEQUENCE, first=(SEQUENCE,))],
+    "--turntable": [Row(("--turntable", "4"), writes("f.4.exr"), SEQUENCE, instead=(*SEQUENCE[:-2], "--turntable", "4"))],
+    "--turntable-lights": [Row(("--turntable-lights",), lambda a, b: b.color("f.2.exr") != a.color("f.2.exr"), (*SEQUENCE[:-2], "--turntable", "4"))],
     "--fps": [frame_row(10, "--fps", "20"), Row(("--fps", "12"), picture, (*LATER, "--shutter", "-3:3"))],
     # promise: pipeline.animation
     "--shutter": [Row(("--shutter", "-6:6"), picture, LATER)],
@@ -206,6 +211,8 @@ def predicted(_, after):
 
 INFO_ROWS = {
     "--set": [Row(("--set", f"meshes/*ball*.refineLevel={level}"), triangles(level), ("info", "model.glb")) for level in (0, 1, 3)],
+    "--camera": [Row(("--camera", "near"), lambda a, b: (a.code, b.code) == (0, 0), ("info", "model.glb")), Row(("--camera", "none"), codes(0, 2), ("info", "model.glb"))],
+    "--dome": [Row(("--dome", "0.2,0.4,1"), lambda a, b: "dome" in b.out and a.out != b.out, ("info", "model.glb"))],
     "--predict": [Row(("--predict", "0.5"), predicted, ("info", "model.glb", "--size", "24x16"))],
     "--size": [Row(("--size", "30x20"), lambda a, b: "render /render: 30x20" in b.out and "30x20" not in a.out, ("info", "model.glb"))],
     "--threads": [Row(("--threads", "1"), predicted, ("info", "model.glb", "--size", "24x16", "--predict", "0.5"))],

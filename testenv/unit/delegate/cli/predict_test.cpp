@@ -67,7 +67,7 @@ TEST_F(PredictTest, TakesTheOptionsOfARender) {
     return nlohmann::json::parse(out_);
   };
   const auto usual = listed({}),
-             lit = listed({"--dome", "1,1,1", "--quality", "preview", "--max-depth", "2", "--threads", "1"});
+             lit = listed({"--dome", "1,1,1", "--set", "maxDepth=2"});
   EXPECT_NE(usual["lights"], lit["lights"]);
   EXPECT_GT(usual["prediction"]["samplesPerPixel"]["value"], lit["prediction"]["samplesPerPixel"]["value"]);
 }
