@@ -66,8 +66,7 @@ TEST_F(PredictTest, TakesTheOptionsOfARender) {
     EXPECT_EQ(run(more), 0) << err_;
     return nlohmann::json::parse(out_);
   };
-  const auto usual = listed({}),
-             lit = listed({"--dome", "1,1,1", "--set", "maxDepth=2"});
+  const auto usual = listed({}), lit = listed({"--dome", "1,1,1", "--set", "maxDepth=2"});
   EXPECT_NE(usual["lights"], lit["lights"]);
   EXPECT_GT(usual["prediction"]["samplesPerPixel"]["value"], lit["prediction"]["samplesPerPixel"]["value"]);
 }
