@@ -51,6 +51,12 @@ Rgb meet_lights(const PathContext& context, bool escaped, Path* path) {
     return light;
   }
   const Rgb& share = path->specular_share;
+  if (!path->splits_by_lobes()) {
+    const LobeShares both{Rgb(1.0f) - share, share};
+    const Rgb light = emission_along(context, *path, escaped, &both);
+    path->add(light);
+    return light;
+  }
   const LobeShares by_diffuse{Rgb(1.0f) - share, Rgb(0.0f)}, by_specular{Rgb(0.0f), share};
   const Rgb diffuse = emission_along(context, *path, escaped, &by_diffuse),
             specular = emission_along(context, *path, escaped, &by_specular);

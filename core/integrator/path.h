@@ -113,9 +113,10 @@ struct Path {
     radiance += light;
     if (layers) layer.add(light, layers);
   }
-  /// The same of light that the ray meets, by the lobes that it left by.
+  /// True if the lobes by which the ray left decide the layers of what it meets.
+  bool splits_by_lobes() const { return layers && layer.kind == Layer::Kind::local && layer.is_new; }
+  /// Adds such light, by those lobes.
   void add_by_lobes(const Rgb& diffuse, const Rgb& specular) {
-    if (!layers || layer.kind != Layer::Kind::local || !layer.is_new) return add(diffuse + specular);
     radiance += diffuse + specular;
     layers->diffuse += diffuse;
     layers->specular += specular;

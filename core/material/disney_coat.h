@@ -28,7 +28,7 @@ struct DisneyCoat {
     const float alpha = std::max(kMinAlpha, sqr(std::max(p.coat_roughness, p.least_roughness)));
     const double root = (double(p.coat_ior) - 1) / (double(p.coat_ior) + 1);
     const auto f0 = static_cast<float>(root * root);
-    const float f90 = std::min(1.0f, 50 * f0);  // as DisneySpecular's
+    const float f90 = f90_of(f0);
     const bool tilted = p.coat_normal.z < 1;
     return {p.coat,
             f0,

@@ -55,10 +55,14 @@ inline Ggx disney_ggx(float roughness, float anisotropic) {
   return {std::max(kMinAlpha, alpha / aspect), std::max(kMinAlpha, alpha * aspect)};
 }
 
+/// Schlick's f90 = 1 would leave a grazing reflection on a surface of ior 1, which has none: below f0 = 0.02 (ior 1.33)
+/// f90 falls with f0 (Lagarde and de Rousiers 2014, "Moving Frostbite to PBR", section 3.1.3).
+inline float f90_of(float f0) {
+  return std::min(1.0f, 50 * f0);
+}
+
 /// Dielectric f0 by ior, tinted by base colour (specularTint) and by KHR_materials_specular:
-/// f0 = min(1, f0_ior tint specularColor) specular, f90 = specular; metallic blends to (baseColor, 1).
-/// Schlick's f90 = 1 would leave a grazing reflection on a surface of ior 1, which has none: below f0_ior = 0.02
-/// (ior 1.33) f90 falls with f0_ior (Lagarde and de Rousiers 2014, "Moving Frostbite to PBR", section 3.1.3).
+/// f0 = min(1, f0_ior tint specularColor) specular, f90 = f90_of(f0_ior) specular; metallic blends to (baseColor, 1).
 inline DisneySpecular DisneySpecular::from(const DisneyParameters& p) {
   const float f0_ior = f0_from_ior(p.ior);
   const Rgb white(1.0f);
@@ -67,7 +71,7 @@ inline DisneySpecular DisneySpecular::from(const DisneyParameters& p) {
   // The clear share of the dielectric has a lobe of its own (disney_dielectric.h), or lies below this one.
   const float dielectric = p.is_transparent() ? p.specular : p.specular * (1 - p.spec_trans);
   const Rgb dielectric_f0 = clamp01(tinted) * dielectric;
-  const Rgb dielectric_f90 = Rgb(dielectric * std::min(1.0f, 50 * f0_ior));
+  const Rgb dielectric_f90 = Rgb(dielectric * f90_of(f0_ior));
   DisneySpecular lobe;
   lobe.mean_dielectric = lerp(dielectric_f0, dielectric_f90, 1.0f / 21);
   lobe.f0 = lerp(dielectric_f0, p.base_color, p.metallic);

@@ -117,12 +117,12 @@ void add_frames(CLI::App* c, RenderArguments* a) {
              "0:0.5 or -0.25:0.25. Default: the camera's own, else closed at once");
 }
 
-void add_setting_flags(CLI::App* c, std::vector<hd::description::Override>* settings) {
+void add_setting_flags(CLI::App* c, RenderArguments* a) {
   for (const SettingFlag& flag : kSettingFlags)
     c->add_option_function<std::string>(
          flag.flag,
-         [settings, &flag](const std::string& text) {
-           settings->emplace_back(std::string(flag.flag) + " " + text, flag.setting, text);
+         [a, &flag](const std::string& text) {
+           a->settings.emplace_back(std::string(flag.flag) + " " + text, flag.setting, text);
          },
          flag.help)
         ->type_name(flag.type);
@@ -145,7 +145,7 @@ void add_render_options(CLI::App* c, RenderArguments* a) {
   add_parsed(c, "--crop", &a->crop, parse_crop,
              "is not a rectangle: write four whole numbers, x0,y0,x1,y1, each from -2147483648 to 2147483647.",
              "X0,Y0,X1,Y1", "Region to render, in pixels from the upper left corner");
-  add_setting_flags(c, &a->settings);
+  add_setting_flags(c, a);
   c->add_flag(
       "--denoise", a->denoise,
       "Denoise the picture after its last sample (Open Image Denoise 2, if installed): .png, .tif and .jpg show "
@@ -388,7 +388,7 @@ CLI::App* add_usdrecord(CLI::App& app, UsdrecordArguments* u) {
     c->add_flag(flag)->description("No effect");
   for (const char* flag : {"--resolver", "--traceToFile", "--traceFormat"})
     c->add_option(flag, "No effect")->type_name("WORD")->expected(1);
-  add_setting_flags(c, &a->settings);
+  add_setting_flags(c, a);
   add_repeated(c, "--set", &a->overrides, "KEY=VALUE", "Override a value, as in render");
   c->add_option("--variant", a->variant, "/PRIM{SET=CHOICE}, several one after the other")->type_name("NAME");
   add_repeated(c, "--aov", &a->aovs, "NAME", "Extra layer for .exr, as in render");
