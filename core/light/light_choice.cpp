@@ -6,7 +6,8 @@ namespace {
 constexpr double kUniformShare = 0.1;
 }  // namespace
 
-LightChoice::LightChoice(const std::vector<Light>& lights, const Vec3f& p) : lights_(lights), p_(p) {
+LightChoice::LightChoice(const std::vector<Light>& lights, const std::vector<LobeScales>& scales, const Vec3f& p)
+    : lights_(lights), scales_(scales), p_(p) {
   if (lights_.size() == 1) return;
   for (size_t i = 0; i < lights_.size(); ++i) {
     const double weight = importance(i);
@@ -18,7 +19,8 @@ LightChoice::LightChoice(const std::vector<Light>& lights, const Vec3f& p) : lig
 
 double LightChoice::importance(size_t i) const {
   if (is_constant_dome(lights_[i])) return 0;
-  return std::visit([&](const auto& light) { return light.importance(p_); }, lights_[i]);
+  const double weight = std::visit([&](const auto& light) { return light.importance(p_); }, lights_[i]);
+  return scales_.empty() ? weight : weight * scales_[i].mean();
 }
 
 // Each light's range follows the one before.

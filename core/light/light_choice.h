@@ -1,6 +1,7 @@
 // Which light to sample at a point, of those that take part in the choice: all but constant domes (light_set.h).
 //
-// Light i of importance w_i there (an estimate of the irradiance it can give, see light.h) is chosen with probability
+// Light i of importance w_i there (an estimate of the irradiance it can give, see light.h, times the mean of its scales
+// for lobes) is chosen with probability
 //   0.9 w_i / sum of w + 0.1 / n,  n the number of lights with w > 0; 0 if w_i = 0 or the light is a constant dome.
 // The uniform part is defensive (Hesterberg 1995, "Weighted Average Importance Sampling and Defensive Mixture
 // Distributions"): where the estimate errs because of an occluder or a cosine, no light starves.
@@ -25,8 +26,8 @@ inline constexpr uint32_t kChoiceSteps = uint32_t(1) << 24;
 /// probability 1. It must not be a constant dome.
 class LightChoice {
  public:
-  /// Keeps a reference to `lights`.
-  LightChoice(const std::vector<Light>& lights, const Vec3f& p);
+  /// Keeps references. `scales`: beside the lights; empty: all are 1.
+  LightChoice(const std::vector<Light>& lights, const std::vector<LobeScales>& scales, const Vec3f& p);
 
   /// Any i; fastest where i does not decrease from call to call.
   float probability(size_t i);
@@ -46,6 +47,7 @@ class LightChoice {
   static constexpr size_t kKept = 32;
 
   const std::vector<Light>& lights_;
+  const std::vector<LobeScales>& scales_;
   Vec3f p_;
   std::array<double, kKept> kept_;  // importances of the first lights; those of the rest are computed again
   double total_ = 0;

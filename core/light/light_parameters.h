@@ -26,6 +26,8 @@ struct LobeScales {
   float diffuse = 1, specular = 1;
 
   bool operator==(const LobeScales&) const = default;
+  /// For choices that do not know the lobes.
+  double mean() const { return 0.5 * (static_cast<double>(diffuse) + static_cast<double>(specular)); }
   /// For light that is sent on by lobes of which specular ones have the share `specular_lobes`.
   Rgb of(const Rgb& specular_lobes) const { return (Rgb(1.0f) - specular_lobes) * diffuse + specular_lobes * specular; }
 };

@@ -29,13 +29,15 @@ LightSet::LightSet(std::vector<Light> lights, Traits traits, size_t sample_all_u
       (is_infinite(i) ? infinite_ : finite_).push_back(i);
     if (is_constant_dome(light)) constant_domes_.push_back(i);
   }
-  if (!sample_all_ && lights_.size() > kMostWeighed && lights_.size() < size_t(1) << 24) tree_ = LightTree(lights_);
+  if (!sample_all_ && lights_.size() > kMostWeighed && lights_.size() < size_t(1) << 24)
+    tree_ = LightTree(lights_, scales_);
   std::sort(mesh_light_of_instance_.begin(), mesh_light_of_instance_.end());
 }
 
 std::optional<LightSample> LightSet::sample(const Vec3f& p, float u_light, const Vec2f& u, const Vec3f& n) const {
   if (constant_domes_.size() == lights_.size()) return std::nullopt;
-  const auto chosen = tree_.empty() ? LightChoice(lights_, p).choose(u_light) : tree_.choose(lights_, p, u_light);
+  const auto chosen =
+      tree_.empty() ? LightChoice(lights_, scales_, p).choose(u_light) : tree_.choose(lights_, p, u_light);
   if (!chosen) return std::nullopt;
   auto s = sample_light(chosen->index, p, u, n);
   if (s) s->pdf *= chosen->probability;
@@ -55,7 +57,8 @@ std::optional<LightSample> LightSet::sample_light(size_t i, const Vec3f& p, cons
 std::optional<Vec2f> LightSet::leading_dome_numbers(const Vec3f& p, const std::array<float, 4>& u) const {
   if (constant_domes_.empty()) return std::nullopt;
   const auto importance = [&](size_t i) {
-    return std::visit([&](const auto& light) { return light.importance(p); }, lights_[i]);
+    const double weight = std::visit([&](const auto& light) { return light.importance(p); }, lights_[i]);
+    return scales_.empty() ? weight : weight * scales_[i].mean();
   };
   const uint32_t dome = constant_domes_.front();
   double others = 0;

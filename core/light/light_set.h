@@ -142,7 +142,7 @@ class LightSet {
   size_t memory_bytes() const;
   /// Probability that sample(p, ...) chooses light i, which is no constant dome.
   float choice_probability(size_t i, const Vec3f& p) const {
-    return tree_.empty() ? LightChoice(lights_, p).probability(i) : tree_.probability(lights_, p, i);
+    return tree_.empty() ? LightChoice(lights_, scales_, p).probability(i) : tree_.probability(lights_, p, i);
   }
 
  private:

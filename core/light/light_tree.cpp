@@ -52,12 +52,17 @@ Angle minus(const Angle& a, const Angle& b) {
 struct LightTree::Leaf {
   LightExtent extent;
   uint32_t light;
+  double scale;
 };
 
-LightTree::LightTree(const std::vector<Light>& lights) : node_of_light_(lights.size()) {
+LightTree::LightTree(const std::vector<Light>& lights, const std::vector<LobeScales>& scales)
+    : node_of_light_(lights.size()) {
   std::vector<Leaf> leaves;
-  for (uint32_t i = 0; i < lights.size(); ++i)
-    if (!is_constant_dome(lights[i])) leaves.push_back({extent_of(lights[i]), i});
+  for (uint32_t i = 0; i < lights.size(); ++i) {
+    if (is_constant_dome(lights[i])) continue;
+    leaves.push_back({extent_of(lights[i]), i, scales.empty() ? 1.0 : scales[i].mean()});
+    leaves.back().extent.power *= leaves.back().scale;
+  }
   if (leaves.empty()) return;
   nodes_.reserve(2 * leaves.size());
   reserved_ = std::max(1u, kChoiceSteps / 10 / static_cast<uint32_t>(leaves.size()));
@@ -70,6 +75,7 @@ uint32_t LightTree::build(std::span<Leaf> leaves) {
   nodes_[index].lights = static_cast<uint32_t>(leaves.size());
   if (leaves.size() == 1) {
     nodes_[index].extent = leaves[0].extent;
+    nodes_[index].scale = leaves[0].scale;
     nodes_[index].next = leaves[0].light;
     node_of_light_[leaves[0].light] = index;
     return index;
@@ -119,7 +125,7 @@ double LightTree::facing(const Node& node, const Vec3d& to_middle, double radius
 
 double LightTree::importance(const std::vector<Light>& lights, const Vec3f& p, uint32_t node) const {
   const Node& n = nodes_[node];
-  if (n.is_light()) return std::visit([&](const auto& light) { return light.importance(p); }, lights[n.next]);
+  if (n.is_light()) return n.scale * std::visit([&](const auto& light) { return light.importance(p); }, lights[n.next]);
   if (!n.extent.finite) return n.extent.power;
   const Vec3d d = n.extent.box.center() - Vec3d(p), half = n.extent.box.extent() * 0.5;
   const double radius2 = dot(half, half);

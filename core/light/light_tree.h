@@ -28,8 +28,9 @@ class LightTree {
  public:
   /// An empty tree, of no light.
   LightTree() = default;
-  /// Less than 2^24 lights. The calls below get the same ones. Empty if all are constant domes.
-  explicit LightTree(const std::vector<Light>& lights);
+  /// Less than 2^24 lights. The calls below get the same ones. Empty if all are constant domes. `scales`: beside the
+  /// lights; empty: all are 1.
+  explicit LightTree(const std::vector<Light>& lights, const std::vector<LobeScales>& scales = {});
 
   bool empty() const { return nodes_.empty(); }
   /// Never empty.
@@ -47,6 +48,7 @@ class LightTree {
  private:
   struct Node {
     LightExtent extent;                                          // of its lights together
+    double scale = 1;                                            // of one light's importance
     double cos_normals = -1, sin_normals = 0, cos_emission = 0;  // of its angles
     uint32_t lights = 0;                                         // how many
     uint32_t next = 0;  // of an inner node: its second child, the first one follows it; of the others: the light

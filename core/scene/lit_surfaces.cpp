@@ -28,7 +28,19 @@ std::array<float, 4> spread(int i, const Vec3f& shift) {
 // The time of the shutter at which moving things are looked at: only noise depends on it.
 constexpr float kTime = 0.5f;
 
-// As if everything cast shadows of all lights.
+// The surfaces that cast shadows of a light with a shadow link.
+class LinkedSurfaces final : public HitFilter {
+ public:
+  LinkedSurfaces(const SceneSnapshot& scene, uint32_t shadow_link) : scene_(scene), shadow_link_(shadow_link) {}
+  bool stops(const TriangleHit& hit) const noexcept override {
+    return scene_.casts_shadow(scene_.instance(hit.instance), shadow_link_);
+  }
+
+ private:
+  const SceneSnapshot& scene_;
+  const uint32_t shadow_link_;
+};
+
 float irradiance_at(const SceneSnapshot& snapshot, const Instance& instance, const SurfaceHit& hit, Rng& rng) {
   const Vec3f p = offset_point(hit.p, hit.ng, hit.offset);
   const Vec3f shift(rng.uniform(), rng.uniform(), rng.uniform());
@@ -39,8 +51,12 @@ float irradiance_at(const SceneSnapshot& snapshot, const Instance& instance, con
     for (size_t k = 0; k < lights.draws(context); ++k) {
       const auto light = lights.draw(k, p, {hit.ng, hit.ng}, spread(i, shift), context);
       const float cosine = light ? dot(light->wi, hit.ng) : 0;
-      if (cosine > 0 && !snapshot.top->occluded({p, light->wi, light->shadow_length(), kTime}))
-        sum += luminance(light->radiance) * cosine / light->pdf;
+      if (!(cosine > 0)) continue;
+      const LinkedSurfaces linked(snapshot, light->shadow_link);
+      if (snapshot.top->occluded({p, light->wi, light->shadow_length(), kTime}, light->shadow_link ? &linked : nullptr))
+        continue;
+      const float diffuse = light->scales ? light->scales->diffuse : 1.0f;
+      sum += diffuse * luminance(light->radiance) * cosine / light->pdf;
     }
   return std::isfinite(sum) ? sum : 0;
 }

@@ -30,11 +30,9 @@ def tell_unread(prim, notes):
 def light_fields(prim, world, visible, time, up, links, notes):
     kind = TYPES[prim.GetTypeName()]
     fields = {}
-    names = COMMON + OWN[kind]
-    if prim.HasAPI(UsdLux.ShapingAPI) and kind not in ("distantLight", "domeLight"):
+    names = COMMON + OWN[kind] + ("shadow:enable",)  # authored values count without the applied schema, as in UsdImaging
+    if kind not in ("distantLight", "domeLight"):
         names += SHAPING
-    if prim.HasAPI(UsdLux.ShadowAPI):
-        names += ("shadow:enable",)
     for name in names:
         attribute = prim.GetAttribute("inputs:" + name)
         value = attribute.Get(time) if attribute else None

@@ -7,6 +7,8 @@
 namespace alabaster {
 namespace {
 
+const std::vector<LobeScales> kUnscaled;
+
 Light described(LightType type, float intensity, double scale = 1) {
   LightParameters d;
   d.type = type;
@@ -31,7 +33,7 @@ std::vector<Light> mixed(double scale = 1) {
 }
 
 std::vector<float> probabilities(const std::vector<Light>& lights, const Vec3f& p) {
-  LightChoice choice(lights, p);
+  LightChoice choice(lights, kUnscaled, p);
   std::vector<float> result;
   for (size_t i = 0; i < lights.size(); ++i) result.push_back(choice.probability(i));
   return result;
@@ -60,12 +62,12 @@ TEST(LightChoice, ProbabilitiesAreTheMixtureAndSumToOne) {
       shining += importance(light, p) > 0 ? 1 : 0;
     }
     const auto probability = probabilities(lights, p);
-    LightChoice backwards(lights, p);
+    LightChoice backwards(lights, kUnscaled, p);
     for (size_t i = 0; i < lights.size(); ++i) {
       const double w = is_constant_dome(lights[i]) ? 0 : importance(lights[i], p);
       EXPECT_NEAR(probability[i], w > 0 ? 0.9 * w / total + 0.1 / shining : 0, 0x1p-23);
       EXPECT_EQ(probability[i] > 0, w > 0);
-      EXPECT_EQ(LightChoice(lights, p).probability(i), probability[i]) << "asked alone";
+      EXPECT_EQ(LightChoice(lights, kUnscaled, p).probability(i), probability[i]) << "asked alone";
       EXPECT_EQ(backwards.probability(lights.size() - 1 - i), probability[lights.size() - 1 - i]);
       sum += static_cast<double>(probability[i]);
     }
@@ -83,14 +85,14 @@ TEST(LightChoice, ChoosesAsOftenAsItSays) {
     std::vector<int> count(lights.size());
     constexpr int kSteps = 1 << 16;
     for (int i = 0; i < kSteps; ++i) {
-      const auto chosen = LightChoice(lights, p).choose((static_cast<float>(i) + 0.5f) / kSteps);
+      const auto chosen = LightChoice(lights, kUnscaled, p).choose((static_cast<float>(i) + 0.5f) / kSteps);
       ASSERT_TRUE(chosen);
       ++count[chosen->index];
       EXPECT_EQ(chosen->probability, probability[chosen->index]);
     }
     for (size_t i = 0; i < lights.size(); ++i) EXPECT_NEAR(count[i], probability[i] * kSteps, 1.0001) << i;
-    EXPECT_TRUE(LightChoice(lights, p).choose(kOneMinusEpsilon));
-    EXPECT_TRUE(LightChoice(lights, p).choose(1.0f));
+    EXPECT_TRUE(LightChoice(lights, kUnscaled, p).choose(kOneMinusEpsilon));
+    EXPECT_TRUE(LightChoice(lights, kUnscaled, p).choose(1.0f));
   }
 }
 
@@ -106,7 +108,7 @@ TEST(LightChoice, ManyAndExtremeLights) {
       sum += static_cast<double>(probability);
     }
     EXPECT_EQ(sum, 1);
-    for (float u : {0.0f, 0.7f, kOneMinusEpsilon}) EXPECT_TRUE(LightChoice(lights, p).choose(u));
+    for (float u : {0.0f, 0.7f, kOneMinusEpsilon}) EXPECT_TRUE(LightChoice(lights, kUnscaled, p).choose(u));
   }
 }
 

@@ -146,6 +146,24 @@ TEST(LightSet, ConstantDomesTakeNoPartInTheChoiceOfALight) {
   }
 }
 
+// Few by their importance, many by a tree.
+TEST(LightSet, LightsAreChosenByTheMeanOfTheirScalesForLobes) {
+  for (const size_t count : {3u, 300u}) {
+    std::vector<Light> alike, unlike;
+    LightSet::Traits traits;
+    const LobeScales kinds[] = {{0, 0}, {4, 0}, {1, 1}};
+    for (size_t i = 0; i < count; ++i) {
+      traits.scales.push_back(kinds[i % 3]);
+      alike.push_back(sphere(1));
+      unlike.push_back(sphere(static_cast<float>(kinds[i % 3].mean())));
+    }
+    const LightSet scaled(alike, traits), stronger(unlike, {});
+    for (size_t i = 0; i < count; ++i)
+      EXPECT_EQ(scaled.choice_probability(i, {0, 0, -3}), stronger.choice_probability(i, {0, 0, -3}))
+          << count << ": " << i;
+  }
+}
+
 TEST(LightSet, ConstantDomesAreSampledByTheCosineToALobe) {
   const LightSet alone({dome(4)}, {}, 8), chosen({sphere(1), dome(4)}, {});
   const Vec3f p(0, 0, -30), n = normalize(Vec3f(-0.6f, 0.3f, -0.8f));
