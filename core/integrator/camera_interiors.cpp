@@ -96,7 +96,10 @@ std::optional<MediumStack> agreed_at(const PathContext& context, const Vec3f& p)
 
 bool begin_behind_fronts(const SceneSnapshot& scene, const Bounds& origins) {
   const auto is_behind = [&](const Instance& i) {
-    return i.single_sided && overlap(bounds_in_render_space(i), origins);
+    if (!i.single_sided) return false;
+    if (is_point(origins) && i.is_still())  // of many instances that is quicker
+      return i.prototype->mesh.bounds.contains(i.world_to_object.point(origins.lower));
+    return overlap(bounds_in_render_space(i), origins);
   };
   return std::any_of(scene.instances.begin(), scene.instances.end(), is_behind) ||
          std::any_of(scene.arrays.begin(), scene.arrays.end(), [&](const InstanceArray& array) {
