@@ -91,8 +91,8 @@ class DisneyBsdf {
   }
   bool is_bounded() const { return energy_ != EnergyModel::burley2015; }
 
-  /// What specular and clearcoat reflect of light along `w`, w.z > 0, per what layers let pass.
-  Rgb specular_albedo(const Vec3f& w) const;
+  /// What lies above a transparent surface's clear share: the dielectric's part of specular_albedo(), per its share.
+  Rgb albedo_above_clear(const Vec3f& w) const;
 
   /// Directional albedo estimate for the denoising AOV: diffuse colour, which a clear base has too, plus specular
   /// reflectance at wo.
@@ -112,6 +112,8 @@ class DisneyBsdf {
   /// than 1: it does not tell.
   float least_safe_cosine() const;
   KeptShares kept_along(const Vec3f& w) const;
+  /// What specular and clearcoat reflect of light along `w`, w.z > 0, per what layers let pass.
+  Rgb specular_albedo(const Vec3f& w) const;
   Rgb base_albedo(const Vec3f& w) const;
   /// The share that is left to the base and the specular lobes by the others: the walk, a clear boundary, coat and
   /// fibres.
@@ -148,10 +150,12 @@ class DisneyBsdf {
   float safe_cosine_ = 2;
   float clear_ = 0;              // the share of a clear boundary, whose lobe is not here
   bool is_transparent_ = false;  // it lies below specular
+  DisneySpecular metal_;         // of transparent half-metals: the metal's part of specular
   Rgb beyond_{0.0f};             // the diffuse albedo of the other side, whose lobe is not here
   Rgb several_{0.0f};         // f of several_facets() per lost_among_facets() of both directions; black: there is none
   Rgb several_albedo_{0.0f};  // the directional albedo of several_facets() per lost_among_facets()
-  float lost_ = 0;            // along wo
+  Rgb several_of_metal_{0.0f};  // the metal's part of it
+  float lost_ = 0;              // along wo
   // Indexed by Lobe; sum to one, or are all zero. Zero only for a lobe that is zero, or next to it, in every direction.
   float probability_[kLobes] = {};
   float weight_ = 0;

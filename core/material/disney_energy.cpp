@@ -101,9 +101,11 @@ void DisneyBsdf::add_several_facets(const DisneyParameters& p) {
   if (!(lost > 1e-4f)) return;
   lost_ = lost_among_facets(wo_);
   const auto albedo = [&](float fresnel) { return sqr(fresnel) * mean / (1 - fresnel * lost); };
-  for (int c = 0; c < 3; ++c)
-    several_albedo_[c] =
-        lerp(albedo(specular_.mean_dielectric[c]), albedo(lerp(p.base_color[c], 1.0f, 1.0f / 21)), p.metallic);
+  for (int c = 0; c < 3; ++c) {
+    const float of_metal = albedo(lerp(p.base_color[c], 1.0f, 1.0f / 21));
+    several_of_metal_[c] = p.metallic * of_metal;
+    several_albedo_[c] = lerp(albedo(specular_.mean_dielectric[c]), of_metal, p.metallic);
+  }
   several_ = several_albedo_ * (1 / (kPi * lost));
 }
 
@@ -137,6 +139,14 @@ Rgb DisneyBsdf::specular_albedo(const Vec3f& w) const {
   return albedo * std::sqrt(layers_->coat.passed(1.0f) / std::max(1e-6f, layers_->coat.passed(w)));
 }
 
+Rgb DisneyBsdf::albedo_above_clear(const Vec3f& w) const {
+  Rgb albedo = specular_albedo(w);
+  if (!(nonmetal_ < 1)) return albedo;
+  const Rgb metal = albedo_of(metal_, w) + several_of_metal_ * lost_among_facets(w);
+  for (int c = 0; c < 3; ++c) albedo[c] = over(albedo[c] - metal[c], nonmetal_);
+  return albedo;
+}
+
 // The walk of a thick body returns at most its base colour; thin bodies let light through besides, which is not theirs.
 // What the coat's colour takes is left to nobody.
 Rgb DisneyBsdf::room(const Vec3f& w) const {
@@ -152,7 +162,7 @@ Rgb DisneyBsdf::room(const Vec3f& w) const {
 
 KeptShares DisneyBsdf::kept_along(const Vec3f& w) const {
   const Rgb base = base_albedo(w), specular = specular_albedo(w),
-            left = is_transparent_ ? room(w) + specular * clear_ : room(w);
+            left = is_transparent_ ? room(w) + albedo_above_clear(w) * clear_ : room(w);
   KeptShares kept;
   for (int c = 0; c < 3; ++c) {
     if (base[c] + specular[c] <= left[c]) continue;

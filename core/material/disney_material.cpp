@@ -92,7 +92,7 @@ constexpr auto kParameters = std::to_array<MaterialParameter>({
     {{"opacityMode", &P::opacity_mode, -kUnbounded, kUnbounded, {"presence", "transparent"},
       "none", "transparent: the surface is a sheet, as with thin, and opacity the share of it that is not clear: light "
       "passes the rest straight on and untinted, below the full highlight, coat and fibres; no light walks below. With "
-      "opacityThreshold it is cut out all the same. Not of metals."}},
+      "opacityThreshold it is cut out all the same. A metal keeps its reflection."}},
     {{"sides", &P::sides, -kUnbounded, kUnbounded, {"mesh", "front", "both"},
       "none", "Sides of the surface that exist. front: back faces are culled for rays of the camera, of shadows and of "
       "light, and do not emit. mesh: as the mesh's doubleSided. A material that lets light below the surface has "

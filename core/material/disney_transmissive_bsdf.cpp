@@ -47,7 +47,7 @@ DisneyTransmissiveBsdf::DisneyTransmissiveBsdf(const DisneyParameters& p, const 
     other_side_.emplace(layered == Layered::far ? p : without_layers(p), wo, energy);
   const Ggx ggx = disney_ggx(p.specular_roughness(), p.anisotropic);
   if (p.is_transparent()) {
-    const Rgb reflected = near_.specular_albedo(wo);
+    const Rgb reflected = near_.albedo_above_clear(wo);
     const Rgb left(std::max(1 - reflected.r, 0.0f), std::max(1 - reflected.g, 0.0f), std::max(1 - reflected.b, 0.0f));
     constexpr Ggx kSmooth{kMinAlpha, kMinAlpha};
     sheet_ = {{1, Rgb(0.0f), left}, kSmooth, kSmooth};

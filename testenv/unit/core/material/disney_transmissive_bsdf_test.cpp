@@ -64,6 +64,22 @@ TEST(TransparentSheet, ItsClearSharePassesStraightAndUntintedBelowTheFullHighlig
   }
 }
 
+// The share that is no metal passes what its own highlight leaves.
+TEST(TransparentSheet, AHalfMetalPassesTheHalfThatIsNone) {
+  for (const EnergyModel energy : {EnergyModel::burley2015, EnergyModel::bounded, EnergyModel::conserving})
+    for (const float roughness : {0.1f, 0.8f}) {
+      DisneyParameters sheet;
+      sheet.base_color = {0.9f, 0.2f, 0.1f};
+      sheet.roughness = roughness;
+      sheet.opacity_mode = OpacityMode::transparent, sheet.thin = true, sheet.spec_trans = 0.7f;
+      const Vec3f wo(0.6f, 0, 0.8f);
+      const Rgb whole = DisneyTransmissiveBsdf(sheet, wo, {1.5f, false}, energy).straight();
+      sheet.metallic = 0.5f;
+      const Rgb half = DisneyTransmissiveBsdf(sheet, wo, {1.5f, false}, energy).straight();
+      for (int c = 0; c < 3; ++c) EXPECT_NEAR(half[c], 0.5f * whole[c], 1e-3f) << roughness;
+    }
+}
+
 TEST(FresnelDielectric, KnownValues) {
   EXPECT_NEAR(fresnel_dielectric(1, 1.5f), 0.04f, 1e-7f);
   EXPECT_NEAR(fresnel_dielectric(1, 1 / 1.5f), 0.04f, 1e-7f) << "the same from either side";
