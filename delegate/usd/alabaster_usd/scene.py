@@ -90,7 +90,15 @@ class Reader:
         return {"settings": settings}
 
     def advance(self, time, sink, notes):
-        """Writes the prims that differ from the last answer to `sink`; returns the names of those that are gone."""
+        """Writes the prims that differ from the last answer to `sink`; returns the names of those that are gone. May be asked again where it fails."""
+        last = dict(self.origins), dict(self.said), set(self.lit_points), dict(self.looks.done)
+        try:
+            return self._advance(time, sink, notes)
+        except Exception:
+            self.origins, self.said, self.lit_points, self.looks.done = last
+            raise
+
+    def _advance(self, time, sink, notes):
         self._begin(time, sink, notes)
         self.changes = self.changes or Changes(self.stage)
         if self.settings and _varies(self.settings):
