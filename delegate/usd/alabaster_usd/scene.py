@@ -578,6 +578,7 @@ class Changes:
 
     def __init__(self, stage):
         self.whole, self.ways, self.movers, self.others = set(), {}, [], set()
+        self.held = {}  # what was asked of holds()
         prims = list(Usd.PrimRange(stage.GetPseudoRoot()))
         animated = False
         for prim in prims:
@@ -609,8 +610,9 @@ class Changes:
                 at = at.GetParentPath()
 
     def holds(self, where):
-        at = Sdf.Path(where)
-        return any(str(p) in self.whole for p in at.GetPrefixes())
+        if where not in self.held:
+            self.held[where] = any(str(p) in self.whole for p in Sdf.Path(where).GetPrefixes())
+        return self.held[where]
 
     def _add(self, prim):
         if prim.IsA(UsdGeom.Xformable) and UsdGeom.Xformable(prim).TransformMightBeTimeVarying():
