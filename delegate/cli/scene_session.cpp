@@ -45,7 +45,13 @@ void SceneSession::load(const std::string& name, const hd::description::LoadOpti
 }
 
 void SceneSession::pose(double frame, const hd::DiagnosticSink& sink) {
-  require(exit_code(source_.PoseFrame(frame, sink)));
+  // An error after which the pose is there all the same is a fault that is kept, by keep_going.
+  const auto note = [&](const hd::Diagnostic& told) {
+    if (told.severity == hd::Severity::error && !file.models.empty())
+      file.models[0].faults.push_back(told.where + ": " + told.text);
+    sink(told);
+  };
+  require(exit_code(source_.PoseFrame(frame, note)));
 }
 
 void SceneSession::choose_colors(const std::string& asked, const hd::DiagnosticSink& sink, int code) {

@@ -60,7 +60,7 @@ CLIPS = """def Cube "c" (
             asset[] assetPaths = [@%s@]
             string primPath = "/c"
             double2[] active = [(0, 0)]
-            double2[] times = [(0, 0), (10, 10)]
+            double2[] times = [(0, 0), (10, 10)]%s
         }
     }
 )
@@ -68,6 +68,7 @@ CLIPS = """def Cube "c" (
     double size
 }
 """
+MANIFEST = "\n            asset manifestAssetPath = @./manifest.usda@"  # without it OpenUSD opens all clips at once
 
 
 def write(name, data, folder=INSIDE):
@@ -163,17 +164,20 @@ def damaged():
         # Files that it names.
         "mtlx.usda": arc("garbage.mtlx"), "mtlx_cut.usda": arc("cut.mtlx"), "image_cut.usda": HEAD + LOOK % "cut.png", "image_huge.usda": HEAD + LOOK % "huge.png",
         "image_gone.usda": HEAD + LOOK % "gone.png", "ies.usda": HEAD + LAMP % "noise.ies",
-        "clip.usda": HEAD + CLIPS % "./not_there.usda",
+        "clip.usda": HEAD + CLIPS % ("./not_there.usda", ""),
+        **{"%s_clip_%s.usda" % (file.split(".")[0], way): HEAD + CLIPS % ("./" + file, more) for file in ("garbage.usda", "tuple.usda", "cut_half.usdc", "toc_far.usdc")
+           for way, more in (("found", ""), ("listed", MANIFEST))},
     }
     for name, data in files.items():
         write(name, data)
-    write("about.usda", sublayer("round.usda"))
+    write("about.usda", sublayer("round.usda")), write("manifest.usda", HEAD + 'over "c"\n{\n    double size\n}\n')
     write("garbage.mtlx", "<materialx"), write("cut.mtlx", '<?xml version="1.0"?>\n<materialx version="1.39">\n <surfacematerial name="m" type="material">\n')
     write("cut.png", png(64, 64, b"x")), write("huge.png", png(1 << 30, 1 << 30, zlib.compress(b"")))
     write("noise.ies", bytes(range(256)) * 10)
     named = {"broken_part.usda": "garbage.usda", "broken_crate.usda": "cut_half.usdc", "mtlx.usda": "garbage.mtlx", "mtlx_cut.usda": "cut.mtlx",
-             "image_cut.usda": "cut.png", "image_huge.usda": "huge.png", "image_gone.usda": "gone.png", "ies.usda": "noise.ies", "gone.usda": "not_there.usda",
-             "instances.usda": "memory limit", "clip.usda": "not_there.usda"}
+             "image_cut.usda": "cut.png", "image_huge.usda": "huge.png", "image_gone.usda": "gone.png.*image_gone.usda", "ies.usda": "noise.ies", "gone.usda": "not_there.usda",
+             "instances.usda": "memory limit", "clip.usda": "not_there.usda",
+             **{name: "inside/%s.usd" % name.split("_clip_")[0] for name in files if "_clip_" in name}}
     return {name: named.get(name, name) for name in files}
 
 
@@ -210,7 +214,7 @@ def hostile():
     bound = lambda file: HEAD + 'def Cube "c" ( prepend apiSchemas = ["MaterialBindingAPI"] )\n{\n    rel material:binding = </look/Materials/m>\n}\ndef "look" (references = @%s@</MaterialX>)\n{\n}\n' % file
     files = {"absolute.usda": arc(os.path.join(OUTSIDE, "secret.usda")), "dots.usda": arc("../outside/secret.usda"), "payload.usda": arc("../outside/secret.usda", "payload"),
              "linked.usda": arc("./link.usda"), "door.usda": arc("./door/secret.usda"), "sublayer.usda": sublayer("../outside/secret.usda"), "process.usda": arc("./environment.usda"),
-             "process_root.usda": arc("/proc/self/root" + os.path.join(OUTSIDE, "secret.usda")), "piped.usda": arc("./pipe.usda"), "zero.usda": arc("/dev/zero"), "clips.usda": HEAD + CLIPS % "../outside/secret.usda",
+             "process_root.usda": arc("/proc/self/root" + os.path.join(OUTSIDE, "secret.usda")), "piped.usda": arc("./pipe.usda"), "zero.usda": arc("/dev/zero"), "clips.usda": HEAD + CLIPS % ("../outside/secret.usda", ""),
              "image.usda": HEAD + LOOK % "../outside/secret.png", "image_absolute.usda": HEAD + LOOK % os.path.join(OUTSIDE, "secret.png"),
              "image_link.usda": HEAD + LOOK % "./link.png", "image_udim.usda": HEAD + LOOK % "../outside/secret.<UDIM>.png", "image_piped.usda": HEAD + LOOK % "./pipe.png",
              "lamp.usda": HEAD + LAMP % "../outside/secret.ies", "look.usda": bound("../outside/secret.mtlx"), "include.usda": bound("./include.mtlx"),

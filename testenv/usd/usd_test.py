@@ -932,6 +932,26 @@ def test_what_comes_later_is_told():
     assert code == 0 and said.count("curves are not drawn") == 1 and "/World/hair" in said, said
 
 
+def test_a_clip_that_is_damaged_at_a_later_frame_is_a_fault_of_it():
+    write("moves.usda", '#usda 1.0\nover "c"\n{\n    double3 xformOp:translate.timeSamples = { 0: (1, 0, 0),}\n}\n')
+    write("damaged.usda", '#usda 1.0\nover "c"\n{\n    double3 xformOp:translate.timeSamples = { 0: (1, 0\n')
+    write("listed.usda", '#usda 1.0\nover "c"\n{\n    double3 xformOp:translate\n}\n')
+    clips = """def Cube "c" ( clips = { dictionary default = {
+            asset[] assetPaths = [@./moves.usda@, @./damaged.usda@]
+            asset manifestAssetPath = @./listed.usda@
+            string primPath = "/c"
+            double2[] active = [(0, 0), (5, 1)]
+            double2[] times = [(0, 0), (10, 10)] } } )"""
+    body = cube("c", 0).replace("double3 xformOp:translate = (0, 0, 0)", "double3 xformOp:translate").replace('def Cube "c"', clips)
+    for more, wanted, last in ([], 3, 0), (["--keep-going"], 6, 6):
+        frames = [os.path.join(FOLDER, "damaged.%d.exr" % n) for n in (0, 6)]
+        code, said = run("render", stage("damaged_clip.usda", body), "-o", "damaged.#.exr", "--frames", "0:6x6", "--size", "16x16", "--spp", "1", "--quiet", *more)
+        assert code == wanted and re.search(r"/damaged.usda:\d+: it cannot be read", said) and [os.path.exists(f) for f in frames] == [True, last == 6], (code, said)
+        for file in frames[:1 + (last == 6)]:
+            assert ("sceneFaults" in subprocess.run(["oiiotool", "--info", "-v", file], capture_output=True, text=True).stdout) == (file == frames[1]), file
+            os.remove(file)
+
+
 # usdrecord ------------------------------------------------------------------------------------------
 
 RECORDED = cube("c", 0).replace("double3 xformOp:translate = (0, 0, 0)", "double3 xformOp:translate.timeSamples = {\n -1: (-1, 0, 0),\n 1: (1, 0, 0),\n}") + \

@@ -100,23 +100,43 @@ class Child:
         return {}, sealed(lambda fd: os.write(fd, text) == len(text) or opening.fail())
 
     def do_scene(self, asked):
-        from alabaster_usd import notes, opening, scene, values
-        told, sink = notes.Notes(), values.Archive()
+        from alabaster_usd import opening, scene, values
         values.may_read = lambda file: self.everywhere or opening.is_within(file, self.folders)
         asked["may_write"] = lambda file: self.everywhere or opening.is_within(file, self.folders[:1])
-        self.reader = scene.Reader(self.stage, sink, told, asked.get("time"), asked)
-        stands_beside = self.reader.run()
+
+        def read(sink, told):
+            self.reader = scene.Reader(self.stage, sink, told, asked.get("time"), asked)
+            return self.reader.run()
+
+        sink, told, stands_beside = self.without_damage(read)
         self.told = set(told.kinds)
         return {"warnings": told.warnings(), "faults": told.faults}, sealed(lambda fd: sink.write(fd, stands_beside))
 
     def do_time(self, asked):
         """After a scene: the prims that differ from the last answer, and what was not told before."""
-        from alabaster_usd import notes, values
-        sink, told = values.Archive(), notes.Notes()
-        gone = self.reader.advance(asked["time"], sink, told)
+        sink, told, gone = self.without_damage(lambda sink, told: self.reader.advance(asked["time"], sink, told))
         new = [w for w in told.warnings() if w[0] not in self.told]
         self.told.update(told.kinds)
         return {"warnings": new, "faults": told.faults}, sealed(lambda fd: sink.write(fd, {"removed": gone}))
+
+    def without_damage(self, read):
+        """(sink, notes, what `read` of them gives). A value clip that is damaged ends the first value that is asked of it, and is passed over
+        from then on: that is a fault, and all is read again."""
+        from pxr import Tf
+        from alabaster_usd import notes, opening, values
+        damaged = []
+        while True:
+            sink, told = values.Archive(), notes.Notes()
+            try:
+                made = read(sink, told)
+            except Tf.ErrorException as e:
+                damage = opening.damage_of(e, self.stage, self.stage.GetRootLayer().realPath)
+                if damage in damaged or len(damaged) == 50:
+                    raise notes.Fault(**damage) from None
+                damaged.append(damage)
+                continue
+            told.faults[:0] = damaged
+            return sink, told, made
 
 
 if __name__ == "__main__":

@@ -167,12 +167,15 @@ def add_velocities(attribute, name, points, fields, shutter, time, stage):
 # Implicit surfaces as closed meshes. The points are shared by all that have the same sizes.
 
 def implicit_fields(prim, time, cache, notes):
-    """None (told): it has no axis."""
+    """None (told): it has no axis, or no size, which damaged clips leave out."""
     kind = prim.GetTypeName()
     sizes = tuple(prim.GetAttribute(n).Get(time) for n in
                   {"Cube": ("size",), "Sphere": ("radius",), "Cylinder": ("radius", "height", "axis"), "Cone": ("radius", "height", "axis"),
                    "Cylinder_1": ("radiusBottom", "radiusTop", "height", "axis"), "Capsule": ("radius", "height", "axis"),
                    "Capsule_1": ("radiusBottom", "radiusTop", "height", "axis"), "Plane": ("width", "length", "axis")}[kind])
+    if None in sizes:
+        notes.tell("shapes without a size are not drawn", prim.GetPath())
+        return None
     if sizes[-1] not in "XYZ" if isinstance(sizes[-1], str) else False:
         notes.tell("an axis is not known: %s" % sizes[-1], prim.GetPath())
         return None

@@ -20,16 +20,19 @@ def open_stage(asked, folders, everywhere):
     if asked.get("session"):
         _layer(asked["session"])
         session.subLayerPaths.append(asked["session"])
-    masks = asked.get("mask")
+    masks, cache, stage, damaged = asked.get("mask"), Usd.StageCache(), None, []
     try:
         if masks:
             stage = Usd.Stage.OpenMasked(root, session, Usd.StagePopulationMask([Sdf.Path(m) for m in masks]))
             stage.ExpandPopulationMask()
         else:
-            stage = Usd.Stage.Open(root, session)
+            with Usd.StageCacheContext(cache):
+                stage = Usd.Stage.Open(root, session)
     except Tf.ErrorException as e:
-        text, layer, line = plain(e)
-        raise Fault("it cannot be read: " + text, layer or file, line=line) from None
+        stage = stage or next(iter(cache.GetAllStages()), None)  # OpenUSD may have opened it without a damaged clip
+        damaged = [damage_of(e, stage, file)]
+        if not stage:
+            raise Fault(**damaged[0]) from None
     for prim in masks or ():
         if not (Sdf.Path.IsValidPathString(prim) and stage.GetPrimAtPath(prim)):
             raise Fault("there is no prim of that path to read alone (--mask)", file, prim=prim)
@@ -40,7 +43,7 @@ def open_stage(asked, folders, everywhere):
     more, files, held = mtlx.place_layers(stage)
     stage.held_layers = held  # as long as the stage
     clips, missing = clips_of(stage, folders, everywhere)
-    faults = more + faults_of(stage, folders, everywhere) + missing
+    faults = damaged + more + faults_of(stage, folders, everywhere) + missing
     facts = facts_of(stage, faults)
     return stage, {"layers": sorted(set(layers_of(stage) + files + clips)), "faults": faults, **facts}
 
@@ -53,14 +56,27 @@ def plain(text):
     return text[:600], place.group(1) if place else "", int(place.group(2)) if place else 0
 
 
+def damage_of(error, stage, file):
+    """A fault of what OpenUSD said when it opened a layer or read a value. Of a clip it may not say which."""
+    text, layer, line = plain(error)
+    named = re.search(r"<(/[^<>]+)>", text)
+    layer = layer or (named.group(1) if named else "")
+    for clip in () if layer or not stage else clips_of(stage, (), True)[0]:
+        try:
+            Sdf.Layer.FindOrOpen(clip)
+        except Tf.ErrorException:
+            layer = clip
+            break
+    return {"text": "it cannot be read: " + text, "file": layer or file, "prim": "", "line": line}
+
+
 def _layer(file):
     if not os.path.isfile(file):
         raise Fault("there is no such file, or it may not be read", file)
     try:
         layer = Sdf.Layer.FindOrOpen(file)
     except Tf.ErrorException as e:
-        text, place, line = plain(e)
-        raise Fault("it cannot be read: " + text, place or file, line=line) from None
+        raise Fault(**damage_of(e, None, file)) from None
     if not layer:
         raise Fault("it cannot be read: it is no stage of OpenUSD, or is damaged", file)
     return layer

@@ -90,7 +90,15 @@ class Reader:
         return {"settings": settings}
 
     def advance(self, time, sink, notes):
-        """Writes the prims that differ from the last answer to `sink`; returns the names of those that are gone."""
+        """Writes the prims that differ from the last answer to `sink`; returns the names of those that are gone. May be asked again where it fails."""
+        last = dict(self.origins), dict(self.said), set(self.lit_points), dict(self.looks.done)
+        try:
+            return self._advance(time, sink, notes)
+        except Exception:
+            self.origins, self.said, self.lit_points, self.looks.done = last
+            raise
+
+    def _advance(self, time, sink, notes):
         self._begin(time, sink, notes)
         self.changes = self.changes or Changes(self.stage)
         if self.settings and _varies(self.settings):
@@ -570,6 +578,7 @@ class Changes:
 
     def __init__(self, stage):
         self.whole, self.ways, self.movers, self.others = set(), {}, [], set()
+        self.held = {}  # what was asked of holds()
         prims = list(Usd.PrimRange(stage.GetPseudoRoot()))
         animated = False
         for prim in prims:
@@ -601,8 +610,9 @@ class Changes:
                 at = at.GetParentPath()
 
     def holds(self, where):
-        at = Sdf.Path(where)
-        return any(str(p) in self.whole for p in at.GetPrefixes())
+        if where not in self.held:
+            self.held[where] = any(str(p) in self.whole for p in Sdf.Path(where).GetPrefixes())
+        return self.held[where]
 
     def _add(self, prim):
         if prim.IsA(UsdGeom.Xformable) and UsdGeom.Xformable(prim).TransformMightBeTimeVarying():

@@ -205,7 +205,8 @@ def asset_value(asset, attribute, time):
     if file and not may_read(file):
         outside = file + " lies outside the folder of the stage: allow it with --allow FOLDER or --allow-outside"
         return V("asset", Asset(asset.path, "", fault=outside)), True
-    return V("asset", Asset(asset.path, file)), there
+    absent = "" if there else "there is no file %s, which %s names; correct the path or put the file there" % (file, layer_of(attribute, time).realPath)
+    return V("asset", Asset(asset.path, file, fault=absent)), there
 
 
 def _bytes(file):
