@@ -27,6 +27,7 @@ enum class Aov {
   subsurface_unscattered,
   specular,
   emission,
+  light_group,    // light by the group of the light where it began: "lightGroup:NAME"
   error,          // of color: PixelNoise::deviation()
   nonfinite,      // samples whose colour was not finite: black in color
   denoised,       // color without its noise (core/denoise)
@@ -48,6 +49,7 @@ constexpr AovSet aov_bit(Aov a) {
 enum class AovSource {
   samples,  // all of them: their mean, number or error
   layer,    // the mean of one of LightLayers
+  group,    // the mean of the light of one group
   closest,  // the one that hit the closest surface
   ids,      // how many of the pixel's samples hit each of the things that they hit
   frame,    // all pixels' samples, once the frame has its last
@@ -99,6 +101,7 @@ inline constexpr AovInfo kAovs[] = {
      "subsurfaceUnscattered", "RGB"},
     {Aov::specular, "specular", AovSource::layer, AovValue::color, 0, "specular", "RGB"},
     {Aov::emission, "emission", AovSource::layer, AovValue::color, 0, "emission", "RGB"},
+    {Aov::light_group, "lightGroup:", AovSource::group, AovValue::color, 0, "lightGroup", "RGB"},
     {Aov::error, "error", AovSource::samples, AovValue::exact, 0, "error", "X"},
     {Aov::nonfinite, "nonfiniteSamples", AovSource::samples, AovValue::integer, 0, "nonfiniteSamples", "X"},
     {Aov::denoised, "denoised", AovSource::frame, AovValue::color, 0, "denoised", "RGBA"},
@@ -140,6 +143,16 @@ constexpr std::string_view primvar_of_aov(std::string_view name) {
   const std::string_view prefix = kPrimvarAov.name;
   return name.starts_with(prefix) ? name.substr(prefix.size()) : std::string_view();
 }
+/// A frame shows this many light groups at most, light without a group included.
+inline constexpr size_t kMostLightGroups = 64;
+/// True for an AOV "lightGroup:NAME". All have one row.
+constexpr bool is_light_group(std::string_view name) {
+  return name.starts_with(aov_info(Aov::light_group).name);
+}
+/// NAME of such an AOV; empty: it shows light without a group.
+constexpr std::string_view light_group_of_aov(std::string_view name) {
+  return name.substr(std::string_view(aov_info(Aov::light_group).name).size());
+}
 /// An AOV of ids shows two ranks of a pixel's ids: its name ends with the number of the pair, of two digits, or shows
 /// the first pair.
 struct RankPair {
@@ -155,9 +168,10 @@ constexpr RankPair rank_pair(std::string_view name) {
     return {name};
   return {name.substr(0, base), digits[1] - '0'};
 }
-/// Null if no AOV has this name. All primvars have one row, and so have all pairs of ranks.
+/// Null if no AOV has this name. All primvars have one row, and so have all light groups and all pairs of ranks.
 constexpr const AovInfo* find_aov(std::string_view name) {
   if (!primvar_of_aov(name).empty()) return &kPrimvarAov;
+  if (is_light_group(name)) return &aov_info(Aov::light_group);
   for (const AovInfo& info : kAovs)
     if (rank_pair(name).aov == info.name) return &info;
   return nullptr;

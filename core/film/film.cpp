@@ -247,6 +247,15 @@ void Film::resolve_int(int tile, Aov aov, const TakeRow<int32_t>& take) const {
       take);
 }
 
+void Film::resolve_light_group(int tile, size_t group, const TakeRow<float>& take) const {
+  resolve_rows<float>(
+      tile, Aov::light_group,
+      [group](const FilmTile& from, size_t pixel, float* out, size_t count) {
+        from.resolve_light_group(pixel, group, out, count);
+      },
+      take);
+}
+
 void Film::resolve_ranks(int tile, Aov aov, int pair, const IdKeys& keys, const TakeRow<float>& take) const {
   resolve_rows<float>(
       tile, aov,
@@ -260,6 +269,13 @@ std::vector<float> Film::resolve_float(Aov aov) const {
   std::vector<float> frame;
   const auto take = copy_to(&frame, aov_info(aov).components());
   for (int t = 0; t < tile_count(); ++t) resolve_float(t, aov, take);
+  return frame;
+}
+
+std::vector<float> Film::resolve_light_group(size_t group) const {
+  std::vector<float> frame;
+  const auto take = copy_to(&frame, aov_info(Aov::light_group).components());
+  for (int t = 0; t < tile_count(); ++t) resolve_light_group(t, group, take);
   return frame;
 }
 

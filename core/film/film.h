@@ -87,10 +87,13 @@ class Film {
   /// is not requested resolves to its background value.
   void resolve_float(int tile, Aov aov, const TakeRow<float>& take) const;
   void resolve_int(int tile, Aov aov, const TakeRow<int32_t>& take) const;
+  /// Of Aov::light_group: a group.
+  void resolve_light_group(int tile, size_t group, const TakeRow<float>& take) const;
   /// Of an AOV of ids: a pair of ranks.
   void resolve_ranks(int tile, Aov aov, int pair, const IdKeys& keys, const TakeRow<float>& take) const;
   /// A frame, row-major, y-down.
   std::vector<float> resolve_float(Aov aov) const;
+  std::vector<float> resolve_light_group(size_t group) const;
   std::vector<int32_t> resolve_int(Aov aov) const;
   // These run on all threads of the caller's TBB arena.
   std::vector<PixelNoise> noise(const CancelToken& cancel = {}) const;  // throws BuildCancelled

@@ -99,6 +99,7 @@ FilmTile::FilmTile(size_t pixels, AovSet aovs, const FilmExtras& extras)
   if (aovs & aov_bit(Aov::nonfinite)) nonfinite_.resize(pixels);
   for (const auto& [aov, light] : kLayers)
     if (aovs & aov_bit(aov)) layers_.push_back({aov, light, std::vector<RgbSum>(pixels)});
+  light_groups_.resize(extras.light_groups, std::vector<RgbSum>(pixels));
   for (auto a = static_cast<size_t>(Aov::eye_point); a < kAovCount; ++a)
     if (const Aov aov = static_cast<Aov>(a); aovs & kVectorAovs & aov_bit(aov))
       vectors_.push_back({aov, std::vector<std::array<float, 3>>(pixels)});
@@ -118,6 +119,7 @@ void FilmTile::clear() {
   for (auto& plane : depths_) std::fill(plane.values.begin(), plane.values.end(), background<float>(plane.aov));
   for (auto& plane : ids_) std::fill(plane.values.begin(), plane.values.end(), background<int32_t>(plane.aov));
   for (LayerPlane& layer : layers_) blank(layer.sums);
+  for (auto& sums : light_groups_) blank(sums);
   for (VectorPlane& plane : vectors_) blank(plane.closest);
   prims_.clear(), materials_.clear();
 }
@@ -150,6 +152,7 @@ std::vector<std::span<std::byte>> FilmTile::planes() {
   for (auto& plane : depths_) add(plane.values);
   for (auto& plane : ids_) add(plane.values);
   for (LayerPlane& layer : layers_) add(layer.sums);
+  for (auto& sums : light_groups_) add(sums);
   for (VectorPlane& plane : vectors_) add(plane.closest);
   add(rays_);
   add(nonfinite_);
@@ -171,6 +174,7 @@ bool FilmTile::accept_planes() {
   };
   return valid(color_) && valid(marks_) &&
          std::all_of(layers_.begin(), layers_.end(), [&](const LayerPlane& layer) { return valid(layer.sums); }) &&
+         std::all_of(light_groups_.begin(), light_groups_.end(), valid) &&
          std::all_of(samples_.begin(), samples_.end(), [](uint32_t n) { return n <= kMostSummedSamples; });
 }
 
@@ -193,6 +197,9 @@ void FilmTile::add(size_t pixel, const FilmSample& s, const LightLayers* layers,
   if (!albedo_.empty()) accumulate({s.albedo.r, s.albedo.g, s.albedo.b}, &albedo_[pixel]);
   if (layers)
     for (LayerPlane& plane : layers_) plane.sums[pixel].add(plane.light(*layers));
+  if (s.light_groups)
+    for (size_t group = 0; group < light_groups_.size(); ++group)
+      light_groups_[group][pixel].add(s.light_groups[group]);
   if (!rays_.empty()) rays_[pixel] += rays;
   if (!nonfinite_.empty() && s.nonfinite) ++nonfinite_[pixel];
   if (!distance_.empty() && s.distance < distance_[pixel]) {
@@ -220,6 +227,7 @@ void FilmTile::append(const FilmTile& next) {
   append_plane(next.normal_, &normal_);
   append_plane(next.albedo_, &albedo_);
   for (size_t i = 0; i < layers_.size(); ++i) append_plane(next.layers_[i].sums, &layers_[i].sums);
+  for (size_t i = 0; i < light_groups_.size(); ++i) append_plane(next.light_groups_[i], &light_groups_[i]);
   prims_.append(next.prims_), materials_.append(next.materials_);
 }
 
@@ -297,6 +305,7 @@ void FilmTile::take(size_t pixel, const FilmTile& from) {
   if (!rays_.empty()) rays_[pixel] = from.rays_[pixel];
   if (!nonfinite_.empty()) nonfinite_[pixel] = from.nonfinite_[pixel];
   for (size_t i = 0; i < layers_.size(); ++i) layers_[i].sums[pixel] = from.layers_[i].sums[pixel];
+  for (size_t i = 0; i < light_groups_.size(); ++i) light_groups_[i][pixel] = from.light_groups_[i][pixel];
   if (!prims_.empty()) prims_.take(pixel, from.prims_);
   if (!materials_.empty()) materials_.take(pixel, from.materials_);
   for (size_t i = pixel * marks_per_pixel_; i < (pixel + 1) * marks_per_pixel_; ++i) marks_[i] = from.marks_[i];
@@ -365,6 +374,17 @@ void FilmTile::resolve(size_t pixel, Aov aov, float* out, size_t count) const {
       if (const auto* vector = find_plane(vectors_, aov))
         return each([&](size_t i, double, float* to) { std::copy_n(vector->closest[i].begin(), components, to); });
       std::fill_n(out, components * count, background<float>(aov));
+  }
+}
+
+void FilmTile::resolve_light_group(size_t pixel, size_t group, float* out, size_t count) const {
+  for (size_t i = pixel; i < pixel + count; ++i, out += 3) {
+    if (group >= light_groups_.size() || samples_[i] == 0) {
+      std::fill_n(out, 3, 0.0f);
+      continue;
+    }
+    look_ahead(light_groups_[group], i);
+    average(light_groups_[group][i], 1.0 / samples_[i], out);
   }
 }
 

@@ -8,6 +8,7 @@
 #include <cstdint>
 #include <limits>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "core/color/rgb.h"
@@ -31,6 +32,7 @@ struct FilmExtras {
   /// The samples that it is to get. Where they do not begin at 0 the film is a part of another one, and keeps what that
   /// needs to append() it. `end` counts for such a film only.
   SampleRange range;
+  size_t light_groups = 0;  // that Aov::light_group shows
   bool operator==(const FilmExtras&) const = default;
 };
 
@@ -57,6 +59,7 @@ struct FilmSample {
   bool is_held_out = false;             // by the surface of these ids, which counts for no id
   bool nonfinite = false;               // the colour was not finite, and was made black
   const HitVectors* vectors = nullptr;  // of a hit, where any of kVectorAovs is drawn
+  const Rgb* light_groups = nullptr;    // by plane, where any is drawn (LightByGroup)
 };
 
 /// A sample's colour, split by how the light left the first surface. The layers add up to color but for float rounding.
@@ -67,6 +70,36 @@ struct LightLayers {
   Rgb single{0.0f};       // through the body, one scattering event
   Rgb multiple{0.0f};     // through the body, two scattering events or more
   Rgb emission{0.0f};     // seen directly: emissive surfaces, lights, the background
+};
+
+/// A sample's colour, split by the group of the light where it began. The groups add up to color but for float
+/// rounding.
+class LightByGroup {
+ public:
+  /// `planes`: by the scene's number of a group, the plane of the film that shows it; kMostLightGroups: none does.
+  explicit LightByGroup(std::vector<uint8_t> planes) : plane_of_(std::move(planes)) {}
+  using Planes = std::array<Rgb, kMostLightGroups + 1>;  // the last takes what none shows
+  void add(uint32_t group, const Rgb& light) { add(group, light, &light_); }
+  void add(uint32_t group, const Rgb& light, Planes* to) const { (*to)[plane_of_[group]] += light; }
+  void add(const Planes& lights, const Rgb& factor) {
+    for (size_t i = 0; i < lights.size(); ++i) light_[i] += lights[i] * factor;
+  }
+  void scale(float factor) {
+    for (Rgb& light : light_) light *= factor;
+  }
+  void clear() { light_.fill(Rgb(0.0f)); }
+  const Rgb* planes() const { return light_.data(); }
+  /// Black planes for the light at an entry of walks, until it is asked for the next one; a path and its branches have
+  /// one entry at a time each.
+  Planes* at_entry(bool of_branch) {
+    entries_[of_branch].fill(Rgb(0.0f));
+    return &entries_[of_branch];
+  }
+
+ private:
+  std::vector<uint8_t> plane_of_;
+  Planes light_{};
+  std::array<Planes, 2> entries_{};
 };
 
 /// Accumulators of one tile. Only the planes that the requested AOVs need exist.
@@ -97,6 +130,7 @@ class FilmTile {
   size_t pixels_without_sample() const { return samples_.size() - covered_; }
   /// Writes the components of `count` pixels: averages, or the values of the closest sample.
   void resolve(size_t pixel, Aov aov, float* out, size_t count = 1) const;
+  void resolve_light_group(size_t pixel, size_t group, float* out, size_t count = 1) const;
   void resolve_int(size_t pixel, Aov aov, int32_t* out, size_t count = 1) const;
   /// Of an AOV of ids: the values of a pair of ranks (IdCounts::rank()).
   void resolve_ranks(size_t pixel, Aov aov, int pair, const IdKeys& keys, float* out, size_t count = 1) const;
@@ -157,7 +191,8 @@ class FilmTile {
   std::vector<UnitSum> alpha_;
   UnitSums normal_, albedo_;
   std::vector<Halves> halves_;
-  std::vector<LayerPlane> layers_;           // those that are requested
+  std::vector<LayerPlane> layers_;  // those that are requested
+  std::vector<std::vector<RgbSum>> light_groups_;
   std::vector<VectorPlane> vectors_;         // the same
   std::vector<float> distance_;              // to the closest sample, where any AOV shows that one
   std::vector<ClosestPlane<float>> depths_;  // those that are requested

@@ -7,6 +7,7 @@
 #include <optional>
 
 #include "core/color/rgb.h"
+#include "core/film/film_tile.h"
 #include "core/math/vector.h"
 
 namespace alabaster {
@@ -14,8 +15,9 @@ namespace alabaster {
 struct ControlVariate {
   ControlVariate(const Rgb& of_half_space, const std::array<float, 4>& numbers)
       : albedo(of_half_space), light_numbers(numbers) {}
-  Rgb albedo;       // of the half-space
-  Rgb light{0.0f};  // that the exit lobe sends on at the vertex, of throughput one
+  Rgb albedo;                                // of the half-space
+  Rgb light{0.0f};                           // that the exit lobe sends on at the vertex, of throughput one
+  LightByGroup::Planes* by_group = nullptr;  // the same; null: not asked for
   /// The numbers that sampled it: exits are lit with the same, so that their light differs little.
   std::array<float, 4> light_numbers;
   /// Those of a constant dome's direction, where it gives most light: paths go on that way, and meet it if it was met.

@@ -51,6 +51,8 @@ void sample_lights(const PathContext& context, const VertexBsdf& bsdf, Vertex* v
   const size_t draws = lights.draws(at);
   const auto branches = static_cast<float>(path->branches);
   const std::array<float, 4>& u = v.u.light;
+  if (control && path->light_groups) [[unlikely]]
+    control->by_group = path->light_groups->at_entry(path->branch_share < 1);
   if (control) control->dome_sample = lights.leading_dome_numbers(v.origins[Vertex::kFacet].p, u);
 
   Rgb direct(0.0f);
@@ -91,12 +93,17 @@ void sample_lights(const PathContext& context, const VertexBsdf& bsdf, Vertex* v
         const Layer layer = path->seeks_layer() ? Layer{Layer::Kind::local, specular} : path->layer;
         layer.add(path->throughput * arriving, path->layers);
       }
+      if (path->light_groups) [[unlikely]]
+        path->add_to_group(light->group, path->throughput * arriving);
       if (record && !is_black(value.f_cos)) record->light_arrives(path->throughput * arriving, {light->pdf, mis});
       if (!control || !(value.exit_cos > 0)) continue;
       Rgb exit = sent_by_exit_lobe(value, *light) * visible;
       if (light->scales) exit *= light->scales->diffuse;
       if (origin == Vertex::kSmooth) exit *= 1 / from.chance;
-      control->light += path->through_media(exit, light->distance);
+      exit = path->through_media(exit, light->distance);
+      control->light += exit;
+      if (control->by_group) [[unlikely]]
+        path->light_groups->add(light->group, exit, control->by_group);
     }
   }
   path->radiance += path->throughput * direct;
@@ -104,8 +111,13 @@ void sample_lights(const PathContext& context, const VertexBsdf& bsdf, Vertex* v
   // Add the expectation of the control variate.
   if (!control) return;
   control->light *= bsdf.exit_color();
-  const Rgb expectation = path->throughput * bsdf.subsurface_entry() * control->albedo * control->light;
+  const Rgb factor = path->throughput * bsdf.subsurface_entry() * control->albedo;
+  const Rgb expectation = factor * control->light;
   path->add_of_walks(expectation);
+  if (control->by_group) [[unlikely]] {
+    for (Rgb& light : *control->by_group) light *= bsdf.exit_color();
+    path->add_to_groups(*control->by_group, factor);
+  }
   if (record) record->add_flat_light(expectation);
 }
 

@@ -16,10 +16,14 @@ Ray ray_from_vertex(const Path& path) {
   return {path.light_origin, path.ray.dir, path.straight + path.ray.tmax, path.ray.time};
 }
 
-Rgb linked_light_emission(const PathContext& context, const Path& path, bool escaped, const LobeShares* shares) {
+// `note` gets each light's term of the sum, which the throughput multiplies.
+template <class Note>
+Rgb linked_light_emission(const PathContext& context, const Path& path, bool escaped, const LobeShares* shares,
+                          const Note& note) {
   const auto weigh = [&path](float light_pdf) { return mis_weight(path, light_pdf); };
   const bool is_clear = escaped && !context.sees_through();
-  return path.lights->emitted_with_links(
+  Rgb light(0.0f);
+  path.lights->each_emitted_with_links(
       path.ray, path.light_context, weigh,
       [&](uint32_t link, float distance) -> Rgb {
         if (path.hidden_boundary && !context.scene.casts_shadow(*path.hidden_boundary, link)) return Rgb(0.0f);
@@ -28,18 +32,31 @@ Rgb linked_light_emission(const PathContext& context, const Path& path, bool esc
         ++context.counters.shadow_rays;
         return path.through_media(linked_visibility(context, ray, link, path.media), distance);
       },
-      shares);
+      shares, [&](size_t i, const Rgb& term) { light += term, note(i, term); });
+  return light;
 }
 
-Rgb emission_along(const PathContext& context, const Path& path, bool escaped, const LobeShares* shares) {
+template <class Note>
+Rgb emission_along(const PathContext& context, const Path& path, bool escaped, const LobeShares* shares,
+                   const Note& note) {
   const auto weigh = [&path](float light_pdf, float distance) {
     return path.through_media(Rgb(mis_weight(path, light_pdf)), distance - path.straight);
   };
-  Rgb light = path.throughput * path.lights->emitted(ray_from_vertex(path), escaped, path.depth == 0,
-                                                     path.light_context, weigh, path.straight, shares);
+  Rgb light(0.0f);
+  path.lights->each_emitted(ray_from_vertex(path), escaped, path.depth == 0, path.light_context, weigh, path.straight,
+                            shares, [&](size_t i, const Rgb& term) { light += term, note(i, term); });
+  light = path.throughput * light;
   if (path.lights->has_shadow_links() && path.from_vertex) [[unlikely]]
-    light += path.throughput * linked_light_emission(context, path, escaped, shares);
+    light += path.throughput * linked_light_emission(context, path, escaped, shares, note);
   return light;
+}
+
+Rgb emission_along(const PathContext& context, const Path& path, bool escaped, const LobeShares* shares) {
+  const auto add_to_group = [&path](size_t light, const Rgb& term) {
+    path.add_to_group(path.lights->group_of(light), path.throughput * term);
+  };
+  return path.light_groups ? emission_along(context, path, escaped, shares, add_to_group)
+                           : emission_along(context, path, escaped, shares, [](size_t, const Rgb&) {});
 }
 
 }  // namespace

@@ -33,11 +33,12 @@ void Path::travel(const PathContext& context, float distance) {
   if (keeps_footprints(context)) footprint.travel(distance);
 }
 
-Path Path::branch(uint32_t index, LightLayers* its_layers) const {
+Path Path::branch(uint32_t index, uint32_t count, LightLayers* its_layers) const {
   Path branch = *this;
   branch.radiance = Rgb(0.0f);
   if (index > 0) branch.features = nullptr;  // one branch finds them
   branch.layers = its_layers;
+  branch.branch_share = 1 / static_cast<float>(count);
   return branch;
 }
 

@@ -105,13 +105,23 @@ struct Path {
   std::vector<LobeEntry> lobe_entries;  // of the media that it is in, in order
   Footprint footprint;
   Layer layer;
-  LightLayers* layers = nullptr;   // take the light by layer; null: not asked for
-  FilmSample* features = nullptr;  // takes the denoiser's features at the next surface; null: they are not sought
-  bool held_out = false;           // the camera's ray ended at a hold-out
+  LightLayers* layers = nullptr;         // take the light by layer; null: not asked for
+  LightByGroup* light_groups = nullptr;  // take it by group; null: not asked for
+  float branch_share = 1;                // of the light of a branch, that goes to groups
+  FilmSample* features = nullptr;        // takes the denoiser's features at the next surface; null: they are not sought
+  bool held_out = false;                 // the camera's ray ended at a hold-out
 
   void add(const Rgb& light) {
     radiance += light;
     if (layers) layer.add(light, layers);
+  }
+  /// Light that add() and its like have got began at a light of the group.
+  void add_to_group(uint32_t group, const Rgb& light) const {
+    if (light_groups) [[unlikely]]
+      light_groups->add(group, light * branch_share);
+  }
+  void add_to_groups(const LightByGroup::Planes& lights, const Rgb& factor) const {
+    light_groups->add(lights, factor * branch_share);
   }
   /// True if the lobes by which the ray left decide the layers of what it meets.
   bool splits_by_lobes() const { return layers && layer.kind == Layer::Kind::local && layer.is_new; }
@@ -144,8 +154,8 @@ struct Path {
   /// The path has come this far along its ray.
   void travel(const PathContext& context, float distance);
 
-  /// Branch `index`, whose light by layer goes to `its_layers`, unless null.
-  Path branch(uint32_t index, LightLayers* its_layers) const;
+  /// Branch `index` of `count`, whose light by layer goes to `its_layers`, unless null.
+  Path branch(uint32_t index, uint32_t count, LightLayers* its_layers) const;
   /// Adds what a branch brought.
   void join(const Path& branch, uint32_t count);
 

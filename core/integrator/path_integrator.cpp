@@ -142,6 +142,7 @@ bool find_next_vertex(const PathContext& context, const PixelSampler& sampler, P
   if (!is_black(v->material.emission)) {
     const Rgb emission = surface_emission(*v, *path);
     path->add(emission);
+    path->add_to_group(v->instance->light_group, emission);
     if (record) record->meet_light(emission);
   }
   if (!path->may_bounce(context) && !path->may_pass_sheet(*v)) return end_at_depth(context, *path);
@@ -188,7 +189,7 @@ void follow_path(const PathContext& context, const PixelSampler& sampler, Path* 
       VertexSamples u{{}, own.draw(Dimension::bsdf, path->depth)};
       u.roulette = u.bsdf[3];
       if (path->layers) layers = {};
-      Path branch = path->branch(i, path->layers ? &layers : nullptr);
+      Path branch = path->branch(i, branches, path->layers ? &layers : nullptr);
       if (scatter(context, &v, bsdf, u, &branch)) follow_path(context, own, &branch, nullptr, vertices + 1);
       path->join(branch, branches);
     }
@@ -206,6 +207,8 @@ FilmSample trace_path(const PathContext& context, const Ray& camera_ray, const P
   path.lights = &context.scene.lights;
   if (context.layers) *context.layers = {};
   path.layers = context.layers;
+  if (context.light_groups) context.light_groups->clear();
+  path.light_groups = context.light_groups;
   if (context.aovs & kGuideAovs) path.features = &out;
   if (context.camera_interiors) [[unlikely]]
     path.media = context.camera_interiors->of(context, camera_ray);

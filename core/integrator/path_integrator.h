@@ -59,6 +59,7 @@ struct PathContext {
   const MaterialNumbers::element_type* materials = nullptr;  // the same
   const CameraInteriors* camera_interiors = nullptr;         // null: camera rays begin outside of clear bodies
   bool begins_behind_fronts = false;                         // camera rays do: begin_behind_fronts()
+  LightByGroup* light_groups = nullptr;                      // of the sample; null: not asked for
   /// How walks go: `reference` differs from `walk` in its settings.
   SubsurfaceMode mode() const {
     if (!scene.features.subsurface) return SubsurfaceMode::lambert;

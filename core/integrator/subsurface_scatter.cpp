@@ -178,12 +178,21 @@ class ContentsOfScene final : public WalkContents {
     // What has not scattered is seen as it is, or by the lobes that the path left by.
     const LobeShares diffuse, left{Rgb(1.0f) - path_.specular_share, path_.specular_share};
     const LobeShares* const shares = events > 0 ? &diffuse : path_.depth > 0 ? &left : nullptr;
-    Rgb met = lights.emitted(
-        segment, false, false, {}, [&](float, float distance) { return passed(distance); }, 0, shares);
+    Rgb met(0.0f), linked(0.0f);
+    const auto add_to = [&](Rgb* sum) {
+      return [&lights, this, sum](size_t light, const Rgb& term) {
+        *sum += term;
+        path_.add_to_group(lights.group_of(light), term);
+      };
+    };
+    lights.each_emitted(
+        segment, false, false, {}, [&](float, float distance) { return passed(distance); }, 0, shares, add_to(&met));
     if (lights.has_shadow_links())
-      met += lights.emitted_with_links(
+      lights.each_emitted_with_links(
           segment, {}, [](float) { return 1.0f; },
-          [&](uint32_t, float distance) { return distance <= segment.tmax ? passed(distance) : Rgb(0.0f); }, shares);
+          [&](uint32_t, float distance) { return distance <= segment.tmax ? passed(distance) : Rgb(0.0f); }, shares,
+          add_to(&linked));
+    met += linked;
     if (is_black(met)) return;
     const Layer before = path_.layer;
     if (path_.seeks_layer() || (path_.walk_decides_layer() && events > 0))
@@ -325,6 +334,8 @@ Exit find_exit(const PathContext& context, const PixelSampler& sampler, Path* pa
   if (has_twin) {
     const Rgb taken = twin * control->light * -1.0f;
     path->add_of_walks(taken);
+    if (control->by_group) [[unlikely]]
+      path->add_to_groups(*control->by_group, twin * -1.0f);
     if (record) record->twin_leaves(taken);
   }
   if (!exit) {
@@ -392,6 +403,7 @@ Exit find_exit(const PathContext& context, const PixelSampler& sampler, Path* pa
       if (met == Meeting::visible) {
         const Rgb glow = path->throughput * clear.material.emission;
         path->add(glow);
+        path->add_to_group(v->instance->light_group, glow);
         if (record) record->meet_light(glow);
         return Exit::vertex;
       }

@@ -44,9 +44,9 @@ struct LightSample {
   bool on_mesh = false;  // the point lies on geometry: on which, and where, as TriangleHit has it
   uint32_t instance = 0, triangle = 0;
   Vec2f place{0, 0};
-  bool of_constant_dome = false;       // of a light that ConstantDomes (light_set.h) may leave to BSDF sampling
-  uint32_t shadow_link = 0;            // LightParameters::shadow_link
-  const LobeScales* scales = nullptr;  // null: of 1
+  bool of_constant_dome = false;        // of a light that ConstantDomes (light_set.h) may leave to BSDF sampling
+  uint32_t shadow_link = 0, group = 0;  // those of LightParameters
+  const LobeScales* scales = nullptr;   // null: of 1
 
   /// Length of a shadow ray along wi. It stops short of a point on a mesh, so that the light does not shade itself;
   /// lights that are no geometry need no such margin.
@@ -117,6 +117,7 @@ struct LightParameters {
   // Categories of the scene (SceneDescription); 0: everything.
   uint32_t light_link = 0;   // it lights those that are in it alone
   uint32_t shadow_link = 0;  // those that are in it alone cast its shadows
+  uint32_t group = 0;        // of SceneDescription::light_groups, from 1 on; 0: of none
   std::string name = {};     // prim path, for reports
   bool operator==(const LightParameters&) const = default;
 };

@@ -19,6 +19,11 @@ LightSet::LightSet(std::vector<Light> lights, Traits traits, size_t sample_all_u
     scales_ = std::move(traits.scales);
     scales_.resize(lights_.size());
   }
+  if (std::any_of(traits.groups.begin(), traits.groups.end(), [](uint32_t group) { return group != 0; })) {
+    groups_ = std::move(traits.groups);
+    groups_.resize(lights_.size(), 0);
+  }
+  has_traits_ = !shadow_links_.empty() || !scales_.empty() || !groups_.empty();
   for (uint32_t i = 0; i < lights_.size(); ++i) {
     const Light& light = lights_[i];
     if (const auto* mesh = std::get_if<MeshLight>(&light))
@@ -46,10 +51,11 @@ std::optional<LightSample> LightSet::sample(const Vec3f& p, float u_light, const
 
 std::optional<LightSample> LightSet::sample_light(size_t i, const Vec3f& p, const Vec2f& u, const Vec3f& n) const {
   auto s = std::visit([&](const auto& light) { return light.sample(p, u, n); }, lights_[i]);
-  if (!shadow_links_.empty() && s) [[unlikely]]
-    s->shadow_link = shadow_links_[i];
-  if (!scales_.empty() && s) [[unlikely]]
-    s->scales = &scales_[i];
+  if (has_traits_ && s) [[unlikely]] {
+    if (!shadow_links_.empty()) s->shadow_link = shadow_links_[i];
+    if (!scales_.empty()) s->scales = &scales_[i];
+    if (!groups_.empty()) s->group = groups_[i];
+  }
   if (!constant_domes_.empty() && s) s->of_constant_dome = is_constant_dome(lights_[i]);
   return s;
 }

@@ -46,6 +46,7 @@ class LightSet {
     std::vector<bool> visible_to_camera = {};  // lights beyond its end are visible
     std::vector<uint32_t> shadow_links = {};   // of LightParameters; lights beyond its end have none
     std::vector<LobeScales> scales = {};       // lights beyond its end have scales of 1
+    std::vector<uint32_t> groups = {};         // of LightParameters; lights beyond its end have none
   };
   /// Up to `sample_all_up_to` lights: one sample of each per point. Samples that face away mostly cost no ray, and no
   /// light adds to another's noise. Above that, one light per point, picked by importance, or by a tree above
@@ -76,15 +77,14 @@ class LightSet {
   std::optional<LightSample> sample(const Vec3f& p, float u_light, const Vec2f& u,
                                     const Vec3f& n = Vec3f(0, 0, 0)) const;
 
-  /// Sum of the light that lights without geometry emit along the ray: finite ones from tmin to ray.tmax
-  /// and, if the ray `escaped` from the scene, infinite ones (distant, dome). Lights do not block rays: all are added,
-  /// each weighed by `weigh(pdf)` or `weigh(pdf, distance)`, the pdf that draw(., ray.org, ., u, search) has
+  /// Calls take(light's index, Rgb) with what each light without geometry emits along the ray: finite ones from tmin to
+  /// ray.tmax and, if the ray `escaped` from the scene, infinite ones (distant, dome). Lights do not block rays: all
+  /// are taken, each weighed by `weigh(pdf)` or `weigh(pdf, distance)`, the pdf that draw(., ray.org, ., u, search) has
   /// for this direction of this light, with the choice in it. Lights with a shadow link are left out, but of camera
   /// rays. `shares`: of the lobes that send the light on; null: it is seen as it is.
-  template <class Weigh>
-  Rgb emitted(const Ray& ray, bool escaped, bool camera_ray, const LightSampleContext& search, const Weigh& weigh,
-              float tmin = 0, const LobeShares* shares = nullptr) const {
-    Rgb sum(0.0f);
+  template <class Weigh, class Take>
+  void each_emitted(const Ray& ray, bool escaped, bool camera_ray, const LightSampleContext& search, const Weigh& weigh,
+                    float tmin, const LobeShares* shares, const Take& take) const {
     const auto weight = [&](float pdf, float distance) {
       if constexpr (std::is_invocable_v<const Weigh&, float, float>)
         return weigh(pdf, distance);
@@ -95,7 +95,7 @@ class LightSet {
       if (camera_ray && !visible_to_camera_[i]) return;
       const auto hit = intersect(i, ray, search.n);
       if (!hit || hit->t < tmin || (hit->t > ray.tmax && !is_infinite(i))) return;  // clipping cuts no sky off
-      sum += sent_on(i, hit->radiance, shares) * weight(pdf_of(i, *hit, ray.org, search.domes), hit->t);
+      take(i, sent_on(i, hit->radiance, shares) * weight(pdf_of(i, *hit, ray.org, search.domes), hit->t));
     };
     if (tree_.empty())
       for (const uint32_t i : finite_) add(i);
@@ -108,7 +108,6 @@ class LightSet {
     if (camera_ray)
       for (const uint32_t i : shadow_linked_)
         if (escaped || !is_infinite(i)) add(i);
-    return sum;
   }
 
   /// The random numbers with which sample_cosine_hemisphere, about the lobe, gives the direction of the first constant
@@ -116,21 +115,22 @@ class LightSet {
   /// unoccluded. That depends on p alone.
   std::optional<Vec2f> leading_dome_numbers(const Vec3f& p, const std::array<float, 4>& u) const;
 
+  /// The group of light i; 0: none.
+  uint32_t group_of(size_t i) const { return groups_.empty() ? 0 : groups_[i]; }
+
   bool has_shadow_links() const { return !shadow_linked_.empty(); }
-  /// The same sum for a ray that is no camera ray, of the lights with a shadow link. No surface stops them here:
+  /// The same for a ray that is no camera ray, of the lights with a shadow link. No surface stops them here:
   /// Rgb `arrives(shadow_link, distance)` is the share of the light that does.
-  template <class Weigh, class Arrives>
-  Rgb emitted_with_links(const Ray& ray, const LightSampleContext& search, const Weigh& weigh, const Arrives& arrives,
-                         const LobeShares* shares = nullptr) const {
-    Rgb sum(0.0f);
+  template <class Weigh, class Arrives, class Take>
+  void each_emitted_with_links(const Ray& ray, const LightSampleContext& search, const Weigh& weigh,
+                               const Arrives& arrives, const LobeShares* shares, const Take& take) const {
     for (const uint32_t i : shadow_linked_) {
       const auto hit = intersect(i, ray, search.n);
       if (!hit) continue;
       const Rgb share = arrives(shadow_links_[i], hit->t);
       if (!is_black(share))
-        sum += sent_on(i, hit->radiance, shares) * share * weigh(pdf_of(i, *hit, ray.org, search.domes));
+        take(i, sent_on(i, hit->radiance, shares) * share * weigh(pdf_of(i, *hit, ray.org, search.domes)));
     }
-    return sum;
   }
 
   /// pdf (with the choice in it) that draw(., ray.org, ...) has for the point of an emissive triangle that the
@@ -181,12 +181,13 @@ class LightSet {
 
   static constexpr size_t kMostWeighed = 128;
 
-  bool sample_all_ = false;
+  bool sample_all_ = false, has_traits_ = false;
   std::vector<Light> lights_;
   LightTree tree_;  // of more than kMostWeighed lights
   std::vector<bool> visible_to_camera_;
   std::vector<uint32_t> shadow_links_;                                 // empty: no light has one
   std::vector<LobeScales> scales_;                                     // empty: all are 1
+  std::vector<uint32_t> groups_;                                       // empty: no light has one
   std::vector<uint32_t> finite_, infinite_;                            // lights that a ray can meet, by index
   std::vector<uint32_t> constant_domes_;                               // by index
   std::vector<uint32_t> shadow_linked_;                                // those with a shadow link that a ray can meet

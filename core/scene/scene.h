@@ -51,6 +51,7 @@ struct InstanceDescription {
   std::string subsurface_set = {};
   MeshOptions options = {};
   uint32_t category_set = 0;                        // of SceneDescription
+  uint32_t light_group = 0;                         // where it emits: of SceneDescription, from 1 on; 0: of none
   std::shared_ptr<const TriangleSlots> slots = {};  // in the place of the mesh's own; null: those
 
   const TriangleSlots& triangle_slots() const { return slots ? *slots : prototype->mesh.triangle_material; }
@@ -81,6 +82,7 @@ struct SceneDescription {
   /// no light names any: then all instances have set 0.
   std::vector<std::vector<uint32_t>> category_sets;
   std::vector<InstanceArrayDescription> arrays;
+  std::vector<std::string> light_groups = {};  // names: the first has the number 1
   bool operator==(const SceneDescription&) const = default;
 };
 
@@ -113,6 +115,7 @@ struct Instance : Placement {
   MeshOptions options;
   std::vector<uint8_t> single_sided_slots;  // those whose back rays pass are not 0; empty: not single_sided
   uint32_t category_set = 0;                // of SceneSnapshot
+  uint32_t light_group = 0;                 // the same, from 1 on; 0: of none
   TangentCache::Tangents tangents;          // for normal maps
   /// Normal maps whose coordinates differ from those of `tangents` have their own. By address.
   std::vector<std::pair<const NormalMap*, TangentCache::Tangents>> own_tangents;
@@ -168,6 +171,7 @@ struct SceneSnapshot {
   LightSet lights;                                             // all
   std::vector<std::shared_ptr<const LightSet>> linked_lights;  // by category set; empty: all light everything
   std::vector<std::vector<bool>> shadow_casters;               // by shadow link, less 1, and category set
+  std::vector<std::string> light_groups;                       // of SceneDescription
   std::vector<std::string> left_out;  // names of instances and lights that are too far away, too large or not finite
   std::vector<std::string> faults;    // of the scale, and of sets of images that lack one that is needed
   size_t memory_bytes = 0;            // of meshes, their interiors, trees, lights and textures, each counted once

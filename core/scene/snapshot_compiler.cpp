@@ -86,6 +86,7 @@ Instance look_of(const InstanceDescription& d) {
   instance.prim_id = d.prim_id;
   instance.instance_id = d.instance_id;
   instance.category_set = d.category_set;
+  instance.light_group = d.light_group;
   bool has_maps = false;
   for (size_t slot = 0; slot < d.materials.size(); ++slot) {
     const DisneyMaterial& material = *d.materials[slot];
@@ -446,6 +447,7 @@ struct SnapshotCompiler::Compilation {
 
   bool run(uint64_t number) {
     snapshot->number = number;
+    snapshot->light_groups = description.light_groups;
     choose_drawn();
     cancel.check();
     if (!place_all()) return false;

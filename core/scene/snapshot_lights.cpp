@@ -67,12 +67,13 @@ class LightCompiler {
       traits.visible_to_camera.push_back(d.visible_to_camera);
       traits.shadow_links.push_back(d.shadow_enable ? d.shadow_link : nothing);
       traits.scales.push_back({d.diffuse, d.specular});
+      traits.groups.push_back(d.group);
       snapshot_->features.lobe_scales |= traits.scales.back() != LobeScales();
       light_links.push_back(d.light_link);
       snapshot_->features.visible_background |= d.type == LightType::dome && d.visible_to_camera;
     }
     bool same = sources_.last && snapshot_->origin == sources_.last->origin && sources_.described_alike;
-    same &= add_mesh_lights(&lights);
+    same &= add_mesh_lights(&lights, &traits);
     same = same && lights.size() == sources_.last->lights.size();
     light_links.resize(lights.size(), 0);
     link_lights(lights, traits, light_links);
@@ -121,12 +122,13 @@ class LightCompiler {
       of_some.visible_to_camera.push_back(i >= traits.visible_to_camera.size() || traits.visible_to_camera[i]);
       of_some.shadow_links.push_back(i < traits.shadow_links.size() ? traits.shadow_links[i] : 0);
       of_some.scales.push_back(i < traits.scales.size() ? traits.scales[i] : LobeScales());
+      of_some.groups.push_back(traits.groups[i]);
     }
     return std::make_shared<const LightSet>(std::move(some), std::move(of_some), kSampleAllUpTo);
   }
 
   // True if all are those of the last snapshot.
-  bool add_mesh_lights(std::vector<Light>* lights) {
+  bool add_mesh_lights(std::vector<Light>* lights, LightSet::Traits* traits) {
     const KnownMeshLights known(sources_.last);
     bool same = true;
     for (uint32_t i = 0; i < snapshot_->instances.size(); ++i) {
@@ -141,6 +143,7 @@ class LightCompiler {
         lights->emplace_back(as_before ? as_before->of_instance(i)
                                        : make_mesh_light(instance, i, memory_of(*sources_.device), sources_.cancel));
       });
+      traits->groups.push_back(instance.light_group);
     }
     return same;
   }

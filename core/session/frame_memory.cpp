@@ -7,13 +7,13 @@
 
 namespace alabaster {
 
-FilmExtras film_extras(const RenderSettings& settings) {
-  FilmExtras extras{is_adaptive(settings), {}};
+FilmExtras film_extras(const RenderSettings& settings, size_t light_groups) {
+  FilmExtras extras{is_adaptive(settings), {}, light_groups};
   if (settings.first_sample > 0) extras.range = {settings.first_sample, settings.samples};
   return extras;
 }
 
-size_t frame_bytes(const PixelRect& window, AovSet aovs, const RenderSettings& settings) {
+size_t frame_bytes(const PixelRect& window, AovSet aovs, const RenderSettings& settings, size_t light_groups) {
   if (window.empty()) return 0;
   const size_t films = settings.target_error > 0 ? 2 : 1;
   const bool adaptive = is_adaptive(settings);
@@ -22,7 +22,7 @@ size_t frame_bytes(const PixelRect& window, AovSet aovs, const RenderSettings& s
   const size_t estimate = frame_error_bytes(window, std::min(samples, kMostSummedSamples));
   const size_t rates = adaptive ? sample_allocation_bytes(window) : 0;
   const size_t making = adaptive ? making_allocation_bytes(window) : 0;
-  return films * film_bytes(window, aovs, film_extras(settings)) + rates + std::max(estimate, making);
+  return films * film_bytes(window, aovs, film_extras(settings, light_groups)) + rates + std::max(estimate, making);
 }
 
 }  // namespace alabaster

@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <string>
 #include <vector>
 
 #include "core/camera/camera.h"
@@ -23,7 +24,10 @@ struct RenderRequest {
   PixelRect data_window;      // pixels to render; may be a crop of, or larger than (overscan), the display window
   AovSet aovs = aov_bit(Aov::color);
   RenderSettings settings;
-  std::vector<UvSetName> primvars = {};       // those that AOVs from primvar_aov(0) on show, kMostPrimvarAovs at most
+  std::vector<UvSetName> primvars = {};  // those that AOVs from primvar_aov(0) on show, kMostPrimvarAovs at most
+  /// Names of the light groups that Aov::light_group shows, by their planes, kMostLightGroups at most. Light of no
+  /// group has the empty name.
+  std::vector<std::string> light_groups = {};
   std::shared_ptr<MemoryBudget> memory = {};  // of what grows with samples (Film::count_ids_in()); null: not counted
   MaterialNumbers materials = {};             // for kMaterialIdAovs; null: not asked for
   std::shared_ptr<const Denoiser> denoiser;   // makes AOV `denoised`, which is color without it

@@ -17,14 +17,14 @@ struct Head {
   PixelRect window;
   AovSet aovs = 0;
   SampleRange range, round;
-  uint32_t rays = 0, ended = 0, kept = 0, has_rates = 0, has_nonfinite = 0;
+  uint32_t rays = 0, ended = 0, kept = 0, has_rates = 0, has_nonfinite = 0, light_groups = 0, unused = 0;
   SampleAddress first_nonfinite;
   double wall_seconds = 0, cpu_seconds = 0, max_walk_weight = 0, walk_lost_energy = 0;
   std::array<uint64_t, std::size(kCounters)> counters = {};
   decltype(RenderCounters::nonfinite_causes) nonfinite_causes = {};
 };
 static_assert(std::is_trivially_copyable_v<Head> &&
-              sizeof(Head) == 16 + 8 + 16 + 20 + 12 + 32 + 8 * (std::size(kCounters) + std::size(kNonfiniteCauses)));
+              sizeof(Head) == 16 + 8 + 16 + 28 + 12 + 32 + 8 * (std::size(kCounters) + std::size(kNonfiniteCauses)));
 
 std::span<std::byte> bytes_of(Head& head) {
   return std::as_writable_bytes(std::span(&head, 1));
@@ -35,6 +35,7 @@ Head head_of(const RenderState& state) {
   Head head;
   head.window = film.data_window();
   head.aovs = film.aovs(), head.rays = film.extras().rays;
+  head.light_groups = static_cast<uint32_t>(film.extras().light_groups);
   head.range = film.extras().range, head.round = state.round;
   head.ended = state.stopping.ended(), head.kept = state.stopping.kept_film() ? state.stopping.kept() : 0;
   head.has_rates = !state.allocation.rates().empty();
@@ -65,8 +66,13 @@ bool is_valid(const Head& head) {
   const auto in_order = [](const SampleRange& range) { return range.begin <= range.end; };
   return !w.empty() && w.width() <= kMostSide && w.height() <= kMostSide && head.rays <= 1 && in_order(head.range) &&
          in_order(head.round) && head.ended <= kAllPixelGroups && (head.kept & ~head.ended) == 0 &&
-         head.has_rates <= 1 && head.has_nonfinite <= 1 && head.wall_seconds >= 0 &&
-         head.wall_seconds <= kMostSeconds && head.cpu_seconds >= 0 && std::isfinite(head.cpu_seconds);
+         head.has_rates <= 1 && head.has_nonfinite <= 1 && head.light_groups <= kMostLightGroups &&
+         head.wall_seconds >= 0 && head.wall_seconds <= kMostSeconds && head.cpu_seconds >= 0 &&
+         std::isfinite(head.cpu_seconds);
+}
+
+FilmExtras extras_of(const Head& head) {
+  return {head.rays != 0, head.range, head.light_groups};
 }
 
 bool read_head(const BlockSource& source, Head* head) {
@@ -123,7 +129,7 @@ bool has_samples(const FilmTile& tile, size_t pixels, const SampleRange& range) 
 }
 
 std::shared_ptr<Film> read_film(const BlockSource& source, const Head& head) {
-  const FilmExtras extras{head.rays != 0, head.range};
+  const FilmExtras extras = extras_of(head);
   auto film = std::make_shared<Film>(head.window, head.aovs, extras);
   for (int t = 0; t < film->tile_count(); ++t) {
     FilmTile tile(pixels_of(film->tile_rect(t)), head.aovs, extras);
@@ -159,8 +165,7 @@ bool read_state(const BlockSource& source, const MemoryBudget& memory, RenderSta
   Head head;
   if (!read_head(source, &head)) return false;
   const size_t films = head.kept ? 2 : 1;
-  if (const size_t bytes = films * film_bytes(head.window, head.aovs, {head.rays != 0, head.range});
-      bytes > memory.left())
+  if (const size_t bytes = films * film_bytes(head.window, head.aovs, extras_of(head)); bytes > memory.left())
     throw MemoryRefused(memory.refusal(MemoryUse::frames, bytes,
                                        "a checkpoint of " + std::to_string(head.window.width()) + " x " +
                                            std::to_string(head.window.height()) + " pixels"));
@@ -182,11 +187,11 @@ bool append_state(const BlockSource& source, RenderState* to) {
   Head head;
   Film& film = *to->film;
   if (!read_head(source, &head) || head.window != film.data_window() || head.aovs != film.aovs() || head.has_rates ||
-      head.rays || head.kept)
+      head.rays || head.kept || head.light_groups != film.extras().light_groups)
     return false;
   for (int t = 0; t < film.tile_count(); ++t) {
     const size_t pixels = pixels_of(film.tile_rect(t));
-    FilmTile next(pixels, head.aovs, {false, head.range}), tile = film.load_tile(t);
+    FilmTile next(pixels, head.aovs, extras_of(head)), tile = film.load_tile(t);
     if (!read_tile(source, &next) || !has_samples(next, pixels, head.range) ||
         !has_samples(tile, pixels, {0, head.range.begin}))
       return false;

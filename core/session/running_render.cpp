@@ -69,7 +69,7 @@ bool RenderSession::can_continue(const RenderRequest& last, const RenderRequest&
   if (settings.first_sample > 0 || decides(settings)) settings.samples = last.settings.samples;
   return last.scene == next.scene && last.camera == next.camera && last.width == next.width &&
          last.height == next.height && last.data_window == next.data_window && (next.aovs & ~last.aovs) == 0 &&
-         last.primvars == next.primvars && settings == next.settings;
+         last.primvars == next.primvars && last.light_groups == next.light_groups && settings == next.settings;
 }
 
 // Under the mutex. This render has ended if `next` continues it; else it may still run.
@@ -89,7 +89,7 @@ RenderSession::Render::Render(const RenderRequest& next, Render* last, DeferredN
   else if (more)
     before = continue_render(*last);
   else
-    film = std::make_shared<Film>(next.data_window, next.aovs, film_extras(next.settings));
+    film = std::make_shared<Film>(next.data_window, next.aovs, film_extras(next.settings, next.light_groups.size()));
   const bool same_tiles = last->tile_order && last->request.data_window == film->data_window();
   tile_order = same_tiles ? last->tile_order : tiles_from_centre(*film);
   film->set_ended(false);

@@ -2,6 +2,7 @@
 
 #include <tbb/parallel_for.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <cstring>
 
@@ -44,6 +45,19 @@ void expose(float factor, FilmSample* sample, LightLayers* layers) {
     *layer *= factor;
 }
 
+// By the scene's number of a light group.
+std::vector<uint8_t> planes_of_groups(const RenderRequest& request) {
+  std::vector<std::string> groups = request.scene->light_groups;
+  groups.insert(groups.begin(), "");
+  std::vector<uint8_t> planes;
+  for (const std::string& group : groups) {
+    const auto shown = std::find(request.light_groups.begin(), request.light_groups.end(), group);
+    const bool is_shown = shown != request.light_groups.end();
+    planes.push_back(static_cast<uint8_t>(is_shown ? shown - request.light_groups.begin() : kMostLightGroups));
+  }
+  return planes;
+}
+
 // The origins of all rays that a render's camera may send.
 Bounds ray_origins(const RenderRequest& request, const MovingCamera& camera) {
   constexpr float filter = 1.5f;  // radius of the widest filter, in pixels
@@ -64,6 +78,7 @@ TileRenderer::TileRenderer(const RenderRequest& request, const CancelToken& canc
       integrator_settings_(settings_for(request, cancel)),
       has_layers_((request.aovs & kLayerAovs) != 0),
       has_vectors_((request.aovs & kVectorAovs) != 0) {
+  if (!request.light_groups.empty()) light_groups_.emplace(planes_of_groups(request));
   if (integrator_settings_.texture_filter > 0) prepare_filtering(*request.scene, cancel);
   RenderCounters counters;  // the search is no part of a sample
   const Bounds origins = ray_origins(request, camera_);
@@ -73,7 +88,7 @@ TileRenderer::TileRenderer(const RenderRequest& request, const CancelToken& canc
 
 FilmSample TileRenderer::trace_sample(const SampleAddress& at, RenderCounters* counters, LightLayers* layers,
                                       PathRecord* record) const {
-  return trace_sample(at, {seed_of(at.x, at.y), at.sample}, counters, SampleParts{layers, nullptr, record});
+  return trace_sample(at, {seed_of(at.x, at.y), at.sample}, counters, SampleParts{layers, nullptr, record, nullptr});
 }
 
 FilmSample TileRenderer::trace_sample(const SampleAddress& at, const PixelSampler& sampler, RenderCounters* counters,
@@ -95,6 +110,7 @@ FilmSample TileRenderer::trace_sample(const SampleAddress& at, const PixelSample
       parts.record,    time};
   context.camera_interiors = camera_interiors_.get();
   context.begins_behind_fronts = begins_behind_fronts_;
+  context.light_groups = parts.light_groups;
   context.materials = request_.aovs & kMaterialIdAovs ? request_.materials.get() : nullptr;
   std::optional<HitVectorRequest> vectors;
   std::optional<Camera> closes;
@@ -113,6 +129,7 @@ FilmSample TileRenderer::trace_sample(const SampleAddress& at, const PixelSample
   }
   ++counters->samples;
   if (exposure_ != 1) expose(exposure_, &result, parts.layers);
+  if (exposure_ != 1 && parts.light_groups) parts.light_groups->scale(exposure_);
 
   // One bad number would spoil every later sum of its pixel.
   if (!is_finite(result.color)) {
@@ -120,7 +137,9 @@ FilmSample TileRenderer::trace_sample(const SampleAddress& at, const PixelSample
     result.color = Rgb(0.0f);
     result.nonfinite = true;
     *parts.layers = {};
+    if (parts.light_groups) parts.light_groups->clear();
   }
+  if (parts.light_groups) result.light_groups = parts.light_groups->planes();
   return result;
 }
 

@@ -5,6 +5,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <stdexcept>
 #include <string>
 #include <vector>
@@ -57,8 +58,9 @@ class TileRenderer {
   // Where a sample puts what is not in its FilmSample.
   struct SampleParts {
     LightLayers* layers;
-    HitVectors* vectors;  // null: no AOV shows them
-    PathRecord* record;   // null: none
+    HitVectors* vectors;         // null: no AOV shows them
+    PathRecord* record;          // null: none
+    LightByGroup* light_groups;  // null: no AOV shows them
   };
   FilmSample trace_sample(const SampleAddress& at, const PixelSampler& sampler, RenderCounters* counters,
                           const SampleParts& parts) const;
@@ -71,6 +73,7 @@ class TileRenderer {
   float exposure_;   // factor of radiance
   IntegratorSettings integrator_settings_;
   bool has_layers_, has_vectors_;
+  std::optional<const LightByGroup> light_groups_;  // empty; none: no AOV shows any
   bool begins_behind_fronts_ = false;
   std::unique_ptr<const CameraInteriors> camera_interiors_;  // null: camera rays begin outside of clear bodies
 };
@@ -83,7 +86,9 @@ bool TileRenderer::render(const TileSamples& samples, const MayGoOn& may_go_on, 
   const int step = samples.pass.block;
   LightLayers layers;
   HitVectors vectors;
-  const SampleParts parts{&layers, has_vectors_ ? &vectors : nullptr, nullptr};
+  std::optional<LightByGroup> groups;
+  if (light_groups_) groups.emplace(*light_groups_);
+  const SampleParts parts{&layers, has_vectors_ ? &vectors : nullptr, nullptr, groups ? &*groups : nullptr};
   for (int y = rect.y0; y < rect.y1; y += step)
     for (int x = rect.x0; x < rect.x1; x += step) {
       // Skip pixels whose group has ended.

@@ -144,8 +144,8 @@ class ALABASTER_API RenderDelegate {
   ///   brightest. x counts to the right and y down from the upper left corner of the display window. Fails before the
   ///   first frame; pixels outside of the data window and numbers that are not whole are invalid.
   /// - "describeCheckpoint" {file, and optionally measure: bool}: a dictionary {firstSample, samples, complete: bool,
-  ///   note}. `measure` reads the pixels, too: meanSamples, which they have of these so far, and, where it is known,
-  ///   error.relativeRmse of their picture.
+  ///   note, lightGroups: Array<string>}. `measure` reads the pixels, too: meanSamples, which they have of these so
+  ///   far, and, where it is known, error.relativeRmse of their picture.
   /// The others answer no value:
   /// - "reloadResource" {file}: an image that materials or lights name has been edited on disk, or one of a set that
   ///   they name by "<UDIM>", or a missing one has appeared. The builder reads it again for those that use it, and

@@ -163,6 +163,8 @@ class MergeCommand {
     for (const std::string& part : parts) {
       const auto dictionary = describe_file(part, false);
       samples = std::max(samples, dictionary->at("samples").get_or(int64_t(0)));
+      if (const auto* groups = dictionary->at("lightGroups").get<hd::Array<std::string>>())
+        light_groups_.assign(groups->begin(), groups->end());
       std::optional<hd::host::FrameNote> note = hd::host::ReadFrameNote(dictionary->at("note").text_or(""));
       degraded_ = degraded_ || (note && note->degraded);
       if (note) compare_colors(part, *note);
@@ -252,6 +254,7 @@ class MergeCommand {
     hd::host::RecordOptions options;
     options.colors = session_.colors();
     options.metadata = metadata_;
+    options.light_groups = light_groups_;
     options.cancel = &interrupted();
     options.diagnostics = console_.sink();
     options.progress = [this](const hd::host::RecordProgress& progress) { console_.progress(progress); };
@@ -285,6 +288,7 @@ class MergeCommand {
   const hd::Path path_{"/merge"};
   std::vector<hd::RenderProduct> products_;
   hd::Dictionary metadata_;
+  std::vector<std::string> light_groups_;
   bool degraded_ = false;
   std::string first_part_, config_, config_digest_, shown_by_;
   std::vector<hd::RenderProduct> shown_;  // by that part

@@ -32,7 +32,8 @@ std::string unknown_aov(const std::vector<std::string>& aovs) {
   for (const std::string& aov : aovs) {
     if (std::find(known.begin(), known.end(), aov) != known.end()) continue;
     if (const std::string primvars = "primvars:"; aov.starts_with(primvars) && aov != primvars) continue;
-    return "--aov: there is no '" + aov + "'; choose from " + joined(known) + ", primvars:NAME." +
+    if (aov.starts_with("lightGroup:")) continue;
+    return "--aov: there is no '" + aov + "'; choose from " + joined(known) + ", lightGroup:NAME, primvars:NAME." +
            hd::support::Suggestion(aov, known);
   }
   return "";

@@ -44,8 +44,10 @@ std::string object_text(const Key& key) {
 std::string value_text(const Key& key) {
   const bool is_text = key.row.words.empty() && key.row.type.type == ALABASTER_STRING;
   const bool may_be_empty = !key.kind.empty() || key.row.fallback.text_or("none").empty();
-  return host::MustBe(key.row) + (is_text && !may_be_empty ? " that is not empty" : "") +
-         (key.beginning.empty() ? "" : ", or a text that begins with '" + key.beginning + "'");
+  std::string beginnings;
+  for (const std::string& beginning : key.beginnings)
+    beginnings += (beginnings.empty() ? ", or a text that begins with '" : " or '") + beginning + "'";
+  return host::MustBe(key.row) + (is_text && !may_be_empty ? " that is not empty" : "") + beginnings;
 }
 
 std::string list_text(const Key& key) {
@@ -101,7 +103,8 @@ bool fits(const json& value, const Key& key) {
   if (!row.words.empty() || row.type.type == ALABASTER_STRING) {
     if (!value.is_string()) return false;
     const auto& text = value.get_ref<const std::string&>();
-    if (!key.beginning.empty() && text.size() > key.beginning.size() && text.starts_with(key.beginning)) return true;
+    for (const std::string& beginning : key.beginnings)
+      if (text.size() > beginning.size() && text.starts_with(beginning)) return true;
     if (row.words.empty()) return !text.empty() || row.fallback.text_or("none").empty();
     return std::find(row.words.begin(), row.words.end(), text) != row.words.end();
   }

@@ -25,7 +25,7 @@ struct Key {
   std::vector<std::vector<std::string>> needs = {};  // the keys of one of these sets must be there
   std::string reference = {};                        // what a schema refers to in its place
   bool has_own_text = false;                         // which the schema has beside the reference
-  std::string beginning = {};                        // of texts beside the row's words; empty: there are none
+  std::vector<std::string> beginnings = {};          // of texts beside the row's words
 };
 
 /// All of a description, as an object of its parts. Any thread.

@@ -134,8 +134,9 @@ ordered_json value_schema(const Key& key) {
   ordered_json schema = row_schema(key.row);
   if (key.row.type.type == ALABASTER_STRING && key.kind.empty() && key.row.fallback.text_or("none") != "")
     schema["minLength"] = 1;
-  if (!key.beginning.empty()) {
-    schema["anyOf"] = {{{"enum", schema["enum"]}}, {{"pattern", "^" + key.beginning + "."}}};
+  if (!key.beginnings.empty()) {
+    schema["anyOf"] = {{{"enum", schema["enum"]}}};
+    for (const std::string& beginning : key.beginnings) schema["anyOf"].push_back({{"pattern", "^" + beginning + "."}});
     schema.erase("enum");
   }
   return schema;

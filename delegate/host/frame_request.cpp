@@ -66,6 +66,37 @@ void expand_ranks(const RenderSettingsDescription& d, const RenderDelegate& dele
   *vars = std::move(all);
 }
 
+// Those of the lights and meshes, and light without a group.
+std::set<std::string> light_groups_of(const RetainedSceneDelegate& scene) {
+  std::set<std::string> names{""};
+  for (const auto& [path, light] : scene.GetLights())
+    if (const auto group = light.parameters.find("lightGroup"); light.visible && group != light.parameters.end())
+      names.insert(group->second.text_or(""));
+  for (const auto& [path, mesh] : scene.GetMeshes())
+    if (const auto group = mesh.primvars.find("lightGroup"); group != mesh.primvars.end())
+      names.insert(group->second.value.text_or(""));
+  return names;
+}
+
+const std::string kAllLightGroups = aov_info(Aov::light_group).name + std::string("*");
+
+void expand_light_groups(const std::set<std::string>& groups, std::vector<RenderVar>* vars) {
+  std::vector<RenderVar> all;
+  for (const RenderVar& var : *vars) {
+    if (var.aov.str() != kAllLightGroups) {
+      all.push_back(var);
+      continue;
+    }
+    const bool usual = var.name.empty() || var.name == kAllLightGroups;
+    for (const std::string& group : groups)
+      all.push_back({usual           ? ""
+                     : group.empty() ? var.name
+                                     : var.name + "_" + group,
+                     aov_info(Aov::light_group).name + group, var.dataType});
+  }
+  *vars = std::move(all);
+}
+
 bool wants_denoised(const RenderSettingsDescription& d, const RenderDelegate& delegate) {
   const auto own = d.settings.find("denoise");
   return (own != d.settings.end() ? own->second : delegate.GetRenderSetting("denoise")).number_or(0) != 0;
@@ -74,6 +105,11 @@ bool wants_denoised(const RenderSettingsDescription& d, const RenderDelegate& de
 Fault aov_fault(const RenderDelegate& delegate, const std::set<std::string>& aovs) {
   for (const std::string& aov : aovs)
     if (delegate.GetDefaultAovDescriptor(aov).format == Format::invalid) return {"record.aov", NoSuchAov(aov)};
+  if (const auto groups = std::count_if(aovs.begin(), aovs.end(), [](const auto& aov) { return is_light_group(aov); });
+      groups > static_cast<std::ptrdiff_t>(kMostLightGroups))
+    return {"record.aov", "the frame has " + std::to_string(groups) + " AOVs of light groups, and " +
+                              std::to_string(kMostLightGroups) +
+                              " are the most: name those that you want, lightGroup:NAME"};
   return {};
 }
 
@@ -135,9 +171,12 @@ FramePlan PlanFrame(const RetainedSceneDelegate& scene, const Path& settings, co
   RenderSettingsDescription all = found->second;
   if (!options.products.empty()) all.products = options.products;
   const bool denoise = wants_denoised(all, delegate);
+  std::set<std::string> groups = light_groups_of(scene);
+  groups.insert(options.light_groups.begin(), options.light_groups.end());
   for (RenderProduct& product : all.products) {
     product.denoise = product.denoise.value_or(denoise);
     expand_ranks(all, delegate, &product.vars);
+    expand_light_groups(groups, &product.vars);
   }
 
   // The pictures
@@ -171,6 +210,8 @@ FramePlan PlanFrame(const RetainedSceneDelegate& scene, const Path& settings, co
     picture.aovs = aovs_of(picture.description.products);
     if (denoise && picture.aovs.contains("color")) picture.aovs.insert("denoised");  // else color would show it
     picture.aovs.insert(options.aovs.begin(), options.aovs.end());
+    if (picture.aovs.erase(kAllLightGroups) != 0)
+      for (const std::string& group : groups) picture.aovs.insert(aov_info(Aov::light_group).name + group);
     if (const Fault fault = aov_fault(delegate, picture.aovs); fault.code) return refusal(fault);
   }
   plan.pictures = std::make_shared<const std::vector<FrameRequest>>(std::move(pictures));

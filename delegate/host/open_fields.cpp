@@ -91,7 +91,9 @@ constexpr OtherParameter kOfDisplacements[] = {{"displacement", {ALABASTER_PATH,
 constexpr OtherParameter kOfMeshes[] = {
     {"subsurfaceSet", kText, "a name",
      "Set of objects that scatter light below the surface as one body, their union; byMaterial makes a set for each "
-     "material. Without it each object scatters by itself."}};
+     "material. Without it each object scatters by itself."},
+    {"lightGroup", kText, "a name",
+     "Group that the light of the mesh belongs to where it emits: AOV lightGroup:NAME shows it."}};
 constexpr OtherParameter kOfLights[] = {
     {"texture:file", kText, "a file",
      "Image that multiplies the light. Dome: latitude-longitude around the scene (y up, USD's orientation). Rect: "
@@ -105,6 +107,9 @@ constexpr OtherParameter kOfLights[] = {
      "Photometric profile of a luminaire (IES LM-63, type C): its candela multiply the light by direction. Straight "
      "down in the profile is the light's -z, horizontal angle 0 its x axis, 90 its y axis.",
      "", kWithProfiles},
+    {"lightGroup", kText, "a name",
+     "Group that the light belongs to: AOV lightGroup:NAME shows the light of all lights and meshes of that name, "
+     "wherever it goes."},
     {"color:colorSpace", kText, "lin_rec709"},
     {"lightLink", kText, "a category"},
     {"shadowLink", kText, "a category"}};

@@ -15,7 +15,7 @@ namespace {
 std::string known_aov_names() {
   std::string names;
   for (const std::string& name : ProductAovs()) names += (names.empty() ? "" : ", ") + name;
-  return names + ", primvars:NAME";
+  return names + ", lightGroup:NAME, primvars:NAME";
 }
 
 bool kind_of(const std::string& file, FileKind& kind) {
@@ -62,6 +62,8 @@ ChannelStore exr_store(const AovInfo& aov, const RenderVar& var, ChannelStore pr
 std::vector<PlannedChannel> channels_of(const RenderVar& var, const AovInfo& aov, ChannelStore store) {
   const bool usual = var.name.empty() || var.name == var.aov.str();
   std::string layer = !usual ? var.name : is_primvar(aov.aov) ? var.aov.str() : aov.layer;
+  if (usual && is_light_group(var.aov.str()) && !light_group_of_aov(var.aov.str()).empty())
+    layer += "_" + std::string(light_group_of_aov(var.aov.str()));
   if (usual && aov.source == AovSource::ids) layer.back() = static_cast<char>('0' + rank_pair(var.aov.str()).number);
   std::vector<PlannedChannel> channels;
   const std::string suffixes = aov.channels;

@@ -14,7 +14,8 @@ using NamesById = std::map<int32_t, std::string>;
 /// two words of its path, or the first of two.
 struct IdNames {
   NamesById prims, assets, materials;
-  MaterialNumbers numbers;  // null: of no scene
+  std::vector<std::string> light_groups;  // of a checkpoint, by their planes
+  MaterialNumbers numbers;                // null: of no scene
 
   const NamesById& of(Aov aov) const {
     if (aov == Aov::prim_id || aov == Aov::crypto_object) return prims;

@@ -61,6 +61,7 @@ DirtyBits LightPrim::post_record(SceneDelegate& scene, SceneParam& param, DirtyB
   if (bits & dirty::kParams) {
     record_.light_link = scene.GetLightParamValue(GetId(), "lightLink").text_or("");
     record_.shadow_link = scene.GetLightParamValue(GetId(), "shadowLink").text_or("");
+    record_.light_group = scene.GetLightParamValue(GetId(), "lightGroup").text_or("");
     const auto get = [&](const char* name) { return scene.GetLightParamValue(GetId(), name); };
     read_parameters(light_parameters(), get, GetId().str(), param.sink(), &record_.light);
     const Token space(std::string("color") + support::kColorSpace);

@@ -29,14 +29,15 @@ PulledPrimvar pull_primvar(SceneDelegate& scene, const Path& id, const Token& na
 }
 
 // A name for the whole mesh; empty: none.
-std::string pull_subsurface_set(SceneDelegate& scene, const Path& id, const std::vector<PrimvarDescriptor>& descriptors,
-                                const alabaster::DiagnosticSink& sink) {
-  const PulledPrimvar pulled = pull_primvar(scene, id, "subsurfaceSet", descriptors);
+std::string pull_name(SceneDelegate& scene, const Path& id, const std::string& primvar,
+                      const std::vector<PrimvarDescriptor>& descriptors, const char* otherwise,
+                      const alabaster::DiagnosticSink& sink) {
+  const PulledPrimvar pulled = pull_primvar(scene, id, primvar, descriptors);
   if (!pulled.present) return {};
   std::string name = pulled.value.text_or("");
   if (name.empty() || pulled.interpolation != Interpolation::constant)
-    alabaster::report(sink, alabaster::Severity::warning, "mesh.subsurfaceSet", id.str(),
-                      "primvar subsurfaceSet must be a constant name; the object scatters on its own");
+    alabaster::report(sink, alabaster::Severity::warning, "mesh." + primvar, id.str(),
+                      "primvar " + primvar + " must be a constant name; " + otherwise);
   return pulled.interpolation == Interpolation::constant ? name : std::string();
 }
 
@@ -158,7 +159,9 @@ void MeshPrim::pull_primvars(SceneDelegate& scene, SceneParam& param) {
     hold_arrays(&others, &param.buffers(), GetId().str());
     record_.other_primvars = std::make_shared<const OtherPrimvars>(std::move(others));
   }
-  record_.subsurface_set = pull_subsurface_set(scene, GetId(), descriptors, sink);
+  record_.subsurface_set =
+      pull_name(scene, GetId(), "subsurfaceSet", descriptors, "the object scatters on its own", sink);
+  record_.light_group = pull_name(scene, GetId(), "lightGroup", descriptors, "its light has no group", sink);
   pull_options(scene, GetId(), descriptors, sink, &record_.options);
 }
 

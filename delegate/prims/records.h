@@ -36,6 +36,7 @@ struct MeshRecord {
   Path instancer;
   Array<int32_t> instance_indices;
   std::string subsurface_set;  // empty: each object scatters for itself
+  std::string light_group;     // where it emits; empty: none
   MeshOptions options;
   Token render_tag = "geometry";
   std::vector<Token> categories;
@@ -60,6 +61,7 @@ struct LightRecord {
   alabaster::LightParameters light;
   bool visible = true;            // else it gives no light
   Token light_link, shadow_link;  // categories; empty: everything
+  std::string light_group = {};   // empty: none
   std::optional<std::string> fault = {};
   bool operator==(const LightRecord&) const = default;
 };

@@ -108,6 +108,7 @@ class SceneDigest {
         instance.options.double_sided, instance.options.camera_cull);
     add_parameters(mesh_parameters(), instance.options, digest);
     if (instance.category_set != 0) digest->add(translation_.scene.category_sets[instance.category_set]);
+    if (instance.light_group != 0) digest->add(translation_.scene.light_groups[instance.light_group - 1]);
   }
   std::string digest_light(const LightParameters& light) const {
     Digest digest;
@@ -119,6 +120,7 @@ class SceneDigest {
         digest.add(translation_.categories[link - 1].str());
       else
         digest.add(link);
+    if (light.group != 0) digest.add(translation_.scene.light_groups[light.group - 1]);
     add_image(light.texture.get(), &digest);
     if (light.ies) light.ies->add_to(&digest);
     return digest.text();

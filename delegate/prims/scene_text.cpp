@@ -86,6 +86,8 @@ std::string instance_text(const InstanceDescription& instance, const Translation
         !(value == support::get_parameter(row, InstanceDescription().options)))
       text += std::string("  ") + row.name + " " + value.to_string() + "\n";
   if (!instance.subsurface_set.empty()) text += "  subsurfaceSet " + instance.subsurface_set + "\n";
+  if (instance.light_group != 0)
+    text += "  lightGroup " + translation.scene.light_groups[instance.light_group - 1] + "\n";
   if (instance.category_set != 0)
     for (const uint32_t category : translation.scene.category_sets[instance.category_set])
       text += "  category " + translation.categories[category - 1].str() + "\n";
@@ -158,6 +160,7 @@ std::string dump_scene(const Translation& translation, const Records& cameras) {
     if (light.ies) text += "  profile mean " + Value(static_cast<float>(light.ies->mean())).to_string() + "\n";
     if (light.light_link != 0) text += "  lightLink " + translation.categories[light.light_link - 1].str() + "\n";
     if (light.shadow_link != 0) text += "  shadowLink " + translation.categories[light.shadow_link - 1].str() + "\n";
+    if (light.group != 0) text += "  lightGroup " + translation.scene.light_groups[light.group - 1] + "\n";
     const Rgb& glow = light.color_of_temperature;
     if (light.enable_color_temperature)
       text += "  color of temperature " + Value(Vec3f(glow.r, glow.g, glow.b)).to_string() + "\n";

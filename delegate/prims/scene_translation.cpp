@@ -65,6 +65,18 @@ class CategorySets {
   std::vector<std::vector<uint32_t>> sets_;
 };
 
+// The names of the light groups of lights and meshes.
+std::vector<std::string> find_light_groups(const Records& records) {
+  std::set<std::string> names;
+  for (const auto& [path, record] : records) {
+    if (const auto* light = std::any_cast<LightRecord>(&record); light && light->visible)
+      names.insert(light->light_group);
+    if (const auto* mesh = std::any_cast<MeshRecord>(&record)) names.insert(mesh->light_group);
+  }
+  names.erase("");
+  return {names.begin(), names.end()};
+}
+
 // One pose stands still.
 void place(std::vector<Matrix4d> poses, InstanceDescription* instance) {
   instance->object_to_world = poses.front();
@@ -213,6 +225,7 @@ struct SceneTranslator::Run {
     check_direction(instance);
     instance.subsurface_set = set_of(instance, mesh);
     instance.category_set = category_sets.of(mesh.categories);
+    instance.light_group = light_group(mesh.light_group);
     std::vector<Matrix4d> moving;
     if (mesh.motion.moves()) moving = even_poses(mesh.motion, parts.shutter);
     if (!mesh.instancer.empty()) {
@@ -289,10 +302,18 @@ struct SceneTranslator::Run {
     return all;
   }
 
+  // Its number; 0: none.
+  uint32_t light_group(const std::string& name) const {
+    const auto& names = out.scene.light_groups;
+    return name.empty() ? 0
+                        : static_cast<uint32_t>(std::lower_bound(names.begin(), names.end(), name) - names.begin()) + 1;
+  }
+
   void add_light(const Path& path, const LightRecord& light) {
     out.scene.lights.push_back(light.light);
     out.scene.lights.back().light_link = category_sets.number(light.light_link);
     out.scene.lights.back().shadow_link = category_sets.number(light.shadow_link);
+    out.scene.lights.back().group = light_group(light.light_group);
     out.light_paths.push_back(path);
     check_link(path, "lightLink", light.light_link);
     check_link(path, "shadowLink", light.shadow_link);
@@ -499,6 +520,7 @@ Translation SceneTranslator::translate(const Parts& parts) {
   found_.clear();
   Run run{.translator = *this, .parts = parts, .out = {}, .category_sets = CategorySets(parts.records)};
   run.out.shutter = parts.shutter;
+  run.out.scene.light_groups = find_light_groups(parts.records);
   run.out.memory = std::make_shared<MemoryReservation>(parts.memory, MemoryUse::scene);
   for (const auto& [path, record] : parts.records) {
     if (const auto* mesh = std::any_cast<MeshRecord>(&record)) run.add_mesh(path, *mesh);

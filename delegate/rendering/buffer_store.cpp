@@ -37,7 +37,7 @@ BufferStore::BufferStore(const RenderBufferDescriptor& description, const Buffer
       window_(source.film ? source.film->data_window() : PixelRect()),
       buffer_x_(source.buffer_x),
       buffer_y_(source.buffer_y),
-      rank_pair_(source.rank_pair),
+      plane_(source.plane),
       clear_(source.clear),
       pixels_(static_cast<size_t>(description.dimensions.x) * static_cast<size_t>(description.dimensions.y) *
               FormatSize(description.format)),
@@ -55,7 +55,7 @@ BufferStore::BufferStore(const RenderBufferDescriptor& description, const Buffer
 
 bool BufferStore::fits(const RenderBufferDescriptor& description, const BufferSource& source) const {
   return description_ == description && source.film && window_ == source.film->data_window() && aov_ == source.aov &&
-         buffer_x_ == source.buffer_x && buffer_y_ == source.buffer_y && rank_pair_ == source.rank_pair &&
+         buffer_x_ == source.buffer_x && buffer_y_ == source.buffer_y && plane_ == source.plane &&
          clear_ == source.clear;
 }
 
@@ -143,7 +143,9 @@ void BufferStore::convert_tile(int tile, const BufferSource& source) {
   if (aov_info(aov_).is_integer())
     source.film->resolve_int(tile, aov_, take);
   else if (source.keys && (kIdsAovs & aov_bit(aov_)))
-    source.film->resolve_ranks(tile, aov_, rank_pair_, *source.keys, take);
+    source.film->resolve_ranks(tile, aov_, plane_, *source.keys, take);
+  else if (aov_ == Aov::light_group)
+    source.film->resolve_light_group(tile, static_cast<size_t>(plane_), take);
   else
     source.film->resolve_float(tile, aov_, take);
 }

@@ -14,7 +14,7 @@ struct BufferSource {
   Value clear;
   std::function<void()> complete = {};      // called by each Resolve before it reads the film; may be empty
   std::shared_ptr<const IdKeys> keys = {};  // of an AOV of ids
-  int rank_pair = 0;
+  int plane = 0;                            // of those the pair of ranks, of light groups the group
 };
 
 class BufferStore {
@@ -54,7 +54,7 @@ class BufferStore {
   Aov aov_;
   PixelRect window_;  // of the film
   int buffer_x_, buffer_y_;
-  int rank_pair_;
+  int plane_;
   Value clear_;
   std::vector<uint8_t> pixels_;
   std::vector<FilmRevision> tiles_;  // what each shows; 0: nothing yet

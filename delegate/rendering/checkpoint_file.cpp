@@ -20,7 +20,7 @@ namespace {
 using nlohmann::json;
 
 // The number rises whenever the state or the header changes its meaning.
-constexpr std::string_view kMagic = "Alabaster checkpoint 6\n", kAnyMagic = "Alabaster checkpoint ";
+constexpr std::string_view kMagic = "Alabaster checkpoint 7\n", kAnyMagic = "Alabaster checkpoint ";
 
 struct BlockHead {
   uint64_t size = 0, checksum = 0;
@@ -48,9 +48,12 @@ std::string aov_names(const RenderRequest& request) {
   const AovSet aovs = with_guides(request.aovs);
   std::string names;
   for (const AovInfo& info : kAovs)
-    if (aovs & aov_bit(info.aov)) names += (names.empty() ? "" : ", ") + std::string(info.name);
+    if (info.aov != Aov::light_group && (aovs & aov_bit(info.aov)))
+      names += (names.empty() ? "" : ", ") + std::string(info.name);
   for (const UvSetName& primvar : request.primvars)
     names += (names.empty() ? "" : ", ") + (kPrimvarAov.name + primvar.text());
+  for (const std::string& group : request.light_groups)
+    names += (names.empty() ? "" : ", ") + (aov_info(Aov::light_group).name + group);
   return names;
 }
 
@@ -189,6 +192,7 @@ constexpr struct {
 } kNames[] = {{"primId ", &prims::IdNames::prims},
               {"asset ", &prims::IdNames::assets},
               {"materialId ", &prims::IdNames::materials}};
+constexpr const char* kLightGroup = "lightGroup ";  // a member of names, too
 
 }  // namespace
 
@@ -202,6 +206,9 @@ prims::IdNames names_of(const CheckpointHeader& header) {
       std::from_chars(key.data() + std::strlen(kind), key.data() + key.size(), id);
       if (id >= 0 && id < kMostId) (all.*names)[id] = name.get<std::string>();
     }
+  for (size_t i = 0; i < kMostLightGroups; ++i)
+    if (const std::string key = kLightGroup + std::to_string(i); member(header, "names").contains(key))
+      all.light_groups.push_back(text_of(member(header, "names")[key]));
   return all;
 }
 
@@ -225,6 +232,8 @@ CheckpointHeader checkpoint_header(const RenderRequest& request, const std::map<
   if (names)
     for (const auto& [kind, of_kind] : kNames)
       for (const auto& [id, name] : names->*of_kind) header["names"][kind + std::to_string(id)] = name;
+  for (size_t i = 0; i < request.light_groups.size(); ++i)
+    header["names"][kLightGroup + std::to_string(i)] = request.light_groups[i];
   // As a file gives it back: names that are not UTF-8 do not survive JSON.
   return json::parse(text_of_header(header));
 }

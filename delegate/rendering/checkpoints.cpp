@@ -159,6 +159,7 @@ CommandResult Checkpoints::describe(const std::string& file, bool measure, const
   description["samples"] = static_cast<int64_t>(range.end);
   description["complete"] = is_complete(reader.header());
   description["note"] = note_of(reader.header());
+  description["lightGroups"] = Array<std::string>(names_of(reader.header()).light_groups);
   if (measure)
     if (std::string fault = measure_pixels(&reader, *memory, &description); !fault.empty())
       return command_failed(std::move(fault));
@@ -234,9 +235,11 @@ CommandResult Checkpoints::show(const Array<std::string>& files, const Memory& m
 namespace {
 
 // True if a render with these settings may have left the state: its header and its blocks agree.
-bool has_state_of(const RenderSettings& settings, const RenderState& state) {
+bool has_state_of(const RenderRequest& request, const RenderState& state) {
+  const RenderSettings& settings = request.settings;
   const bool decides = settings.adaptive || settings.target_error > 0;
-  return state.film->extras() == film_extras(settings) && (!decides || state.round.end <= settings.samples);
+  return state.film->extras() == film_extras(settings, request.light_groups.size()) &&
+         (!decides || state.round.end <= settings.samples);
 }
 
 }  // namespace
@@ -258,7 +261,7 @@ std::string Checkpoints::fault(const DelegateState& delegate, const BuiltScene* 
       fault = "it is of another render: " + difference;
     else if (range.begin != now.begin || (now.begin > 0 && range.end != now.end))
       fault = "it has samples " + range_text(range) + " of each pixel, and the render those of " + range_text(now);
-    else if (!has_state_of(settings, *pending->state))
+    else if (!has_state_of(request, *pending->state))
       fault = "it is damaged: it does not hold what its header says";
     else if (!settings.adaptive && film.most_samples() > now.end - now.begin)
       fault = "it has " + std::to_string(film.most_samples()) + " samples per pixel, more than the " +

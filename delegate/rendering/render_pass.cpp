@@ -28,7 +28,7 @@ size_t bytes_of(const PassInputs& in, AovSet more = 0) {
     bytes += 2.0 * buffer.dimensions.x * buffer.dimensions.y * static_cast<double>(FormatSize(buffer.format));
   }
   if (aovs && in.denoiser) bytes += denoise_bytes(in.framed.data_window);
-  if (aovs) bytes += static_cast<double>(frame_bytes(in.framed.data_window, aovs, in.settings));
+  if (aovs) bytes += static_cast<double>(frame_bytes(in.framed.data_window, aovs, in.settings, in.light_groups.size()));
   return static_cast<size_t>(std::min(bytes, kMost));
 }
 
@@ -47,6 +47,7 @@ RenderRequest request_of(const PassInputs& in) {
   request.aovs = 0;
   for (const auto& binding : in.bindings) request.aovs |= aov_bit(binding.aov);
   request.primvars = in.primvars;
+  request.light_groups = in.light_groups;
   request.denoiser = in.denoiser;
   return request;
 }
@@ -66,24 +67,48 @@ std::string part_fault(const RenderSettings& s) {
          ", which decides from all samples of a frame how many there are: render it in one";
 }
 
-// The AOV of that name; one of a primvar takes the first free place. Nothing: there is none, or no place is left.
-std::optional<Aov> aov_of(const std::string& name, std::vector<UvSetName>* primvars) {
+// The AOV of that name and its plane; one of a primvar takes the first free place. Nothing: there is none, or no place
+// is left.
+std::optional<std::pair<Aov, int>> aov_of(const std::string& name, const std::vector<std::string>& light_groups,
+                                          std::vector<UvSetName>* primvars) {
   const AovInfo* const known = find_aov(name);
   if (!known) return std::nullopt;
-  if (!is_primvar(known->aov)) return known->aov;
+  if (is_light_group(name)) {
+    const auto group = std::find(light_groups.begin(), light_groups.end(), light_group_of_aov(name));
+    if (group == light_groups.end()) return std::nullopt;
+    return std::pair(known->aov, static_cast<int>(group - light_groups.begin()));
+  }
+  if (!is_primvar(known->aov)) return std::pair(known->aov, rank_pair(name).number);
   const std::string primvar(primvar_of_aov(name));
   const auto held =
       std::find_if(primvars->begin(), primvars->end(), [&](const UvSetName& other) { return other.text() == primvar; });
   const auto place = static_cast<size_t>(held - primvars->begin());
   if (place == kMostPrimvarAovs) return std::nullopt;
   if (held == primvars->end()) primvars->emplace_back(primvar);
-  return primvar_aov(place);
+  return std::pair(primvar_aov(place), 0);
 }
 
 std::vector<std::string> supported_aovs() {
   std::vector<std::string> names;
   for (const AovInfo& aov : kAovs) names.emplace_back(aov.name);
   return names;
+}
+
+// Those that the bindings name, in order.
+std::vector<std::string> light_groups_of(const RenderPassState& state) {
+  std::set<std::string> names;
+  for (const AovBinding& binding : state.aovBindings)
+    if (const std::string& name = binding.aovName.str(); is_light_group(name)) names.emplace(light_group_of_aov(name));
+  std::vector<std::string> all(names.begin(), names.end());
+  if (all.size() > kMostLightGroups) all.resize(kMostLightGroups);
+  return all;
+}
+
+// Empty: AOV `name` is drawn as asked.
+std::string light_group_fault(const std::string& name, const std::vector<std::string>& groups) {
+  const std::string group(light_group_of_aov(name));
+  if (group.empty() || std::binary_search(groups.begin(), groups.end(), group)) return {};
+  return "no light or mesh has lightGroup '" + group + "', and the AOV is black" + support::DidYouMean(group, groups);
 }
 
 // The data window must lie in the buffer, which may be larger. Empty: it does.
@@ -134,14 +159,19 @@ std::optional<CameraParameters> PassControl::camera_of(const RenderPassState& st
 }
 
 void PassControl::add_bindings(const DrawRequest& asked, PassInputs* in, std::vector<alabaster::Diagnostic>* faults) {
+  const auto shown = delegate_->checkpoints.shown_names();
+  in->light_groups = shown ? shown->light_groups : light_groups_of(asked.state);
   for (size_t i = 0; i < asked.buffers.size(); ++i) {
     const AovBinding& binding = asked.state.aovBindings[i];
     const std::shared_ptr<BufferState>& buffer = asked.buffers[i];
     const std::string& name = binding.aovName.str();
-    const std::optional<Aov> aov = buffer ? aov_of(name, &in->primvars) : std::nullopt;
+    const auto aov = buffer ? aov_of(name, in->light_groups, &in->primvars) : std::nullopt;
     if (!aov) {
+      if (shown && is_light_group(name)) in->error = "the checkpoints have no AOV '" + name + "'";
       faults->push_back({alabaster::Severity::warning, "pass.binding", name,
-                         !buffer          ? "no buffer of this delegate is bound; the AOV is not drawn"
+                         !buffer                ? "no buffer of this delegate is bound; the AOV is not drawn"
+                         : is_light_group(name) ? "a frame shows " + std::to_string(kMostLightGroups) +
+                                                      " light groups at most; this is not drawn"
                          : find_aov(name) ? "a frame shows " + std::to_string(kMostPrimvarAovs) +
                                                 " primvars at most; this is not drawn"
                                           : "the renderer has no such AOV, and its buffer is not drawn" +
@@ -150,7 +180,10 @@ void PassControl::add_bindings(const DrawRequest& asked, PassInputs* in, std::ve
     }
     const Value clear =
         binding.clearValue.empty() ? default_aov_descriptor(binding.aovName).clearValue : binding.clearValue;
-    in->bindings.push_back({*aov, buffer, buffer->allocation(), clear, rank_pair(name).number});
+    in->bindings.push_back({aov->first, buffer, buffer->allocation(), clear, aov->second});
+    if (in->scene && is_light_group(name))
+      if (const std::string fault = light_group_fault(name, in->scene->light_groups); !fault.empty())
+        faults->push_back({alabaster::Severity::warning, "pass.lightGroup", name, fault});
     if (const std::string fault = size_fault(asked.state.framing, buffer->wanted()); !fault.empty())
       faults->push_back(
           {alabaster::Severity::warning, "pass.size", buffer->id().str(), "the buffer of AOV '" + name + "' " + fault});
@@ -275,7 +308,7 @@ void PassControl::start(PassInputs next) {
   for (const auto& binding : running_.bindings) {
     BufferSource source{session_->film(), binding.aov, running_.framed.buffer_x, running_.framed.buffer_y,
                         binding.clear};
-    source.keys = keys, source.rank_pair = binding.rank_pair;
+    source.keys = keys, source.plane = binding.plane;
     if (binding.aov == Aov::denoised)
       source.complete = [session = session_, film = source.film.get()] { session->denoise_stopped(film); };
     binding.buffer->bind(std::move(source));

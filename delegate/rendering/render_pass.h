@@ -26,11 +26,12 @@ struct PassInputs {
     std::shared_ptr<BufferState> buffer;
     uint64_t allocation = 0;
     Value clear;
-    int rank_pair = 0;  // of an AOV of ids
+    int plane = 0;  // of an AOV of ids the pair of ranks, of light groups the group
     bool operator==(const Binding&) const = default;
   };
   std::vector<Binding> bindings;
   std::vector<UvSetName> primvars;           // of AOVs, by their place
+  std::vector<std::string> light_groups;     // the same
   std::shared_ptr<const Denoiser> denoiser;  // null: no binding shows its picture
   bool shows_checkpoint = false;             // instead of the scene
   uint64_t restarts = 0;
@@ -88,7 +89,7 @@ class PassControl : public std::enable_shared_from_this<PassControl> {
   void set_view(const RenderPassState& state);
   void draw(const DrawRequest& asked);
   PassInputs inputs(const DrawRequest& asked, const BuiltScene* scene, std::vector<alabaster::Diagnostic>* faults);
-  static void add_bindings(const DrawRequest& asked, PassInputs* in, std::vector<alabaster::Diagnostic>* faults);
+  void add_bindings(const DrawRequest& asked, PassInputs* in, std::vector<alabaster::Diagnostic>* faults);
   std::optional<CameraParameters> camera_of(const RenderPassState& state, const Path& path,
                                             const Shutter& shutter) const;
   void choose_denoiser(PassInputs* in);

@@ -7,6 +7,7 @@
 #include "core/sampling/mis.h"
 #include "core/sampling/warp.h"
 #include "testenv/support/chi_square.h"
+#include "testenv/support/emitted_light.h"
 #include "testenv/support/memory_texture.h"
 #include "testenv/support/z_test.h"
 
@@ -257,7 +258,7 @@ double weighed_irradiance(const LightSet& set, const Plane& plane, Rng& rng) {
   const float pdf = pdf_cosine_hemisphere(w);
   const auto weigh = [&](float light_pdf) { return power_heuristic(pdf, light_pdf); };
   if (pdf > 0)
-    value += static_cast<double>(set.emitted({plane.p, w}, true, false, ConstantDomes::sampled, weigh).r * kPi);
+    value += static_cast<double>(emitted_light(set, {plane.p, w}, true, false, ConstantDomes::sampled, weigh).r * kPi);
   return value;
 }
 

@@ -626,6 +626,29 @@ def test_a_mesh_is_a_light_by_its_front_and_its_area():
         assert "warning" not in said and abs(ratio - 1) < 0.01, (normalize, ratio, said)
 
 
+# promise: usd.light_group
+def test_light_groups_are_those_of_renderman_and_arnold():
+    light = """    def SphereLight "%s" { float inputs:radius = 0.1
+        float inputs:intensity = 40
+        string %s = "%s"
+        double3 xformOp:translate = (0, 0, 4)
+        uniform token[] xformOpOrder = ["xformOp:translate"] }
+"""
+    glow = """    def Mesh "glow" ( prepend apiSchemas = ["MeshLightAPI"] ) { int[] faceVertexCounts = [4]
+        int[] faceVertexIndices = [0, 1, 2, 3]
+        point3f[] points = [(1, 1, 0), (1.5, 1, 0), (1.5, 1.5, 0), (1, 1.5, 0)]
+        string primvars:arnold:aov = "screen"
+        uniform token subdivisionScheme = "none" }
+"""
+    names = {"inputs:ri:light:lightGroup": "warm", "primvars:arnold:aov": "cold"}
+    lamps = "".join(light % (group, attribute, group) for attribute, group in names.items())
+    out, said = picture(stage("groups.usda", cube("c", 0) + lamps + glow), "--aov", "lightGroup:*")
+    listed = subprocess.run(["oiiotool", "--info", "-v", out], capture_output=True, text=True).stdout
+    layers = ["lightGroup", "lightGroup_cold", "lightGroup_screen", "lightGroup_warm"]
+    assert sorted(set(re.findall(r"(lightGroup\w*)\.R", listed))) == layers, listed
+    assert "warning" not in said and all(value > 0 for value in mean(out)), (said, mean(out))
+
+
 def test_lights_have_multipliers_and_may_have_no_shadows():
     lamp = """    def SphereLight "lamp" ( prepend apiSchemas = ["ShadowAPI"] ) { float inputs:radius = 0.1
         float inputs:intensity = 400

@@ -195,7 +195,11 @@ hd::Token HydraScene::GetHostLightType(const hd::Path&) {
   return ToToken(light_type_);
 }
 hd::Value HydraScene::GetHostLightParameter(const hd::Path& id, const hd::Token& name) {
-  return ToValue(host_->GetLightParamValue(path(id), pxr::TfToken(name.str())));
+  hd::Value value = ToValue(host_->GetLightParamValue(path(id), pxr::TfToken(name.str())));
+  if (name == hd::Token("lightGroup"))  // as RenderMan and Arnold have it
+    for (const char* theirs : {"ri:light:lightGroup", "primvars:arnold:aov"})
+      if (value.empty()) value = ToValue(host_->GetLightParamValue(path(id), pxr::TfToken(theirs)));
+  return value;
 }
 
 hd::MaterialNetwork HydraScene::GetMaterialResource(const hd::Path& id) {

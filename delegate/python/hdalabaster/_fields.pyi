@@ -31,6 +31,7 @@ class Mesh(TypedDict, total=False):
     visibleToCamera: Optional[bool]
     holdout: Optional[bool]
     subsurfaceSet: Optional[str]
+    lightGroup: Optional[str]
 
 class Instancer(TypedDict, total=False):
     transform: Optional[_Array]

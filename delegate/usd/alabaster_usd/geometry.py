@@ -10,7 +10,7 @@ UNREAD = {"BasisCurves": "curves", "NurbsCurves": "curves", "HermiteCurves": "cu
           "NurbsPatch": "NURBS patches", "ParticleField3DGaussianSplat": "splats", "ParticleField": "splats"}
 IMPLICIT = ("Cube", "Sphere", "Cylinder", "Cylinder_1", "Cone", "Capsule", "Capsule_1", "Plane")
 ROLES = {"Color": "lin_rec709", "TextureCoordinate": "textureCoordinate", "Normal": "normal", "Vector": "vector", "Point": "point"}
-OPTIONS = ("subsurfaceSet", "holdout", "visibleToCamera")
+OPTIONS = ("subsurfaceSet", "lightGroup", "holdout", "visibleToCamera")
 PLAIN = {"float2", "half2", "double2"}
 AROUND, UP = 64, 32  # quads of a sphere
 

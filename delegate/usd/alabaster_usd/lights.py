@@ -56,12 +56,22 @@ def light_fields(prim, world, visible, time, up, links, notes):
             notes.tell("images of domes are read as latitude and longitude alone (texture:format)", prim.GetPath())
         if UsdLux.DomeLight(prim) and UsdLux.DomeLight(prim).GetPortalsRel().GetTargets():
             notes.tell("portals of domes are not read", prim.GetPath())
+    fields.update(group_fields(prim, time))
     fields["transform"] = matrix(world)
     if not visible:
         fields["visible"] = V("bool", False)
     fields.update(links)
     _tell(prim, notes)
     return kind, fields
+
+
+def group_fields(prim, time):
+    """The light group, as RenderMan and Arnold have it."""
+    for name in ("inputs:ri:light:lightGroup", "ri:light:lightGroup", "primvars:arnold:aov"):
+        value = prim.GetAttribute(name).Get(time) if prim.GetAttribute(name) else None
+        if value:
+            return {"lightGroup": V("string", str(value))}
+    return {}
 
 
 def is_mesh_light(prim):

@@ -539,6 +539,7 @@ class Reader:
                     glow = name + "/light"
                     self.sink.set(glow, "material", lights.glow_fields(prim, self.world.GetLocalToWorldTransform(prim), self.time, self.notes))
                     fields["material"] = path(glow)
+                    fields.update(lights.group_fields(prim, self.time))
                 continue
             value = self.looks.bind(material)
             if subset is None:

@@ -235,7 +235,7 @@ def _product(prim, settings, notes, known, may_write, aovs):
             notes.tell("light path expressions are not read", var.GetPrim().GetPath())
             continue
         layer = {"Ci": "color", "RGBA": "color", "RGB": "color", "beauty": "color", "a": "alpha", "A": "alpha"}.get(source, source)
-        if aovs and layer not in aovs and not layer.startswith("primvars:"):
+        if aovs and layer not in aovs and not layer.startswith(("primvars:", "lightGroup:")):
             notes.tell("layers that the renderer does not have are not written, such as %s" % source, var.GetPrim().GetPath())
             continue
         fields["vars:" + layer] = token(layer)

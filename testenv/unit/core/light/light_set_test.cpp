@@ -4,6 +4,7 @@
 
 #include "core/sampling/pixel_sampler.h"
 #include "core/sampling/warp.h"
+#include "testenv/support/emitted_light.h"
 
 namespace alabaster {
 namespace {
@@ -35,7 +36,8 @@ TEST(LightSet, EmptyAndDarkSetsGiveNothing) {
   EXPECT_EQ(LightSet().mesh_light_pdf({}, 1, 0, 0), 0);
   const LightSet dark({sphere(0), dome(0)}, {});
   EXPECT_FALSE(dark.sample({0, 0, -3}, 0.5f, {0.5f, 0.5f}));
-  EXPECT_TRUE(is_black(dark.emitted({{0, 0, -3}, {0, 0, 1}}, true, false, ConstantDomes::sampled, kUnweighted)));
+  EXPECT_TRUE(is_black(
+      testing::emitted_light(dark, {{0, 0, -3}, {0, 0, 1}}, true, false, ConstantDomes::sampled, kUnweighted)));
   EXPECT_EQ(dark.choice_probability(0, {0, 0, -3}), 0);
 }
 
@@ -43,8 +45,8 @@ TEST(LightSet, EmptyAndDarkSetsGiveNothing) {
 TEST(LightSet, AnEscapedRayOfAnyLengthMeetsTheSky) {
   const LightSet set({sphere(1), dome(2)}, {});
   const Ray ray{{0, 0, 3}, {0, 0, 1}, 10};
-  EXPECT_EQ(set.emitted(ray, true, true, ConstantDomes::sampled, kUnweighted).g, 2);
-  EXPECT_TRUE(is_black(set.emitted(ray, false, true, ConstantDomes::sampled, kUnweighted)));
+  EXPECT_EQ(testing::emitted_light(set, ray, true, true, ConstantDomes::sampled, kUnweighted).g, 2);
+  EXPECT_TRUE(is_black(testing::emitted_light(set, ray, false, true, ConstantDomes::sampled, kUnweighted)));
 }
 
 TEST(LightSet, PdfHoldsTheChoice) {
@@ -59,7 +61,7 @@ TEST(LightSet, PdfHoldsTheChoice) {
   EXPECT_NEAR(far->pdf, set.choice_probability(1, p) * pdf_uniform_cone(1 - std::cos(kPi / 18)), 1e-3f);
   // The radiance and pdf for a ray that meets both lights.
   std::vector<float> pdfs;
-  set.emitted({p, {0, 0, 1}}, true, false, ConstantDomes::sampled, [&](float pdf) {
+  testing::emitted_light(set, {p, {0, 0, 1}}, true, false, ConstantDomes::sampled, [&](float pdf) {
     pdfs.push_back(pdf);
     return 1.0f;
   });
@@ -76,15 +78,17 @@ TEST(LightSet, PdfHoldsTheChoice) {
 TEST(LightSet, EmittedHonoursDistanceEscapeAndCamera) {
   const LightSet set({sphere(1), dome(4)}, {{false, true}, {}});
   Ray ray{{0, 0, -3}, {0, 0, 1}};
-  EXPECT_EQ(set.emitted(ray, true, false, ConstantDomes::sampled, kUnweighted), Rgb(5.0f));
-  EXPECT_EQ(set.emitted(ray, true, true, ConstantDomes::sampled, kUnweighted), Rgb(4.0f))
+  EXPECT_EQ(testing::emitted_light(set, ray, true, false, ConstantDomes::sampled, kUnweighted), Rgb(5.0f));
+  EXPECT_EQ(testing::emitted_light(set, ray, true, true, ConstantDomes::sampled, kUnweighted), Rgb(4.0f))
       << "the sphere is hidden from cameras";
   ray.tmax = 10;
-  EXPECT_EQ(set.emitted(ray, false, false, ConstantDomes::sampled, kUnweighted), Rgb(1.0f))
+  EXPECT_EQ(testing::emitted_light(set, ray, false, false, ConstantDomes::sampled, kUnweighted), Rgb(1.0f))
       << "stopped behind the sphere";
   ray.tmax = 2;
-  EXPECT_EQ(set.emitted(ray, false, false, ConstantDomes::sampled, kUnweighted), Rgb(0.0f)) << "stopped before it";
-  EXPECT_EQ(set.emitted(ray, false, false, ConstantDomes::sampled, [](float) { return 0.5f; }), Rgb(0.0f));
+  EXPECT_EQ(testing::emitted_light(set, ray, false, false, ConstantDomes::sampled, kUnweighted), Rgb(0.0f))
+      << "stopped before it";
+  EXPECT_EQ(testing::emitted_light(set, ray, false, false, ConstantDomes::sampled, [](float) { return 0.5f; }),
+            Rgb(0.0f));
 }
 
 // Infinite lights are asked by escaped rays only, after the finite ones, wherever they stand in the list.
@@ -93,10 +97,10 @@ TEST(LightSet, OnlyEscapedRaysMeetInfiniteLights) {
   const Ray ray{{0, 0, -3}, {0, 0, 1}};
   std::vector<float> pdfs;
   const auto keep = [&](float pdf) { return pdfs.push_back(pdf), 1.0f; };
-  EXPECT_EQ(set.emitted(ray, false, false, ConstantDomes::sampled, keep), Rgb(1.0f));
+  EXPECT_EQ(testing::emitted_light(set, ray, false, false, ConstantDomes::sampled, keep), Rgb(1.0f));
   EXPECT_EQ(pdfs.size(), 1u);
   pdfs.clear();
-  EXPECT_EQ(set.emitted(ray, true, false, ConstantDomes::sampled, keep), Rgb(13.0f));
+  EXPECT_EQ(testing::emitted_light(set, ray, true, false, ConstantDomes::sampled, keep), Rgb(13.0f));
   ASSERT_EQ(pdfs.size(), 3u);
   EXPECT_EQ(pdfs[1], pdf_uniform_sphere()) << "a constant dome takes no part in the choice";
   EXPECT_NEAR(pdfs[2] / pdf_uniform_cone(1 - std::cos(kPi / 18)), set.choice_probability(1, ray.org), 1e-5f);
@@ -140,8 +144,8 @@ TEST(LightSet, ConstantDomesTakeNoPartInTheChoiceOfALight) {
       }
     std::vector<float> pdfs;
     const auto keep = [&](float pdf) { return pdfs.push_back(pdf), 1.0f; };
-    set.emitted({p, {0, 1, 0}}, true, false, ConstantDomes::sampled, keep);
-    set.emitted({p, {0, 1, 0}}, true, false, ConstantDomes::bsdf_sampling_only, keep);
+    testing::emitted_light(set, {p, {0, 1, 0}}, true, false, ConstantDomes::sampled, keep);
+    testing::emitted_light(set, {p, {0, 1, 0}}, true, false, ConstantDomes::bsdf_sampling_only, keep);
     EXPECT_EQ(pdfs, (std::vector<float>{pdf_uniform_sphere(), 0})) << others;
   }
 }
@@ -176,8 +180,8 @@ TEST(LightSet, ConstantDomesAreSampledByTheCosineToALobe) {
       EXPECT_NEAR(sampled->pdf / (dot(sampled->wi, n) * kInvPi), 1, 1e-5f);
       std::vector<float> pdfs;
       const auto keep = [&](float pdf) { return pdfs.push_back(pdf), 1.0f; };
-      set->emitted({p, sampled->wi}, true, false, search, keep);
-      set->emitted({p, -sampled->wi}, true, false, search, keep);
+      testing::emitted_light(*set, {p, sampled->wi}, true, false, search, keep);
+      testing::emitted_light(*set, {p, -sampled->wi}, true, false, search, keep);
       ASSERT_EQ(pdfs.size(), 2u);
       EXPECT_NEAR(pdfs[0] / sampled->pdf, 1, 1e-5f);
       EXPECT_EQ(pdfs[1], 0) << "below the lobe";
@@ -208,8 +212,10 @@ TEST(LightSet, RaysThatMeetALightHaveThePdfThatItsSamplesHaveForALobe) {
       std::vector<float> pdfs;
       const auto keep = [&](float pdf) { return pdfs.push_back(pdf), 1.0f; };
       const Ray ray{p, sampled->wi};
-      set.emitted(ray, true, false, by, keep);
-      if (set.has_shadow_links()) set.emitted_with_links(ray, by, keep, [](uint32_t, float) { return Rgb(1.0f); });
+      testing::emitted_light(set, ray, true, false, by, keep);
+      if (set.has_shadow_links())
+        set.each_emitted_with_links(
+            ray, by, keep, [](uint32_t, float) { return Rgb(1.0f); }, nullptr, [](size_t, const Rgb&) {});
       EXPECT_EQ(pdfs.size(), 1u);
       return pdfs.empty() ? 0 : pdfs[0];
     };
@@ -256,8 +262,8 @@ TEST(LightSet, FindsMeshLightsByInstance) {
   EXPECT_GT(set.choice_probability(0, p), set.choice_probability(2, p));
   EXPECT_EQ(set.mesh_light_pdf(up, 1, 9, 3), 0);
   EXPECT_EQ(set.mesh_light_pdf(up, 1, 5, 4), 0);
-  EXPECT_TRUE(is_black(LightSet({mesh(1, 1)}, {})
-                           .emitted({{0.1f, 0.1f, 0}, {0, 0, 1}}, true, false, ConstantDomes::sampled, kUnweighted)))
+  EXPECT_TRUE(is_black(testing::emitted_light(LightSet({mesh(1, 1)}, {}), {{0.1f, 0.1f, 0}, {0, 0, 1}}, true, false,
+                                              ConstantDomes::sampled, kUnweighted)))
       << "the surface emits, not the light";
 }
 

@@ -6,6 +6,7 @@
 
 #include "core/light/light_set.h"
 #include "core/sampling/pixel_sampler.h"
+#include "testenv/support/emitted_light.h"
 
 namespace alabaster {
 namespace {
@@ -167,7 +168,7 @@ TEST(LightTree, ASetOfManyLightsAgreesWithItself) {
     if (!s || s->delta || !std::isfinite(s->distance)) continue;
     float nearest = std::numeric_limits<float>::infinity();
     const Ray ray{p, s->wi, s->distance * 1.0001f};
-    (void)set.emitted(ray, false, false, ConstantDomes::sampled, [&](float pdf) {
+    (void)testing::emitted_light(set, ray, false, false, ConstantDomes::sampled, [&](float pdf) {
       nearest = std::min(nearest, std::abs(pdf / s->pdf - 1));
       return 1.0f;
     });

@@ -59,6 +59,7 @@ TEST(AovNames, NamesAreThoseOfTheManual) {
     expected[aov.name] = layer + (layer.empty() ? "" : ".") + channels;
   }
   expected["primvars:NAME"] = "primvars:NAME.XYZ";
+  expected["lightGroup:NAME"] = "lightGroup_NAME.RGB";
   EXPECT_EQ(listed_channels(), expected);
 }
 
