@@ -64,10 +64,13 @@ class Sanitizer {
     check_primvar(&cage_.tangents, "tangents");
     for (UvPrimvar& uv : cage_.uvs) check_primvar<Vec2f>(&uv, "uv");
     std::erase_if(cage_.uvs, [](const UvPrimvar& uv) { return uv.empty(); });
-    check_primvar(&cage_.colors, "color");
-    check_primvar(&cage_.opacities, "opacity");
-    for (NamedPrimvar& primvar : cage_.primvars) check_primvar<Vec3f>(&primvar, "primvar");
-    std::erase_if(cage_.primvars, [](const NamedPrimvar& primvar) { return primvar.empty(); });
+    std::erase_if(cage_.primvars, [&](NamedPrimvar& named) {
+      const auto is_gone = [&](auto& primvar) {
+        check_primvar(&primvar, "primvar", "primvar " + named.name);
+        return primvar.empty();
+      };
+      return std::visit(is_gone, named.values);
+    });
     check_materials();
     check_faces();
     drop_faces();
@@ -101,13 +104,17 @@ class Sanitizer {
   // Before faces are dropped: sizes are counted against the cage as it was given.
   template <class T>
   void check_primvar(Primvar<T>* primvar, const std::string& name) {
+    check_primvar(primvar, name, name);
+  }
+  template <class T>
+  void check_primvar(Primvar<T>* primvar, const std::string& kind, const std::string& name) {
     if (primvar->values.empty() && primvar->indices.empty()) return;
     const auto [wanted, what] = wanted_values(primvar->interpolation);
     const size_t given = primvar->indices.empty() ? primvar->values.size() : primvar->indices.size();
     const bool indices_fit = std::all_of(primvar->indices.begin(), primvar->indices.end(),
                                          [&](int i) { return in_range(i, primvar->values.size()); });
     if (given != wanted || !indices_fit) {
-      faults_.note("mesh." + name + (given != wanted ? ".size" : ".index"),
+      faults_.note("mesh." + kind + (given != wanted ? ".size" : ".index"),
                    given != wanted ? name + " has " + std::to_string(given) + " values, " + std::to_string(wanted) +
                                          " are needed (" + what + "); ignored"
                                    : name + " has indices outside its " + std::to_string(primvar->values.size()) +
@@ -115,7 +122,7 @@ class Sanitizer {
       *primvar = {};
       return;
     }
-    const std::string code = "mesh." + name + ".nonfinite";
+    const std::string code = "mesh." + kind + ".nonfinite";
     for (size_t i = 0; i < primvar->values.size(); ++i)
       if (!is_usable_value(primvar->values[i])) {
         primvar->values[i] = T(0);
@@ -163,7 +170,6 @@ class Sanitizer {
   static bool is_usable_value(const Vec3f& v) { return is_usable(v); }
   static bool is_usable_value(const Vec2f& v) { return is_usable(Vec3f(v.x, v.y, 0)); }
   static bool is_usable_value(const Vec4f& v) { return is_usable(Vec3f(v.x, v.y, v.z)) && std::isfinite(v.w); }
-  static bool is_usable_value(const Rgb& c) { return is_usable(Vec3f(c.r, c.g, c.b)); }
   static bool is_usable_value(float x) { return std::isfinite(x); }
 
   void check_materials() {

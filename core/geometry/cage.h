@@ -3,9 +3,9 @@
 #pragma once
 
 #include <string>
+#include <variant>
 #include <vector>
 
-#include "core/color/rgb.h"
 #include "core/diagnostics/report.h"
 #include "core/math/vector.h"
 
@@ -36,8 +36,9 @@ struct UvPrimvar : Primvar<Vec2f> {
   std::string name;
 };
 
-/// Vectors that no material reads, for AOVs of their name.
-struct NamedPrimvar : Primvar<Vec3f> {
+/// One to four numbers each, for materials and AOVs that read them by name.
+struct NamedPrimvar {
+  std::variant<Primvar<float>, Primvar<Vec2f>, Primvar<Vec3f>, Primvar<Vec4f>> values;
   std::string name;
 };
 
@@ -60,13 +61,11 @@ struct Cage {
   TriangleSubdivision triangle_subdivision = TriangleSubdivision::catmull_clark;
 
   std::vector<Vec3f> points;
-  Primvar<Vec3f> normals;      // authored; ignored when refined
-  Primvar<Vec4f> tangents;     // authored, for normal maps: direction of u, and +1 or -1; ignored when refined
-  std::vector<UvPrimvar> uvs;  // of different names
-  Primvar<Rgb> colors;         // linear, in the rendering space
-  Primvar<float> opacities;    // 0 to 1
-  std::vector<NamedPrimvar> primvars;
-  std::vector<int> face_material;  // material slot per face; empty: all 0
+  Primvar<Vec3f> normals;              // authored; ignored when refined
+  Primvar<Vec4f> tangents;             // authored, for normal maps: direction of u, and +1 or -1; ignored when refined
+  std::vector<UvPrimvar> uvs;          // of different names
+  std::vector<NamedPrimvar> primvars;  // of different names; colours are in the rendering space
+  std::vector<int> face_material;      // material slot per face; empty: all 0
 
   /// Unrefined, it has normals that are computed.
   bool has_smooth_normals() const {
@@ -78,9 +77,7 @@ struct Cage {
 template <class CageOrConst, class Visit>
 void for_each_refined(CageOrConst& cage, const Visit& visit) {
   for (auto& uv : cage.uvs) visit(uv);
-  if (!cage.colors.empty()) visit(cage.colors);
-  if (!cage.opacities.empty()) visit(cage.opacities);
-  for (auto& primvar : cage.primvars) visit(primvar);
+  for (auto& primvar : cage.primvars) std::visit(visit, primvar.values);
 }
 
 /// Makes a cage safe for everything after it (Embree and OpenSubdiv trust their input): drops or repairs what is broken

@@ -147,10 +147,12 @@ class FlatBuilder {
     if (!cage_.normals.empty()) mesh_.normal_triangles = attribute_triangles(cage_.normals);
     mesh_.tangents = attribute(cage_.tangents);
     for (const UvPrimvar& uv : cage_.uvs) mesh_.uv_sets.push_back({attribute<Vec2f>(uv), uv.name});
-    mesh_.colors = attribute(cage_.colors);
-    mesh_.opacities = attribute(cage_.opacities);
-    for (const NamedPrimvar& primvar : cage_.primvars)
-      mesh_.primvars.push_back({attribute<Vec3f>(primvar), primvar.name});
+    for (const NamedPrimvar& named : cage_.primvars)
+      std::visit(
+          [&](const auto& primvar) {
+            mesh_.primvars.push_back({attribute(primvar), named.name});
+          },
+          named.values);
     return std::move(mesh_);
   }
 
@@ -247,9 +249,16 @@ int checked_level(const Cage& cage, const RefinementOptions& options, const Diag
 
 }  // namespace
 
+template <class T>
+static const T* find_named(const std::vector<T>& all, const UvSetName& name) {
+  const auto found = std::find_if(all.begin(), all.end(), [&](const T& one) { return one.name == name; });
+  return found == all.end() ? nullptr : &*found;
+}
 const UvSet* Mesh::uv_set(const UvSetName& name) const {
-  const auto found = std::find_if(uv_sets.begin(), uv_sets.end(), [&](const UvSet& set) { return set.name == name; });
-  return found == uv_sets.end() ? nullptr : &*found;
+  return find_named(uv_sets, name);
+}
+const NamedAttribute* Mesh::primvar(const UvSetName& name) const {
+  return find_named(primvars, name);
 }
 
 std::array<Vec3f, 3> Mesh::posed_corners(uint32_t triangle, float time) const {
@@ -259,10 +268,10 @@ std::array<Vec3f, 3> Mesh::posed_corners(uint32_t triangle, float time) const {
 
 size_t Mesh::memory_bytes() const {
   size_t bytes = bytes_of(points) + bytes_of(triangles) + bytes_of(normals) + bytes_of(normal_triangles) +
-                 bytes_of(tangents) + bytes_of(colors) + bytes_of(opacities) + bytes_of(triangle_face) +
-                 bytes_of(triangle_material);
+                 bytes_of(tangents) + bytes_of(triangle_face) + bytes_of(triangle_material);
   for (const UvSet& set : uv_sets) bytes += bytes_of<Vec2f>(set);
-  for (const NamedVectors& primvar : primvars) bytes += bytes_of<Vec3f>(primvar);
+  for (const NamedAttribute& named : primvars)
+    bytes += std::visit([](const auto& attribute) { return bytes_of(attribute); }, named.values);
   for (const MeshPose& pose : later_poses) bytes += bytes_of(pose.points) + bytes_of(pose.normals);
   return bytes;
 }
@@ -408,7 +417,6 @@ MeshPose pose_mesh(const Cage& cage, const RefinementOptions& options, MeshPose 
             static_cast<double>(estimate_mesh_bytes(cage, fitting.level)));
   if (fitting.level > 0) {
     moved.uvs.clear();
-    moved.colors = {}, moved.opacities = {};
     moved.primvars.clear();
     if (auto refined = tessellate_limit_surface(moved, fitting, {}))
       return {std::move(refined->points), std::move(refined->normals)};

@@ -6,6 +6,7 @@
 #include <functional>
 #include <string>
 #include <utility>
+#include <variant>
 #include <vector>
 
 #include "core/diagnostics/cancel.h"
@@ -46,8 +47,9 @@ struct UvSet : MeshAttribute<Vec2f> {
   UvSetName name = "st";
 };
 
-/// For AOVs of its name: see NamedPrimvar.
-struct NamedVectors : MeshAttribute<Vec3f> {
+/// See NamedPrimvar.
+struct NamedAttribute {
+  std::variant<MeshAttribute<float>, MeshAttribute<Vec2f>, MeshAttribute<Vec3f>, MeshAttribute<Vec4f>> values;
   UvSetName name = "";
 };
 
@@ -64,9 +66,7 @@ struct Mesh {
   std::vector<Corners> normal_triangles;  // empty: same as triangles
   MeshAttribute<Vec4f> tangents;          // authored: direction of u, and the sign of n x t along growing v
   std::vector<UvSet> uv_sets;             // the first gives a hit's uv and dpdu
-  MeshAttribute<Rgb> colors;
-  MeshAttribute<float> opacities;
-  std::vector<NamedVectors> primvars;
+  std::vector<NamedAttribute> primvars;
   std::vector<int32_t> triangle_face;      // face of the cage, which elementId reports
   std::vector<int32_t> triangle_material;  // slot; empty: all 0
   /// Empty unless the mesh deforms. Points and normals are then those at the shutter's opening, and these follow at
@@ -102,6 +102,7 @@ struct Mesh {
   }
   /// Null if there is none of that name.
   const UvSet* uv_set(const UvSetName& name) const;
+  const NamedAttribute* primvar(const UvSetName& name) const;
   size_t memory_bytes() const;
 
  private:

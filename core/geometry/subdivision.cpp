@@ -175,11 +175,14 @@ class LimitTessellator {
           mesh_.uv_sets[set].name = uv.name;
           visit(uv, &mesh_.uv_sets[set++]);
         }
-    if (!cage_.colors.empty()) visit(cage_.colors, &mesh_.colors);
-    if (!cage_.opacities.empty()) visit(cage_.opacities, &mesh_.opacities);
     for (size_t i = 0; i < cage_.primvars.size(); ++i) {
-      mesh_.primvars[i].name = cage_.primvars[i].name;
-      visit(cage_.primvars[i], &mesh_.primvars[i]);
+      NamedAttribute& named = mesh_.primvars[i];
+      named.name = cage_.primvars[i].name;
+      const auto visit_one = [&]<class T>(const Primvar<T>& primvar) {
+        if (!std::holds_alternative<MeshAttribute<T>>(named.values)) named.values = MeshAttribute<T>();
+        visit(primvar, &std::get<MeshAttribute<T>>(named.values));
+      };
+      std::visit(visit_one, cage_.primvars[i].values);
     }
   }
 

@@ -1,5 +1,6 @@
 #include "core/geometry/surface_hit.h"
 
+#include <algorithm>
 #include <bit>
 #include <limits>
 
@@ -220,6 +221,7 @@ bool has_mirrored_uvs(const Mesh& mesh, uint32_t triangle) {
 }
 
 Vec2f HitPrimvars::uv(const UvSetName& set) const {
+  if (Vec4f own; has_own(set, &own)) return {own.x, own.y};
   if (mesh_.uv_sets.empty()) return {0, 0};
   if (mesh_.uv_sets.front().name == set) return uv_;
   const UvSet* const found = mesh_.uv_set(set);
@@ -229,7 +231,7 @@ Vec2f HitPrimvars::uv(const UvSetName& set) const {
 // J = D E^-1 with the edges E and their uv D, so J J^T = D (E^T E)^-1 D^T.
 Vec3f HitPrimvars::uv_metric(const UvSetName& set) const {
   const UvSet* const found = mesh_.uv_set(set);
-  if (!found) return Vec3f(0, 0, 0);
+  if (Vec4f own; !found || has_own(set, &own)) return Vec3f(0, 0, 0);
   const Corners &c = mesh_.triangles[hit_.triangle], &t = corners_of(*found, mesh_, hit_.triangle);
   const Vec3f e1 = footprint_.object_to_render->vector(mesh_.points[c[1]] - mesh_.points[c[0]]);
   const Vec3f e2 = footprint_.object_to_render->vector(mesh_.points[c[2]] - mesh_.points[c[0]]);
@@ -243,12 +245,18 @@ Vec3f HitPrimvars::uv_metric(const UvSetName& set) const {
   return {product(d1.x, d2.x, d1.x, d2.x), product(d1.x, d2.x, d1.y, d2.y), product(d1.y, d2.y, d1.y, d2.y)};
 }
 
-Rgb HitPrimvars::color() const {
-  return mesh_.colors.empty() ? Rgb(1.0f) : interpolated(mesh_.colors, mesh_, hit_);
-}
-
-float HitPrimvars::opacity() const {
-  return mesh_.opacities.empty() ? 1.0f : interpolated(mesh_.opacities, mesh_, hit_);
+int HitPrimvars::read(const UvSetName& name, Vec4f* numbers) const {
+  *numbers = Vec4f(0);
+  if (const int count = has_own(name, numbers)) return count;
+  const NamedAttribute* const found = mesh_.primvar(name);
+  if (!found) return 0;
+  const auto read_one = [&]<class T>(const MeshAttribute<T>& attribute) {
+    constexpr size_t kCount = sizeof(T) / sizeof(float);
+    const T value = interpolated(attribute, mesh_, hit_);
+    std::copy_n(reinterpret_cast<const float*>(&value), kCount, &numbers->x);
+    return static_cast<int>(kCount);
+  };
+  return std::visit(read_one, found->values);
 }
 
 Vec3f curvature_shift(const Mesh& mesh, const TriangleHit& hit, const SurfacePoint& side,

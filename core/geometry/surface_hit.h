@@ -61,12 +61,29 @@ struct SurfaceFootprint {
   const Affine* object_to_render = nullptr;  // needed for a width
 };
 
+/// Primvars by instance, in the place of those of its mesh. Immutable; any thread.
+class InstanceValues {
+ public:
+  virtual ~InstanceValues() = default;
+  virtual std::vector<UvSetName> names() const = 0;
+  /// As HitPrimvars::read(); where there is none, *numbers stays as it is.
+  virtual int read(const UvSetName& name, size_t instance, Vec4f* numbers) const = 0;
+  /// True if all instances have the same in `other`, which is of the same kind. False may also mean not known.
+  virtual bool are_alike(const InstanceValues& other) const = 0;
+};
+/// Null: the mesh's own are read.
+struct InstanceOf {
+  const InstanceValues* values = nullptr;
+  size_t number = 0;
+};
+
 /// The primvars at a hit that textures read.
 class HitPrimvars {
  public:
   /// `uv`: of the mesh's first set at the hit. Keeps references.
-  HitPrimvars(const Mesh& mesh, const TriangleHit& hit, const Vec2f& uv, const SurfaceFootprint& footprint = {})
-      : mesh_(mesh), hit_(hit), uv_(uv), footprint_(footprint) {}
+  HitPrimvars(const Mesh& mesh, const TriangleHit& hit, const Vec2f& uv, const SurfaceFootprint& footprint = {},
+              const InstanceOf& instance = {})
+      : mesh_(mesh), hit_(hit), uv_(uv), footprint_(footprint), instance_(instance) {}
 
   /// Render space; 0: textures are read at a point.
   float footprint() const { return footprint_.width; }
@@ -75,15 +92,19 @@ class HitPrimvars {
   Vec3f uv_metric(const UvSetName& set) const;
   /// (0, 0) if the mesh has no such set.
   Vec2f uv(const UvSetName& set) const;
-  /// Displayed colour and opacity; white and 1 if the mesh has none.
-  Rgb color() const;
-  float opacity() const;
+  /// The numbers of a primvar, and how many: 1 to 4, with 0 beyond them. 0: there is none of that name.
+  int read(const UvSetName& name, Vec4f* numbers) const;
 
  private:
+  int has_own(const UvSetName& name, Vec4f* numbers) const {
+    return instance_.values ? instance_.values->read(name, instance_.number, numbers) : 0;
+  }
+
   const Mesh& mesh_;
   const TriangleHit& hit_;
   Vec2f uv_;
   SurfaceFootprint footprint_;
+  InstanceOf instance_;
 };
 
 /// Rays hit triangles in no order, so their memory is far away. These ask for it in two steps, of which the second

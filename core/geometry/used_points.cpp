@@ -42,10 +42,7 @@ void drop_unused_points(Cage* cage) {
   keep_at(kept, &cage->points);
   keep_primvar(kept, &cage->normals);
   keep_primvar(kept, &cage->tangents);
-  for (UvPrimvar& uvs : cage->uvs) keep_primvar(kept, &uvs);
-  keep_primvar(kept, &cage->colors);
-  keep_primvar(kept, &cage->opacities);
-  for (NamedPrimvar& primvar : cage->primvars) keep_primvar(kept, &primvar);
+  for_each_refined(*cage, [&](auto& primvar) { keep_primvar(kept, &primvar); });
 }
 
 }  // namespace alabaster

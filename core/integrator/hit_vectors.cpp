@@ -21,10 +21,9 @@ Vec3f motion_of(const HitVectorRequest& request, const Vertex& v) {
 }
 
 Vec3f primvar_at(const Vertex& v, const UvSetName& name) {
-  const Mesh& mesh = v.instance->prototype->mesh;
-  for (const NamedVectors& primvar : mesh.primvars)
-    if (primvar.name == name) return interpolated<Vec3f>(primvar, mesh, v.triangle);
-  return {0, 0, 0};
+  Vec4f numbers;
+  v.instance->primvars_at(v.triangle, v.hit.uv).read(name, &numbers);
+  return {numbers.x, numbers.y, numbers.z};
 }
 
 }  // namespace

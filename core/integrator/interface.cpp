@@ -196,7 +196,7 @@ MediumStack interiors_at(const PathContext& context, Ray ray, Seeker seeker) {
     if (!v.material.transmits() && v.instance->prototype->mesh.closed) [[unlikely]]
       behind = clear_material(*v.instance);
     if (behind) [[unlikely]]
-      behind->evaluate({v.instance->prototype->mesh, hit, v.hit.uv}, &v.material);
+      behind->evaluate(v.instance->primvars_at(hit, v.hit.uv), &v.material);
     if (!v.material.transmits() || (is_camera && v.instance->options.camera_cull == CameraCull::all)) continue;
     // The way out of this body is not seen: the camera's ray would carry its interior on.
     if (is_camera && inside && is_culled(*v.instance, hit, ray.dir)) continue;

@@ -81,7 +81,7 @@ namespace {
   if (is_within_union(instance, material, dir, hit)) return 0;
   const Mesh& mesh = instance.prototype->mesh;
   const Vec2f uv = mesh.uv_sets.empty() ? Vec2f(0, 0) : interpolated<Vec2f>(mesh.uv_sets.front(), mesh, hit);
-  return material.coverage({mesh, hit, uv});
+  return material.coverage(instance.primvars_at(hit, uv));
 }
 
 }  // namespace

@@ -25,7 +25,7 @@ Vec3f deformed(const Vec3f& tangent, const Mesh& mesh, const TriangleHit& hit) {
 Vec3f bumped_normal(const Instance& instance, const Placement& placement, const TriangleHit& hit,
                     const SurfaceHit& side, const NormalMap& map) {
   const Mesh& mesh = instance.prototype->mesh;
-  const UvSet* const uvs = mesh.uv_set(map.uv_set);
+  const UvSet* const uvs = mesh.uv_set(map.primvar);
   if (!uvs || !map.image) return side.ns;
   const auto [p0, p1, p2] = mesh.corners_at(hit.triangle, hit.time);
   const Corners& c = corners_of(*uvs, mesh, hit.triangle);
@@ -68,7 +68,7 @@ Vec3f mapped_normal(const Instance& instance, const Placement& placement, const 
   const bool behind = is_behind(instance, triangle, -side.ng);
   const Vec3f n = behind ? -side.ns : side.ns;
   const Vec3f b = cross(n, t) * ((tangent.w < 0) != mirrors(placement) ? -1.0f : 1.0f);
-  const Rgb m = map.color(HitPrimvars(mesh, triangle, side.uv));
+  const Rgb m = map.color(instance.primvars_at(triangle, side.uv));
   const Vec3f mapped = t * m.r + b * m.g + n * m.b;
   const float l2 = dot(mapped, mapped);
   if (!(l2 > 0) || !std::isfinite(l2)) return side.ns;

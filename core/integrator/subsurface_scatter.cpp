@@ -76,7 +76,7 @@ float value_at(const PathContext& context, const SubsurfaceExit& exit, float Dis
   std::optional<Placement> moved;
   const Placement& placement = instance.at(exit.hit, &moved);
   const SurfaceHit hit = surface_on_side(instance, placement, exit.hit, exit.direction);
-  return material.evaluate({instance.prototype->mesh, exit.hit, hit.uv}).*parameter;
+  return material.evaluate(instance.primvars_at(exit.hit, hit.uv)).*parameter;
 }
 
 /// True where light walks below no part of the surface, but for a clear share.
@@ -140,7 +140,7 @@ std::optional<ExitLayers> layers_at(const Vertex& at, const SubsurfaceExit& exit
                                     const std::optional<DisneyLayers::Entered>& passed) {
   const DisneyMaterial& material = at.instance->material(exit.hit.triangle);
   const SurfaceHit hit = surface_on_side(*at.instance, at.placement(), exit.hit, exit.direction);
-  DisneyParameters p = material.evaluate({at.instance->prototype->mesh, exit.hit, hit.uv});
+  DisneyParameters p = material.evaluate(at.instance->primvars_at(exit.hit, hit.uv));
   const auto& map = material.coat_normal_map;
   if (map || material.normal_map)
     p.coat_normal = at.frame.to_local(map ? mapped_normal(*at.instance, at.placement(), exit.hit, hit, *map) : hit.ns);
@@ -504,7 +504,7 @@ void set_within(Vertex* v) {
   if (v->has_medium()) return;
   for (const DisneyMaterial* material : v->instance->materials)
     if (material->scatters()) {
-      material->evaluate({v->instance->prototype->mesh, v->triangle, v->hit.uv}, &v->material);
+      material->evaluate(v->instance->primvars_at(v->triangle, v->hit.uv), &v->material);
       v->material.emission = Rgb(0.0f);
       drop_unresolved_distances(v);
       return;

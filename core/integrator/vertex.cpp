@@ -85,7 +85,8 @@ void evaluate_surface(const PathContext& context, const Ray& ray, const Triangle
   };
   const Vec3f n = v->is_mapped ? mapped(*material.normal_map) : smooth;
   v->frame = frame_from_normal_tangent(n, v->hit.dpdu);
-  material.evaluate({mesh, triangle, v->hit.uv, {footprint, &placement.object_to_world}}, &v->material);
+  material.evaluate(v->instance->primvars_at(triangle, v->hit.uv, {footprint, &placement.object_to_world}),
+                    &v->material);
   if (v->material.anisotropic > 0 && !has_direction_of_u(mesh, triangle.triangle)) [[unlikely]]
     v->frame = frame_from_normal_tangent(n, stand_in_tangent(v->hit, placement.object_to_world));
   if (v->material.anisotropic_rotation != 0) [[unlikely]] {

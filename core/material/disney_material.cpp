@@ -252,13 +252,27 @@ float DisneyMaterial::coverage(const HitPrimvars& at) const {
   return threshold > 0 ? (opacity >= threshold ? 1.0f : 0.0f) : opacity;
 }
 
+template <class Visit>
+static void for_each_lookup(const DisneyMaterial& material, const Visit& visit) {
+  for (const MaterialTexture& texture : material.textures) visit(texture.lookup);
+  for (const auto* map : {&material.normal_map, &material.coat_normal_map})
+    if (*map) visit(**map);
+  if (material.displacement) visit(material.displacement->texture);
+}
+
 std::vector<const Texture*> DisneyMaterial::images() const {
   std::vector<const Texture*> all;
-  for (const MaterialTexture& texture : textures)
-    if (texture.lookup.image) all.push_back(texture.lookup.image.get());
-  for (const auto* map : {&normal_map, &coat_normal_map})
-    if (*map && (*map)->image) all.push_back((*map)->image.get());
-  if (displacement) all.push_back(displacement->texture.image.get());
+  for_each_lookup(*this, [&](const TextureLookup& one) {
+    if (one.image) all.push_back(one.image.get());
+  });
+  return all;
+}
+
+std::vector<UvSetName> DisneyMaterial::primvars() const {
+  std::vector<UvSetName> all;
+  for_each_lookup(*this, [&](const TextureLookup& one) {
+    if (!one.image) all.push_back(one.primvar);
+  });
   return all;
 }
 

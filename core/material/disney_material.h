@@ -64,6 +64,8 @@ struct DisneyMaterial {
   bool varies(Rgb DisneyParameters::*parameter) const;
   bool varies(float DisneyParameters::*parameter) const;
   std::vector<const Texture*> images() const;
+  /// The primvars that are read without an image.
+  std::vector<UvSetName> primvars() const;
   /// False only if no texel can scatter: a body of this material is no medium.
   bool scatters() const {
     const DisneyParameters& p = constants;

@@ -70,12 +70,12 @@ class Displacer {
   // On the surface as it is before it moves: the limit surface, if the mesh is refined.
   void compute_tangent_frames() {
     for (const auto& d : displacements_)
-      if (d && d->space == DisplacementSpace::tangent && !tangents_.contains(d->texture.uv_set.text())) {
-        const UvSet* const uvs = mesh_.uv_set(d->texture.uv_set);
+      if (d && d->space == DisplacementSpace::tangent && !tangents_.contains(d->texture.primvar.text())) {
+        const UvSet* const uvs = mesh_.uv_set(d->texture.primvar);
         if (!mesh_.tangents.empty())
-          tangents_[d->texture.uv_set.text()] = mesh_.tangents;
+          tangents_[d->texture.primvar.text()] = mesh_.tangents;
         else if (uvs)
-          tangents_[d->texture.uv_set.text()] = compute_tangents(mesh_, *uvs);
+          tangents_[d->texture.primvar.text()] = compute_tangents(mesh_, *uvs);
       }
   }
 
@@ -135,7 +135,7 @@ class Displacer {
 
   Vec3d from_tangent_space(const Displacement& d, uint32_t corner, const TriangleHit& hit, const Vec3d& v) const {
     const Vec3d n = normal(corner);
-    const auto tangents = tangents_.find(d.texture.uv_set.text());
+    const auto tangents = tangents_.find(d.texture.primvar.text());
     if (tangents == tangents_.end()) return n * v.z;
     const Vec4f tangent = interpolated(tangents->second, mesh_, hit);
     const Vec3d along(tangent.x, tangent.y, tangent.z);
@@ -228,9 +228,9 @@ class Displacer {
 void report_missing_uvs(const Displacements& displacements, const Mesh& mesh, const std::string& where,
                         const DiagnosticSink& sink) {
   for (const auto& d : displacements)
-    if (d && d->texture.image && !mesh.uv_set(d->texture.uv_set))
+    if (d && d->texture.image && !mesh.uv_set(d->texture.primvar))
       return report(sink, Severity::warning, "mesh.displacement.uvs", where,
-                    "the mesh has no texture coordinates '" + d->texture.uv_set.text() +
+                    "the mesh has no texture coordinates '" + d->texture.primvar.text() +
                         "', which its displacement asks for; the texture is read at (0, 0)");
 }
 

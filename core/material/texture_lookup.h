@@ -1,4 +1,4 @@
-// A value that a material reads at a hit: an image through texture coordinates, or a colour of the mesh's own.
+// A value that a material reads at a hit: an image through texture coordinates, or a primvar.
 #pragma once
 
 #include <cmath>
@@ -21,8 +21,9 @@ inline int component_of(Channel channel) {
 }
 
 struct TextureLookup {
-  std::shared_ptr<const Texture> image;  // null: the mesh's displayed colour and opacity
-  UvSetName uv_set = "st";
+  std::shared_ptr<const Texture> image;  // null: the numbers of a primvar
+  UvSetName primvar = "st";              // texture coordinates of the image, or those numbers
+  Vec4f fallback{0};                     // of a primvar that is not there: the value
   UvTransform transform;
   Rgb scale{1.0f}, bias{0.0f};  // value = texel * scale + bias; of a direction, the angle's, by its first components
   float alpha_scale = 1, alpha_bias = 0;
@@ -30,7 +31,12 @@ struct TextureLookup {
   bool is_linear = false;
   bool operator==(const TextureLookup&) const = default;
 
-  Rgb color(const HitPrimvars& at) const { return (image ? texel(at) : at.color()) * scale + bias; }
+  Rgb color(const HitPrimvars& at) const {
+    if (image) [[likely]]
+      return texel(at) * scale + bias;
+    const Vec4f value = of_primvar(at);
+    return {value.x, value.y, value.z};
+  }
   /// One number of an image, where it has been placed.
   float value(const Vec2f& st, Channel channel) const {
     if (channel == Channel::a) return image->alpha(st) * alpha_scale + alpha_bias;
@@ -38,21 +44,31 @@ struct TextureLookup {
   }
   /// In turns, 0 to 1.
   float direction(const HitPrimvars& at) const {
-    const Rgb c = image ? texel(at) : at.color();
-    const float turns = std::atan2(2 * c.g - 1, 2 * c.r - 1) * (0.5f / float(M_PI)) * scale.r + bias.r;
+    const Rgb c = image ? texel(at) : color(at);
+    float turns = std::atan2(2 * c.g - 1, 2 * c.r - 1) * (0.5f / float(M_PI));
+    if (image) turns = turns * scale.r + bias.r;
     return turns - std::floor(turns);
   }
   float alpha(const HitPrimvars& at) const {
-    return (image ? image->alpha(transform(at.uv(uv_set))) : at.opacity()) * alpha_scale + alpha_bias;
+    return image ? image->alpha(transform(at.uv(primvar))) * alpha_scale + alpha_bias : of_primvar(at).w;
   }
 
  private:
+  /// One number stands for all four; the fourth of two or three is 1.
+  Vec4f of_primvar(const HitPrimvars& at) const {
+    Vec4f n;
+    const int count = at.read(primvar, &n);
+    if (count == 0) return fallback;
+    if (count == 1) n = Vec4f(n.x);
+    if (count == 2 || count == 3) n.w = 1;
+    return n * Vec4f(scale.r, scale.g, scale.b, alpha_scale) + Vec4f(bias.r, bias.g, bias.b, alpha_bias);
+  }
   Rgb texel(const HitPrimvars& at) const {
-    const Vec2f uv = transform(at.uv(uv_set));
+    const Vec2f uv = transform(at.uv(primvar));
     if (!(at.footprint() > 0) || !is_linear) [[likely]]
       return image->rgb(uv);
     const Vec2f size(static_cast<float>(image->width()), static_cast<float>(image->height()));
-    return image->filtered(uv, transform.texels_across(at.footprint(), at.uv_metric(uv_set), size));
+    return image->filtered(uv, transform.texels_across(at.footprint(), at.uv_metric(primvar), size));
   }
 };
 

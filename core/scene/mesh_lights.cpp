@@ -14,7 +14,7 @@ Rgb emission_at(const Instance& instance, uint32_t triangle, const Vec2f& b) {
   TriangleHit hit;
   hit.triangle = triangle, hit.u = b.x, hit.v = b.y;
   const Vec2f uv = mesh.uv_sets.empty() ? Vec2f(0, 0) : interpolated<Vec2f>(mesh.uv_sets.front(), mesh, hit);
-  const HitPrimvars at(mesh, hit, uv);
+  const HitPrimvars at = instance.primvars_at(hit, uv);
   const DisneyMaterial& material = instance.material(triangle);
   return material.evaluate(at).emission * material.coverage(at);
 }
@@ -95,7 +95,8 @@ const MeshLight* KnownMeshLights::find(const Instance& instance) const {
   const auto emits_alike = [&](const Instance& other) {
     return other.prototype == instance.prototype && other.object_to_world == instance.object_to_world &&
            other.materials == instance.materials && other.slots == instance.slots &&
-           other.single_sided_slots == instance.single_sided_slots;
+           other.single_sided_slots == instance.single_sided_slots && other.values == instance.values &&
+           (!instance.values || other.instance_id == instance.instance_id);
   };
   const auto [first, last] = lights_.equal_range(key(instance));
   const auto found = std::find_if(

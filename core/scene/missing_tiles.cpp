@@ -10,7 +10,7 @@ std::optional<Vec2f> find_missing_tile(const Instance& instance, const DisneyMat
                                        const TextureLookup& lookup) {
   if (!lookup.image || !lookup.image->is_set()) return std::nullopt;
   const Mesh& mesh = instance.prototype->mesh;
-  const UvSet* const set = mesh.uv_set(lookup.uv_set);
+  const UvSet* const set = mesh.uv_set(lookup.primvar);
   for (uint32_t i = 0; i < mesh.triangles.size(); ++i) {
     if (&instance.material(i) != material) continue;
     TriangleHit middle;

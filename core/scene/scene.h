@@ -14,6 +14,7 @@
 #include "core/geometry/embree_scene.h"
 #include "core/geometry/mesh.h"
 #include "core/geometry/placement.h"
+#include "core/geometry/surface_hit.h"
 #include "core/geometry/tangents.h"
 #include "core/light/light_set.h"
 #include "core/material/disney_material.h"
@@ -39,6 +40,14 @@ struct MeshPrototype {
 /// Material slots by triangle; empty: all 0.
 using TriangleSlots = std::vector<int32_t>;
 
+/// Equal where all instances have the same.
+struct InstanceValuesPtr : std::shared_ptr<const InstanceValues> {
+  using std::shared_ptr<const InstanceValues>::shared_ptr;
+  bool operator==(const InstanceValuesPtr& other) const {
+    return get() == other.get() || (*this && other && get()->are_alike(*other));
+  }
+};
+
 struct InstanceDescription {
   std::shared_ptr<const MeshPrototype> prototype;
   Matrix4d object_to_world;
@@ -52,6 +61,7 @@ struct InstanceDescription {
   MeshOptions options = {};
   uint32_t category_set = 0;                        // of SceneDescription
   uint32_t light_group = 0;                         // where it emits: of SceneDescription, from 1 on; 0: of none
+  InstanceValuesPtr values = {};                    // by instance_id
   std::shared_ptr<const TriangleSlots> slots = {};  // in the place of the mesh's own; null: those
 
   const TriangleSlots& triangle_slots() const { return slots ? *slots : prototype->mesh.triangle_material; }
@@ -120,6 +130,7 @@ struct Instance : Placement {
   /// Normal maps whose coordinates differ from those of `tangents` have their own. By address.
   std::vector<std::pair<const NormalMap*, TangentCache::Tangents>> own_tangents;
   const InstanceArray* array = nullptr;  // this is the look of all its instances; null: of one alone
+  InstanceValuesPtr values;              // of each instance, by id_of()
 
   /// Where the instance that was hit stands at the hit's time. `moved` holds the answer if it moves or is of an array.
   const Placement& at(const TriangleHit& hit, std::optional<Placement>* moved) const {
@@ -128,6 +139,13 @@ struct Instance : Placement {
   const Placement& place(const TriangleHit& hit, std::optional<Placement>* moved) const;
   bool stands_alone() const { return poses.empty() && !array; }
   int32_t id_of(const TriangleHit& hit) const;
+  /// For a material at a hit. `uv`: of the mesh's first set.
+  HitPrimvars primvars_at(const TriangleHit& hit, const Vec2f& uv, const SurfaceFootprint& footprint = {}) const {
+    InstanceOf of;
+    if (values) [[unlikely]]
+      of = {values.get(), static_cast<size_t>(id_of(hit))};
+    return {prototype->mesh, hit, uv, footprint, of};
+  }
   bool is_still() const { return poses.empty() && !prototype->mesh.deforms(); }
 
   /// The material slot of a triangle; slots beyond the list use the first.

@@ -87,6 +87,7 @@ Instance look_of(const InstanceDescription& d) {
   instance.instance_id = d.instance_id;
   instance.category_set = d.category_set;
   instance.light_group = d.light_group;
+  instance.values = d.values;
   bool has_maps = false;
   for (size_t slot = 0; slot < d.materials.size(); ++slot) {
     const DisneyMaterial& material = *d.materials[slot];
@@ -100,7 +101,7 @@ Instance look_of(const InstanceDescription& d) {
     }
     for (const auto* map : {&material.normal_map, &material.coat_normal_map}) {
       if (!*map || (*map)->is_bump) continue;
-      const auto of = d.prototype->tangents.of(d.prototype->mesh, (*map)->uv_set, (*map)->transform.axes());
+      const auto of = d.prototype->tangents.of(d.prototype->mesh, (*map)->primvar, (*map)->transform.axes());
       if (!std::exchange(has_maps, true)) instance.tangents = of;
       if (of != instance.tangents) instance.own_tangents.emplace_back(&**map, of);
     }

@@ -19,8 +19,8 @@ class ALABASTER_API Instancer {
   explicit Instancer(Path id) : id_(id) {}
   virtual ~Instancer();
   const Path& GetId() const { return id_; }
-  /// Pulls the instancer's transform and instance primvars (hydra:instanceTransforms, ...Translations, ...Rotations,
-  /// ...Scales). Point p: proto * M * S * R * T * instancerTransform * parent...
+  /// Pulls the instancer's transform and instance primvars: hydra:instanceTransforms, ...Translations, ...Rotations,
+  /// ...Scales, and values that looks read. Point p: proto * M * S * R * T * instancerTransform * parent...
   virtual void Sync(SceneDelegate* scene, RenderParam* param, DirtyBits* bits) = 0;
   virtual void Finalize(RenderParam* param) = 0;
 

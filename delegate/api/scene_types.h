@@ -37,7 +37,9 @@ inline constexpr DirtyBits kAll = ~0u;
 // Meshes -------------------------------------------------------------------------------------------
 enum class Interpolation { constant, uniform, varying, vertex, faceVarying, instance };
 
-struct PrimvarDescriptor {  // those that meshes are asked for: delegate/manual/usd.md
+/// Those that meshes are asked for: delegate/manual/usd.md. Those of an instancer that are `instance`, with a value for
+/// each of its points, are read in their place.
+struct PrimvarDescriptor {
   Token name;
   Interpolation interpolation = Interpolation::vertex;
   Token role;  // none | color | lin_rec709 (a colour of that space) | vector | normal | point | textureCoordinate
@@ -124,7 +126,9 @@ struct MaterialNode {
 ///   transforms Vec2f and Vec4f: value = texel * scale + bias. Outputs rgb, r, g, b, a, and direction for
 ///   anisotropicRotation. sourceColorSpace "auto" is sRGB or linear by the image's type for colours, raw for numbers
 ///   (scatterDistance among them).
-/// - AlabasterPrimvar: the mesh's displayColor (outputs rgb, r, g, b) and displayOpacity (output a); 1 if it has none.
+/// - AlabasterPrimvar: the primvar `varname` of one to four numbers, of the instance or the mesh (outputs rgb, r, g, b,
+///   a); `fallback` (0) where there is none. Without a name, displayColor and as `a` displayOpacity, which are 1 where
+///   there is none. scale and bias as AlabasterTexture.
 /// - UsdPreviewSurface, surfaces of MaterialX and Arnold, and the nodes above them, as authored: delegate/manual/usd.md
 ///   lists them. A parameter colorSpace:NAME says the space of NAME.
 struct MaterialNetwork {

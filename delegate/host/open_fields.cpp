@@ -259,7 +259,6 @@ constexpr FieldType array_of(int32_t type) {
 }
 constexpr FieldType kWord = {ALABASTER_TOKEN, false}, kPath = {ALABASTER_PATH, false}, kAny = {},
                     kSamples = {ALABASTER_SAMPLES, false};
-constexpr const char* kAtTimes = "Values at times, of what moves.";
 constexpr Field kMeshes[] = {
     open("primvars:points", array_of(ALABASTER_FLOAT3), "Positions of the vertices."),
     open("primvars:normals", array_of(ALABASTER_FLOAT3), "Normals for shading."),
@@ -283,7 +282,11 @@ constexpr Field kInstancers[] = {
     open("primvars:hydra:instanceRotations", array_of(ALABASTER_QUATERNION),
          "Rotations R of the instances; the real part first."),
     open("primvars:hydra:instanceScales", array_of(ALABASTER_FLOAT3), "Scales S of the instances."),
-    open("primvars:NAME:samples", kSamples, kAtTimes),
+    open("primvars:NAME", kAny,
+         "Numbers of looks, one to four for each instance: they replace those of the mesh, and those of outer "
+         "instancers."),
+    open("primvars:NAME:role", kWord, "Meaning of the values.", kRoles),
+    open("primvars:NAME:samples", kSamples, "Values at times, of transforms, translations, rotations and scales."),
     open("prototypes:PATH", array_of(ALABASTER_INT),
          "The instances of that mesh or inner instancer, as places in the primvars."),
     open("categories:NAME", array_of(ALABASTER_INT), "The instances that have the category."),
@@ -324,6 +327,7 @@ std::string check_input(const std::string& node, const Token& type, const std::s
     return std::count(names.begin(), names.end(), input) > 0 ? "" : unknown_input(node, input, names);
   };
   if (type == Token("AlabasterTexture")) return known(parameter_names("texture_node"));
+  if (type == Token("AlabasterPrimvar")) return known({"varname", "fallback", "scale", "bias"});
   if (type == Token("AlabasterDisplacement")) return known(parameter_names("displacement_node"));
   if (!(type == Token("AlabasterDisney"))) return {};
   if (is_among(input, kOtherDisneyInputs))
@@ -443,11 +447,19 @@ FieldResult set_open(InstancerDescription* instancer, const Path&, const std::st
   }
   const auto rest = after(name, "primvars:");
   if (!rest) return std::nullopt;
-  const auto [text, suffix] = split_suffix(*rest, {"samples"});
-  if (!is_among(text, kInstancePrimvars)) return std::nullopt;
-  if (!suffix.empty()) return set_samples(name, value, Token(text), &instancer->primvarSamples);
-  instancer->primvarSamples.erase(Token(text));
-  store(&instancer->primvars, Token(text), value);
+  const auto [text, suffix] = split_suffix(*rest, {"samples", "role", "indices", "interpolation"});
+  const Token key(text);
+  const bool is_place = is_among(text, kInstancePrimvars);
+  if (!is_place && text.starts_with("hydra:")) return std::nullopt;
+  if (!suffix.empty() && suffix != (is_place ? "samples" : "role")) return std::nullopt;
+  if (suffix == "samples") return set_samples(name, value, key, &instancer->primvarSamples);
+  if (suffix == "role") {
+    if (value.empty()) return instancer->primvarRoles.erase(key), "";
+    return read_into(name, value, kRoles, &instancer->primvarRoles[key]);
+  }
+  instancer->primvarSamples.erase(key);
+  if (value.empty()) instancer->primvarRoles.erase(key);
+  store(&instancer->primvars, key, value);
   return check_primvar(name, value);
 }
 
@@ -533,6 +545,7 @@ void append_open(const InstancerDescription& instancer, const Path&, Fields* fie
     add("primvars:" + key.str(), value, fields);
     add_samples("primvars:" + key.str(), support::find_in(instancer.primvarSamples, key), fields);
   }
+  for (const auto& [key, role] : instancer.primvarRoles) add("primvars:" + key.str() + ":role", role, fields);
   for (const auto& [prototype, indices] : instancer.indices) add("prototypes:" + prototype.str(), indices, fields);
   std::map<Token, std::vector<int32_t>> by_category;
   for (size_t i = 0; i < instancer.categories.size(); ++i)

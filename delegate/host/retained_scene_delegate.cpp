@@ -25,19 +25,20 @@ bool replace_part(Value* array, size_t first, const Value& part) {
     fits = true;
   };
   try_type(Array<Vec3f>()), try_type(Array<Quatf>()), try_type(Array<Matrix4d>());
+  try_type(Array<float>()), try_type(Array<Vec2f>()), try_type(Array<Vec4f>());
   return fits;
 }
 
-PrimvarDescriptor descriptor_of(const Token& name, const PrimvarValue& primvar) {
-  return {name, primvar.interpolation, primvar.role, !primvar.indices.empty()};
-}
-PrimvarDescriptor descriptor_of(const Token& name, const Value&) {
-  return {name, Interpolation::instance, Token(), false};
-}
-template <class Primvar>
-std::vector<PrimvarDescriptor> descriptors_of(const std::map<Token, Primvar>& primvars) {
+std::vector<PrimvarDescriptor> descriptors_of(const MeshDescription& mesh) {
   std::vector<PrimvarDescriptor> descriptors;
-  for (const auto& [name, primvar] : primvars) descriptors.push_back(descriptor_of(name, primvar));
+  for (const auto& [name, primvar] : mesh.primvars)
+    descriptors.push_back({name, primvar.interpolation, primvar.role, !primvar.indices.empty()});
+  return descriptors;
+}
+std::vector<PrimvarDescriptor> descriptors_of(const InstancerDescription& instancer) {
+  std::vector<PrimvarDescriptor> descriptors;
+  for (const auto& [name, values] : instancer.primvars)
+    descriptors.push_back({name, Interpolation::instance, value_in(instancer.primvarRoles, name), false});
   return descriptors;
 }
 
@@ -261,7 +262,7 @@ Path RetainedSceneDelegate::GetMaterialId(const Path& id) {
 
 std::vector<PrimvarDescriptor> RetainedSceneDelegate::GetPrimvarDescriptors(const Path& id) {
   return state_->pull<MeshDescription>(
-      id, [](const auto& prim) -> decltype(descriptors_of(prim.primvars)) { return descriptors_of(prim.primvars); });
+      id, [](const auto& prim) -> decltype(descriptors_of(prim)) { return descriptors_of(prim); });
 }
 Value RetainedSceneDelegate::GetPrimvar(const Path& id, const Token& name, Array<int32_t>* indices) {
   if (indices) *indices = {};

@@ -41,11 +41,12 @@ struct MeshDescription {
 struct InstancerDescription {
   Matrix4d transform;
   Path parent;                                  // outer instancer; empty: none
-  std::map<Token, Value> primvars;              // hydra:instanceTransforms, ...
+  std::map<Token, Value> primvars;              // by instance: hydra:instanceTransforms, ... and those that looks read
   std::map<Path, Array<int32_t>> indices;       // prototype (mesh or inner instancer) -> indices into the primvars
   TimeSamples<Matrix4d> transformSamples = {};  // of what moves
   std::map<Token, TimeSamples<Value>> primvarSamples = {};  // of points that move
   std::vector<std::vector<Token>> categories = {};          // by instance
+  std::map<Token, Token> primvarRoles = {};                 // of primvars that have one
   bool operator==(const InstancerDescription&) const = default;
 };
 

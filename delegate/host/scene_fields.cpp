@@ -428,7 +428,8 @@ DirtyBits open_difference(const Mesh& a, const Mesh& b) {
 }
 DirtyBits open_difference(const InstancerDescription& a, const InstancerDescription& b) {
   DirtyBits bits = dirty::kClean;
-  if (!(a.primvars == b.primvars) || !(a.primvarSamples == b.primvarSamples)) bits |= dirty::kPrimvar;
+  if (!(a.primvars == b.primvars) || !(a.primvarSamples == b.primvarSamples) || a.primvarRoles != b.primvarRoles)
+    bits |= dirty::kPrimvar;
   if (!(a.categories == b.categories)) bits |= dirty::kCategories;
   return bits;
 }

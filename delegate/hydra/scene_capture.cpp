@@ -2,6 +2,7 @@
 
 #include "delegate/archive/archive.h"
 #include "delegate/host/scene_fields.h"
+#include "delegate/support/float_values.h"
 
 namespace alabaster::hydra {
 namespace {
@@ -11,6 +12,22 @@ void take_samples(hd::SceneDelegate& scene, const hd::Path& id, std::initializer
                   std::map<hd::Token, hd::TimeSamples<hd::Value>>* taken) {
   for (const char* name : names)
     if (auto samples = scene.SamplePrimvar(id, name); samples.values.size() > 1) (*taken)[name] = std::move(samples);
+}
+
+// Values by instance have no indices of their own here.
+hd::Value flattened(const hd::Value& values, const hd::Array<int32_t>& indices) {
+  const hd::Value floats = hd::support::FloatValues(values);
+  hd::Value flat = values;
+  const auto flatten = [&]<class T>(const hd::Array<T>* array) {
+    if (!array) return;
+    std::vector<T> all;
+    for (const int32_t i : indices)
+      if (i >= 0 && static_cast<size_t>(i) < array->size()) all.push_back((*array)[static_cast<size_t>(i)]);
+    flat = all;
+  };
+  flatten(floats.get<hd::Array<float>>()), flatten(floats.get<hd::Array<hd::Vec2f>>());
+  flatten(floats.get<hd::Array<hd::Vec3f>>()), flatten(floats.get<hd::Array<hd::Vec4f>>());
+  return flat;
 }
 
 }  // namespace
@@ -53,9 +70,13 @@ void SceneCapture::TakeMesh(hd::SceneDelegate& scene, const hd::Path& id) {
 
 void SceneCapture::TakeInstancer(hd::SceneDelegate& scene, const hd::Path& id) {
   std::map<hd::Token, hd::Value> primvars;
+  std::map<hd::Token, hd::Token> roles;
   for (const hd::PrimvarDescriptor& primvar : scene.GetPrimvarDescriptors(id)) {
-    hd::Array<int32_t> none;
-    primvars[primvar.name] = scene.GetPrimvar(id, primvar.name, &none);
+    if (primvar.interpolation != hd::Interpolation::instance) continue;
+    hd::Array<int32_t> indices;
+    const hd::Value value = scene.GetPrimvar(id, primvar.name, &indices);
+    primvars[primvar.name] = primvar.indexed ? flattened(value, indices) : value;
+    if (!primvar.role.empty()) roles[primvar.name] = primvar.role;
   }
   const hd::Matrix4d transform = scene.GetInstancerTransform(id);
   const hd::Path parent = scene.GetInstancerId(id);
@@ -72,7 +93,7 @@ void SceneCapture::TakeInstancer(hd::SceneDelegate& scene, const hd::Path& id) {
   auto& held = instancer(id);
   held.transform = transform, held.parent = parent, held.primvars = std::move(primvars);
   held.transformSamples = std::move(motion), held.primvarSamples = std::move(samples);
-  held.categories = std::move(categories);
+  held.categories = std::move(categories), held.primvarRoles = std::move(roles);
 }
 
 void SceneCapture::TakeMaterial(hd::SceneDelegate& scene, const hd::Path& id) {

@@ -350,12 +350,17 @@ Pattern Patterns::unpack_normals(const Path& id, const MaterialNode& node, int d
 }
 
 Pattern Patterns::read_primvar(const MaterialNode& node, const std::string& name, const char* fallback) const {
-  if (name != "displayColor" && name != "displayOpacity")
-    return {std::nullopt, "primvar '" + name + "', but surfaces read displayColor and displayOpacity alone"};
-  const Vec4f missing = constant(node, fallback).value_or(Vec4f(1));
-  if (missing.x != 1 || missing.y != 1 || missing.z != 1)
-    warn_("material.node", std::string("the ") + fallback + " of " + name + " is not read: meshes without it have 1");
-  return {Signal{Vec4f(1), {{name, {"AlabasterPrimvar", {}, {}}, name == "displayColor" ? "rgb" : "a"}}}, ""};
+  const std::string& type = node.nodeTypeId.str();
+  const auto ends = [&](const char* word) { return type.ends_with(word); };
+  if (name.empty()) return {std::nullopt, "a node of type '" + type + "', which names no primvar"};
+  if (ends("_string") || ends("_matrix") || ends("_boolean") || ends("matrix44") || ends("filename"))
+    return {std::nullopt, "primvar '" + name + "' by a node of type '" + type + "', but primvars are read as numbers"};
+  MaterialNode reader{"AlabasterPrimvar", {}, {}};  // of displayColor, with displayOpacity as its alpha
+  if (name != "displayColor") reader.parameters["varname"] = Token(name);
+  if (const auto missing = constant(node, fallback)) reader.parameters["fallback"] = *missing;
+  return {
+      Signal{Vec4f(1), {{name, std::move(reader), ends("_float") || ends("_int") || ends("_integer") ? "r" : "rgb"}}},
+      ""};
 }
 
 Pattern Patterns::read_image(const Path& id, const MaterialNode& node, const std::string& output, int depth) {

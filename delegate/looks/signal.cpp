@@ -50,8 +50,8 @@ std::optional<Signal> folded(Signal signal, const Vec4f& scale, const Vec4f& bia
   if (signal.factors.empty()) return std::nullopt;
   const Vec4f whole = signal.constant * scale;
   Factor& texture = signal.factors.front();
-  const bool is_one = signal.factors.size() == 1 && texture.node.nodeTypeId == Token("AlabasterTexture");
-  if (!is_one || (texture.output != "rgb" && !(is_grey(whole) && is_grey(bias)))) return std::nullopt;
+  if (signal.factors.size() != 1 || (texture.output != "rgb" && !(is_grey(whole) && is_grey(bias))))
+    return std::nullopt;
   // A number's channel may be the image's alpha.
   const bool is_number = texture.output != "rgb";
   const Vec4f s = is_number ? Vec4f(whole.x) : whole, b = is_number ? Vec4f(bias.x) : bias;

@@ -25,6 +25,17 @@ Displacements displacements_of(const MeshRecord& mesh, MaterialLookup& materials
   return all;
 }
 
+// Those that its materials and AOVs read, but for those that every mesh has.
+NamedPrimvars primvars_of(const MeshRecord& mesh, MaterialLookup& materials, const MeshView& view) {
+  std::set<Token> names(view.primvars.begin(), view.primvars.end());
+  for (const Path& path : mesh.materials)
+    if (const MaterialRecord* const record = materials.find(path); record && record->material)
+      for (const UvSetName& name : record->material->primvars()) names.emplace(name.text());
+  names.erase(kDisplayColor), names.erase(kDisplayOpacity);
+  if (names.empty()) return {};
+  return {{names.begin(), names.end()}, mesh.other_primvars};
+}
+
 // One that deforms is the same mesh at all times.
 bool is_diced(const PulledMesh& mesh) {
   return mesh.point_samples.times.size() < 2 && mesh.style.refineLevel > 0 && is_refined(mesh);
@@ -45,8 +56,7 @@ std::vector<Matrix4d> placements_of(const Path& path, const MeshRecord& mesh, su
 
 MeshRequest request_of(const Path& path, const MeshRecord& mesh, MaterialLookup& materials, const MeshView& view,
                        support::Placements& placements) {
-  MeshRequest request{displacements_of(mesh, materials), {}, {}, {}};
-  if (!view.primvars.empty()) request.primvars = {view.primvars, mesh.other_primvars};
+  MeshRequest request{displacements_of(mesh, materials), primvars_of(mesh, materials, view), {}, {}};
   if (view.dicing.edge_length > 0 && is_diced(*mesh.source)) {
     request.dicing = view.dicing;
     request.placements = placements_of(path, mesh, placements);

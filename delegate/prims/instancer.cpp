@@ -1,7 +1,37 @@
+#include <algorithm>
+#include <cmath>
+
 #include "delegate/prims/motion.h"
 #include "delegate/prims/prims.h"
 
 namespace alabaster::hd::prims {
+
+// Those that say where instances stand have been pulled.
+void InstancerPrim::pull_primvars(SceneDelegate& scene, SceneParam& param, const support::InstancingReport& report) {
+  const std::vector<PrimvarDescriptor> descriptors = scene.GetPrimvarDescriptors(GetId());
+  OtherPrimvars now;
+  for (const PrimvarDescriptor& descriptor : descriptors)
+    if (descriptor.interpolation == Interpolation::instance && !descriptor.name.str().starts_with("hydra:"))
+      now.by_name[descriptor.name] = pull_primvar(scene, GetId(), descriptor, &param);
+  if (record_.primvars && *record_.primvars == now) return;
+  const size_t points = record_.points ? record_.points->size() : 0;  // 0: as many as are asked for
+  std::erase_if(now.by_name, [&](const auto& named) {
+    const auto& [name, primvar] = named;
+    const NumberArray numbers = numbers_of(primvar.value);
+    const size_t given = primvar.indices.empty() ? numbers.count : primvar.indices.size();
+    std::string fault;
+    const auto is_number = [](float n) { return std::isfinite(n); };
+    if (!numbers.data) return true;  // a text
+    if (points > 0 && given != points)
+      fault = " has " + std::to_string(given) + " values, " + std::to_string(points) + " are needed (one per instance)";
+    else if (!std::all_of(numbers.data, numbers.data + numbers.count * numbers.width, is_number))
+      fault = " has values that are not finite";
+    if (!fault.empty()) report("instancer.primvar", GetId(), "primvar " + name.str() + fault + "; ignored");
+    return !fault.empty();
+  });
+  hold_arrays(&now, &param.buffers(), GetId().str());
+  record_.primvars = now.by_name.empty() ? nullptr : std::make_shared<const OtherPrimvars>(std::move(now));
+}
 
 DirtyBits InstancerPrim::post_record(SceneDelegate& scene, SceneParam& param, DirtyBits bits) {
   if (bits & dirty::kTransform) {
@@ -20,6 +50,7 @@ DirtyBits InstancerPrim::post_record(SceneDelegate& scene, SceneParam& param, Di
       record_.moving_points = {};
     }
     record_.points = std::move(points);
+    pull_primvars(scene, param, report);
   }
   if (bits & dirty::kInstancer) record_.parent = scene.GetInstancerId(GetId());
   if (bits & (dirty::kInstancer | dirty::kInstanceIndex))

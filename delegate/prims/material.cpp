@@ -54,6 +54,11 @@ struct NodeReader {
   }
 };
 
+void set_scale(const TextureInputs& in, TextureLookup* lookup) {
+  lookup->scale = {in.scale.x, in.scale.y, in.scale.z}, lookup->alpha_scale = in.scale.w;
+  lookup->bias = {in.bias.x, in.bias.y, in.bias.z}, lookup->alpha_bias = in.bias.w;
+}
+
 /// A node of type AlabasterTexture.
 struct TextureNodeReader : NodeReader {
   std::optional<std::string>* fault;  // receives an image that cannot be read
@@ -84,10 +89,9 @@ struct TextureNodeReader : NodeReader {
         param.texture(source, may_miss ? &missing : fault, may_miss ? alabaster::DiagnosticSink() : sink, cancel);
     if (missing) warn("material.texture.fallback", *missing + "; its fallback is used");
     if (!lookup.image) return std::nullopt;
-    if (const std::string set = parameter("st").text_or(""); !set.empty()) lookup.uv_set = set;
+    if (const std::string set = parameter("st").text_or(""); !set.empty()) lookup.primvar = set;
     lookup.transform = UvTransform(in.st_offset, in.st_rotation, in.st_scale);
-    lookup.scale = {in.scale.x, in.scale.y, in.scale.z}, lookup.alpha_scale = in.scale.w;
-    lookup.bias = {in.bias.x, in.bias.y, in.bias.z}, lookup.alpha_bias = in.bias.w;
+    set_scale(in, &lookup);
     lookup.is_linear = texels == Texels::colors;
     return lookup;
   }
@@ -163,7 +167,8 @@ class MaterialReader {
                                                "; meshes are not displaced");
     const MaterialConnection& connection = connections->second.front();
     std::optional<TextureLookup> lookup = read_lookup(connection.upstreamNode, "displacement", Texels::numbers);
-    if (!lookup || !lookup->image) return;
+    if (!lookup) return;
+    if (!lookup->image) return warn("material.displacement", "a primvar does not displace; connect a texture");
     const NodeReader reader{node->first, node->second, param_, sink_};
     const auto in = reader.inputs<DisplacementInputs>(displacement_inputs());
     const bool is_vector = in.space != DisplacementSpace::normal;
@@ -208,8 +213,7 @@ class MaterialReader {
     for (const MaterialConnection& connection : connections) {
       const Channel channel = channel_of(connection, reads_of(*row));
       // Alpha is the same whatever its image's colours mean: it comes from the one that is read for colours.
-      MaterialTexture* const texture =
-          texture_of(connection.upstreamNode, input, channel == Channel::a ? Texels::colors : row->texels, material);
+      MaterialTexture* const texture = texture_of(connection.upstreamNode, input, channel, row->texels, material);
       if (texture)
         texture->uses.push_back({row, channel}), connected = true;
       else
@@ -298,21 +302,42 @@ class MaterialReader {
   }
 
   /// The material's texture of a node, which several inputs share; null (reported) if it cannot be had.
-  MaterialTexture* texture_of(const Path& node_id, const Token& input, Texels texels, DisneyMaterial* material) {
-    const auto known = textures_.find({node_id, texels});
+  MaterialTexture* texture_of(const Path& node_id, const Token& input, Channel channel, Texels texels,
+                              DisneyMaterial* material) {
+    if (channel == Channel::a) texels = Texels::colors;
+    const std::tuple key(node_id, texels, channel == Channel::a && is_primvar(node_id));
+    const auto known = textures_.find(key);
     if (known != textures_.end()) return &material->textures[known->second];
-    std::optional<TextureLookup> lookup = read_lookup(node_id, input, texels);
+    std::optional<TextureLookup> lookup = read_lookup(node_id, input, texels, channel);
     if (!lookup) return nullptr;
-    textures_[{node_id, texels}] = material->textures.size();
+    textures_[key] = material->textures.size();
     material->textures.push_back({std::move(*lookup), {}});
     return &material->textures.back();
   }
 
-  std::optional<TextureLookup> read_lookup(const Path& node_id, const Token& input, Texels texels) const {
+  bool is_primvar(const Path& node_id) const {
+    const auto node = network_.nodes.find(node_id);
+    return node != network_.nodes.end() && node->second.nodeTypeId == Token("AlabasterPrimvar");
+  }
+
+  // Without a name, displayColor and as alpha displayOpacity.
+  static TextureLookup read_primvar(const NodeReader& node, Channel channel) {
+    TextureLookup lookup;
+    std::string name = node.parameter("varname").text_or("");
+    if (name.empty()) name = channel == Channel::a ? kDisplayOpacity : kDisplayColor;
+    const bool is_displayed = name == kDisplayColor || name == kDisplayOpacity;
+    lookup.primvar = name;
+    lookup.fallback = node.fallback().value_or(Vec4f(is_displayed ? 1.0f : 0.0f));
+    set_scale(node.texture_inputs(), &lookup);
+    return lookup;
+  }
+
+  std::optional<TextureLookup> read_lookup(const Path& node_id, const Token& input, Texels texels,
+                                           Channel channel = Channel::rgb) const {
     const auto node = network_.nodes.find(node_id);
     if (node != network_.nodes.end() && node->second.nodeTypeId == Token("AlabasterTexture"))
       return TextureNodeReader{{node_id, node->second, param_, sink_}, fault_, cancel_, of_alpha_}.read(texels);
-    if (node != network_.nodes.end() && node->second.nodeTypeId == Token("AlabasterPrimvar")) return TextureLookup();
+    if (is_primvar(node_id)) return read_primvar({node_id, node->second, param_, sink_}, channel);
     const std::string what = node == network_.nodes.end()
                                  ? node_id.str() + ", which does not exist"
                                  : "a node of unknown type '" + node->second.nodeTypeId.str() + "'";
@@ -350,8 +375,8 @@ class MaterialReader {
   const alabaster::DiagnosticSink& sink_;
   const CancelToken& cancel_;
   std::optional<std::string>* fault_ = nullptr;
-  std::vector<Value> of_alpha_;                         // files whose alpha some input reads
-  std::map<std::pair<Path, Texels>, size_t> textures_;  // of the material, by node and meaning
+  std::vector<Value> of_alpha_;                                // files whose alpha some input reads
+  std::map<std::tuple<Path, Texels, bool>, size_t> textures_;  // of the material, by node, meaning, alpha of a primvar
 };
 
 // True if a node names the image; without a name, any.

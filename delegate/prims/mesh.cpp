@@ -16,16 +16,9 @@ constexpr DirtyBits kPrimvarBits = dirty::kPrimvar | dirty::kNormals;
 
 PulledPrimvar pull_primvar(SceneDelegate& scene, const Path& id, const Token& name,
                            const std::vector<PrimvarDescriptor>& descriptors, SceneParam* param = nullptr) {
-  PulledPrimvar pulled;
-  for (const PrimvarDescriptor& descriptor : descriptors) {
-    if (!(descriptor.name == name)) continue;
-    pulled.present = true;
-    pulled.interpolation = descriptor.interpolation;
-    if (param && descriptor.role == Token(support::kLinearRec709)) pulled.to_rendering = param->rec709_to_rendering();
-    pulled.value = support::FloatValues(scene.GetPrimvar(id, name, &pulled.indices));
-    pulled.indices = descriptor.indexed ? pulled.indices.frozen() : Array<int32_t>();
-  }
-  return pulled;
+  for (const PrimvarDescriptor& descriptor : descriptors)
+    if (descriptor.name == name) return prims::pull_primvar(scene, id, descriptor, param);
+  return {};
 }
 
 // A name for the whole mesh; empty: none.
@@ -90,11 +83,6 @@ SubdivTags frozen(SubdivTags tags) {
   return tags;
 }
 
-bool is_of_numbers(const Value& value) {
-  return value.get<Array<float>>() || value.get<Array<Vec2f>>() || value.get<Array<Vec3f>>() ||
-         value.get<Array<Vec4f>>();
-}
-
 // A front that the camera passes leaves the back as the only side there is to see.
 void set_sides(CullStyle style, bool double_sided, MeshOptions* options) {
   const bool front = style == CullStyle::front || (style == CullStyle::frontUnlessDoubleSided && !double_sided);
@@ -110,6 +98,15 @@ void update(T* held, T now, bool* changed) {
 }
 
 }  // namespace
+
+PulledPrimvar pull_primvar(SceneDelegate& scene, const Path& id, const PrimvarDescriptor& descriptor,
+                           SceneParam* param) {
+  PulledPrimvar pulled{.present = true, .interpolation = descriptor.interpolation, .value = {}, .indices = {}};
+  if (param && descriptor.role == Token(support::kLinearRec709)) pulled.to_rendering = param->rec709_to_rendering();
+  pulled.value = support::FloatValues(scene.GetPrimvar(id, descriptor.name, &pulled.indices));
+  pulled.indices = descriptor.indexed ? pulled.indices.frozen() : Array<int32_t>();
+  return pulled;
+}
 
 // A value that is dirty but equal to what is held changes nothing: the descriptor set may differ elsewhere.
 void MeshPrim::pull_shape(SceneDelegate& scene, DirtyBits bits) {
@@ -132,7 +129,7 @@ void MeshPrim::pull_shape(SceneDelegate& scene, DirtyBits bits) {
     update(&pulled_.normal_samples, pull_samples(scene, GetId(), "normals"), &shape_changed_);
 }
 
-// Those that no material reads are held beside the shape: they do not count as a change of it.
+// Those of other names are held beside the shape: they count as a change of it where something reads them.
 void MeshPrim::pull_primvars(SceneDelegate& scene, SceneParam& param) {
   const alabaster::DiagnosticSink& sink = param.sink();
   const std::vector<PrimvarDescriptor> descriptors = scene.GetPrimvarDescriptors(GetId());
@@ -148,8 +145,8 @@ void MeshPrim::pull_primvars(SceneDelegate& scene, SceneParam& param) {
     if (descriptor.role == Token("textureCoordinate") || descriptor.name == Token("st")) {
       uvs[descriptor.name] = pull_primvar(scene, GetId(), descriptor.name, descriptors);
     } else if (!is_of_shape(descriptor.name)) {
-      PulledPrimvar other = pull_primvar(scene, GetId(), descriptor.name, descriptors);
-      if (is_of_numbers(other.value)) others.by_name[descriptor.name] = std::move(other);
+      PulledPrimvar other = prims::pull_primvar(scene, GetId(), descriptor, &param);
+      if (numbers_of(other.value).data) others.by_name[descriptor.name] = std::move(other);
     }
   }
   update(&pulled_.uvs, std::move(uvs), &shape_changed_);

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "core/geometry/subdivision.h"
+#include "delegate/support/lookup.h"
 #include "delegate/support/mesh_words.h"
 
 namespace alabaster::hd::prims {
@@ -85,24 +86,22 @@ alabaster::Primvar<T> primvar(const PulledPrimvar& pulled, const char* name, con
   return out;
 }
 
-// One to three numbers each, as vectors.
-alabaster::Primvar<Vec3f> vectors(const PulledPrimvar& pulled, const char* name, const Reporter& reporter) {
-  alabaster::Primvar<Vec3f> out;
-  if (!pulled.present || !set_interpolation(pulled, name, reporter, &out)) return out;
-  const auto read = [&](const auto* array, const auto& vector) {
-    if (array)
-      for (const auto& value : *array) out.values.push_back(vector(value));
+NamedPrimvar named_primvar(const PulledPrimvar& pulled, const std::string& name, const Reporter& reporter) {
+  NamedPrimvar out{{}, name};
+  const auto read = [&]<class T>(const Array<T>* array) {
+    if (array) out.values = primvar<T>(pulled, name.c_str(), reporter);
     return array != nullptr;
   };
   const Value& v = pulled.value;
-  const bool known = read(v.get<Array<float>>(), [](float x) { return Vec3f(x, 0, 0); }) ||
-                     read(v.get<Array<Vec2f>>(), [](const Vec2f& x) { return Vec3f(x.x, x.y, 0); }) ||
-                     read(v.get<Array<Vec3f>>(), [](const Vec3f& x) { return x; }) ||
-                     read(v.get<Array<Vec4f>>(), [](const Vec4f& x) { return Vec3f(x.x, x.y, x.z); });
-  if (!known)
-    reporter.warn("mesh.primvar.type", std::string("primvar ") + name + " is not of numbers; no AOV can show it");
-  else
-    out.indices = copy(pulled.indices);
+  const bool known = read(v.get<Array<float>>()) || read(v.get<Array<Vec2f>>()) || read(v.get<Array<Vec3f>>()) ||
+                     read(v.get<Array<Vec4f>>());
+  if (!known && !v.empty())
+    reporter.warn("mesh.primvar.type", "primvar " + name + " is not of numbers; it is left out");
+  if (auto* const colors = std::get_if<alabaster::Primvar<Vec3f>>(&out.values); colors && pulled.to_rendering)
+    for (Vec3f& value : colors->values) {
+      const Rgb color = (*pulled.to_rendering)(Rgb(value.x, value.y, value.z));
+      value = {color.r, color.g, color.b};
+    }
   return out;
 }
 
@@ -110,17 +109,7 @@ const PulledPrimvar* find_primvar(const PulledMesh& mesh, const NamedPrimvars& n
   for (const auto& [known, primvar] : kPulledPrimvars)
     if (name == Token(known)) return &(mesh.*primvar);
   if (const auto uvs = mesh.uvs.find(name); uvs != mesh.uvs.end()) return &uvs->second;
-  if (!named.others) return nullptr;
-  const auto other = named.others->by_name.find(name);
-  return other == named.others->by_name.end() ? nullptr : &other->second;
-}
-
-alabaster::Primvar<Rgb> to_colors(alabaster::Primvar<Vec3f> vectors, const RgbMatrix* to_rendering) {
-  alabaster::Primvar<Rgb> colors{vectors.interpolation, {}, std::move(vectors.indices)};
-  for (const Vec3f& v : vectors.values) colors.values.emplace_back(v.x, v.y, v.z);
-  if (to_rendering)
-    for (Rgb& color : colors.values) color = (*to_rendering)(color);
-  return colors;
+  return named.find(name);
 }
 
 // for_each_buffer(visit, value) calls visit(data, bytes) for each array of a value that is not empty.
@@ -134,11 +123,7 @@ void for_each_buffer(const Visit& visit, const Array<T>&... arrays) {
 
 template <class Visit>
 void for_each_buffer(const Visit& visit, const Value& value) {
-  const auto one = [&](const auto* array) {
-    if (array) for_each_buffer(visit, *array);
-  };
-  one(value.get<Array<float>>()), one(value.get<Array<Vec2f>>());
-  one(value.get<Array<Vec3f>>()), one(value.get<Array<Vec4f>>());
+  if (const NumberArray all = numbers_of(value); all.data) visit(all.data, all.count * all.width * sizeof(float));
 }
 
 template <class Visit>
@@ -183,6 +168,29 @@ size_t bytes_in(const T& value) {
 
 }  // namespace
 
+const PulledPrimvar* NamedPrimvars::find(const Token& name) const {
+  return others ? support::find_in(others->by_name, name) : nullptr;
+}
+
+bool NamedPrimvars::operator==(const NamedPrimvars& other) const {
+  const auto is_same = [&](const Token& name) {
+    const PulledPrimvar *a = find(name), *b = other.find(name);
+    return a == b || (a && b && *a == *b);
+  };
+  return names == other.names && (others == other.others || std::all_of(names.begin(), names.end(), is_same));
+}
+
+NumberArray numbers_of(const Value& value) {
+  NumberArray found;
+  const auto take = [&]<class T>(const Array<T>* array) {
+    if (array && !array->empty())
+      found = {reinterpret_cast<const float*>(array->data()), sizeof(T) / sizeof(float), array->size()};
+  };
+  take(value.get<Array<float>>()), take(value.get<Array<Vec2f>>());
+  take(value.get<Array<Vec3f>>()), take(value.get<Array<Vec4f>>());
+  return found;
+}
+
 static_assert(kMaxRefineLevel == kMaxSubdivisionLevel);
 int refine_level(const PulledMesh& mesh) {
   return is_refined(mesh) ? std::clamp(mesh.style.refineLevel, 0, kMaxSubdivisionLevel) : 0;
@@ -207,12 +215,11 @@ Cage make_cage(const PulledMesh& mesh, const NamedPrimvars& named, const std::st
   cage.tangents = primvar<Vec4f>(mesh.tangents, "tangents", reporter);
   for (const auto& [name, pulled] : mesh.uvs)
     cage.uvs.push_back({primvar<Vec2f>(pulled, name.str().c_str(), reporter), name.str()});
-  cage.colors =
-      to_colors(primvar<Vec3f>(mesh.display_color, "displayColor", reporter), mesh.display_color.to_rendering.get());
-  cage.opacities = primvar<float>(mesh.display_opacity, "displayOpacity", reporter);
-  for (const Token& name : named.names)
-    if (const PulledPrimvar* const found = find_primvar(mesh, named, name))
-      cage.primvars.push_back({vectors(*found, name.str().c_str(), reporter), name.str()});
+  const auto add = [&](const PulledPrimvar* found, const std::string& name) {
+    if (found && found->present) cage.primvars.push_back(named_primvar(*found, name, reporter));
+  };
+  add(&mesh.display_color, kDisplayColor), add(&mesh.display_opacity, kDisplayOpacity);
+  for (const Token& name : named.names) add(find_primvar(mesh, named, name), name.str());
   return cage;
 }
 

@@ -19,6 +19,13 @@ struct PulledPrimvar {
   bool operator==(const PulledPrimvar&) const = default;
 };
 
+/// An array of numbers or of vectors of them, as floats. Null: it is of another type, or empty.
+struct NumberArray {
+  const float* data = nullptr;
+  size_t width = 0, count = 0;
+};
+NumberArray numbers_of(const Value& value);
+
 /// The values that a mesh prim has pulled so far: numbers of any type as floats (support::FloatValues). Arrays are
 /// shared with the scene delegate, unless they had to be converted or the host edits them in place.
 struct PulledMesh {
@@ -31,6 +38,9 @@ struct PulledMesh {
   SharedReservations memory;
 };
 
+/// What a mesh without a material shows; built whether or not they are asked for.
+inline constexpr const char kDisplayColor[] = "displayColor", kDisplayOpacity[] = "displayOpacity";
+
 struct PulledPrimvarName {
   const char* name;
   PulledPrimvar PulledMesh::*primvar;
@@ -38,8 +48,8 @@ struct PulledPrimvarName {
 constexpr PulledPrimvarName kPulledPrimvars[] = {{"points", &PulledMesh::points},
                                                  {"normals", &PulledMesh::normals},
                                                  {"tangents", &PulledMesh::tangents},
-                                                 {"displayColor", &PulledMesh::display_color},
-                                                 {"displayOpacity", &PulledMesh::display_opacity}};
+                                                 {kDisplayColor, &PulledMesh::display_color},
+                                                 {kDisplayOpacity, &PulledMesh::display_opacity}};
 inline bool is_refined(const PulledMesh& mesh) {
   return !mesh.topology.scheme.empty() && !(mesh.topology.scheme == Token("none"));
 }
@@ -53,7 +63,7 @@ struct FaceSlots {
   bool operator==(const FaceSlots&) const = default;
 };
 
-/// Primvars that no material reads, by name.
+/// Primvars of other names, of a mesh or by instance.
 struct OtherPrimvars {
   std::map<Token, PulledPrimvar> by_name;
   SharedReservations memory = {};
@@ -65,11 +75,13 @@ struct OtherPrimvars {
 template <class T>  // PulledMesh, FaceSlots or OtherPrimvars
 void hold_arrays(T* value, BufferReservations* buffers, const std::string& where);
 
-/// The primvars of a mesh that AOVs show.
+/// The primvars of a mesh that its materials read or AOVs show.
 struct NamedPrimvars {
   std::vector<Token> names;
   std::shared_ptr<const OtherPrimvars> others;  // null: none
-  bool operator==(const NamedPrimvars&) const = default;
+
+  const PulledPrimvar* find(const Token& name) const;  // null: none among the others
+  bool operator==(const NamedPrimvars&) const;         // of those of the names
 };
 
 /// Bytes of all arrays of its cage, its own and those of the host.

@@ -38,6 +38,10 @@ class RecordedPrim : public Recorded<Base> {
   DirtyBits GetInitialDirtyBitsMask() const final { return dirty::kAll; }
 };
 
+/// With `param` a colour's space counts.
+PulledPrimvar pull_primvar(SceneDelegate& scene, const Path& id, const PrimvarDescriptor& descriptor,
+                           SceneParam* param);
+
 /// Pulls only: the shape is built where it is first drawn (built_meshes.h), once for each edit of it.
 class MeshPrim final : public RecordedPrim<Rprim> {
  public:
@@ -63,6 +67,7 @@ class InstancerPrim final : public Recorded<Instancer> {
 
  private:
   DirtyBits post_record(SceneDelegate& scene, SceneParam& param, DirtyBits bits) override;
+  void pull_primvars(SceneDelegate& scene, SceneParam& param, const support::InstancingReport& report);
   InstancerRecord record_;
 };
 

@@ -44,7 +44,10 @@ struct MeshRecord {
   bool operator==(const MeshRecord&) const = default;
 };
 
-using support::InstancerRecord;
+struct InstancerRecord : support::InstancerRecord {
+  std::shared_ptr<const OtherPrimvars> primvars;  // by point; another object after each edit of them; null: none
+  bool operator==(const InstancerRecord&) const = default;
+};
 
 struct MaterialRecord {
   std::shared_ptr<const DisneyMaterial> material;

@@ -38,8 +38,10 @@ void add_mesh(const MeshPrototype& prototype, Digest* digest) {
   add(digest, mesh.points, mesh.triangles, mesh.normals, mesh.normal_triangles);
   add(digest, mesh.tangents.values, mesh.tangents.triangles);
   for (const UvSet& uvs : mesh.uv_sets) add(digest, uvs.name.text(), uvs.values, uvs.triangles);
-  add(digest, mesh.colors.values, mesh.colors.triangles, mesh.opacities.values, mesh.opacities.triangles);
-  for (const NamedVectors& primvar : mesh.primvars) add(digest, primvar.name.text(), primvar.values, primvar.triangles);
+  for (const NamedAttribute& primvar : mesh.primvars) {
+    digest->add(primvar.name.text());
+    std::visit([&](const auto& attribute) { add(digest, attribute.values, attribute.triangles); }, primvar.values);
+  }
   digest->add(mesh.triangle_face);
   for (const MeshPose& pose : mesh.later_poses) add(digest, pose.points, pose.normals);
 }
@@ -85,7 +87,7 @@ class SceneDigest {
   void add_image(const Texture* image, Digest* digest) const { digest->add(image ? images_.at(image) : std::string()); }
   void add_lookup(const TextureLookup& lookup, Digest* digest) const {
     add_image(lookup.image.get(), digest);
-    add(digest, lookup.uv_set.text(), lookup.transform, lookup.scale, lookup.bias, lookup.alpha_scale,
+    add(digest, lookup.primvar.text(), lookup.fallback, lookup.transform, lookup.scale, lookup.bias, lookup.alpha_scale,
         lookup.alpha_bias);
   }
   void add_material(const DisneyMaterial& material, Digest* digest) const {
@@ -107,6 +109,12 @@ class SceneDigest {
     add(digest, slots_.at(&instance.triangle_slots()), instance.prim_id, instance.instance_id, instance.subsurface_set,
         instance.options.double_sided, instance.options.camera_cull);
     add_parameters(mesh_parameters(), instance.options, digest);
+    if (instance.values)
+      for (const UvSetName& name : instance.values->names()) {
+        Vec4f numbers(0);
+        const int count = instance.values->read(name, static_cast<size_t>(instance.instance_id), &numbers);
+        add(digest, name.text(), count, numbers);
+      }
     if (instance.category_set != 0) digest->add(translation_.scene.category_sets[instance.category_set]);
     if (instance.light_group != 0) digest->add(translation_.scene.light_groups[instance.light_group - 1]);
   }

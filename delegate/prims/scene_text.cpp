@@ -25,7 +25,7 @@ std::string texture_text(const std::shared_ptr<const Texture>& texture) {
 }
 
 std::string lookup_text(const TextureLookup& lookup, Channel channel) {
-  std::string source = lookup.image ? texture_text(lookup.image) + " " + lookup.uv_set.text() : "displayColor";
+  std::string source = (lookup.image ? texture_text(lookup.image) + " " : "") + lookup.primvar.text();
   if (!(lookup.transform == UvTransform()))
     for (const Vec2f& corner : {Vec2f(0, 0), Vec2f(1, 0), Vec2f(0, 1)})  // where the placement takes them
       source += " " + Value(lookup.transform(corner)).to_string();

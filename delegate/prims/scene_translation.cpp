@@ -103,6 +103,70 @@ class PointPlaces final : public InstancePlaces {
   const support::PlacementSource source_;
 };
 
+// The primvars of the points that instances stand at.
+class PointValues final : public InstanceValues {
+ public:
+  /// An instancer, from the innermost on, and the points of it that those further in stand at.
+  struct Level {
+    Array<int32_t> points;
+    std::shared_ptr<const OtherPrimvars> primvars;  // null: none
+  };
+  explicit PointValues(std::vector<Level> levels) : levels_(std::move(levels)) {
+    for (const Level& level : levels_) {
+      columns_.emplace_back();
+      if (!level.primvars) continue;
+      for (const auto& [name, primvar] : level.primvars->by_name)
+        columns_.back().push_back({name.str(), numbers_of(primvar.value), &primvar});
+    }
+  }
+
+  std::vector<UvSetName> names() const override {
+    std::vector<UvSetName> all;
+    for (const auto& of_level : columns_)
+      for (const Column& column : of_level) all.push_back(column.name);
+    return all;
+  }
+  // The innermost counts. Instances are numbered with the points of the innermost fastest.
+  int read(const UvSetName& name, size_t instance, Vec4f* numbers) const override {
+    for (size_t i = 0; i < levels_.size(); ++i) {
+      const Array<int32_t>& points = levels_[i].points;
+      const int32_t point = points[instance % points.size()];
+      instance /= points.size();
+      for (const Column& column : columns_[i])
+        if (column.name == name)
+          if (const int count = column.read(point, numbers)) return count;
+    }
+    return 0;
+  }
+  bool are_alike(const InstanceValues& other) const override {
+    const auto& values = static_cast<const PointValues&>(other);  // all are of this kind
+    const auto same = [](const Level& a, const Level& b) { return a.points == b.points && a.primvars == b.primvars; };
+    return std::equal(levels_.begin(), levels_.end(), values.levels_.begin(), values.levels_.end(), same);
+  }
+
+ private:
+  struct Column {
+    UvSetName name;
+    NumberArray numbers;
+    const PulledPrimvar* primvar;
+    int read(int32_t point, Vec4f* out) const {
+      const Array<int32_t>& indices = primvar->indices;
+      const auto is_in = [](int32_t i, size_t size) { return i >= 0 && static_cast<size_t>(i) < size; };
+      if (!indices.empty()) point = is_in(point, indices.size()) ? indices[static_cast<size_t>(point)] : -1;
+      if (!is_in(point, numbers.count)) return 0;
+      *out = Vec4f(0);
+      std::copy_n(numbers.data + static_cast<size_t>(point) * numbers.width, numbers.width, &out->x);
+      if (numbers.width == 3 && primvar->to_rendering) {
+        const Rgb color = (*primvar->to_rendering)(Rgb(out->x, out->y, out->z));
+        *out = Vec4f(color.r, color.g, color.b, 0);
+      }
+      return static_cast<int>(numbers.width);
+    }
+  };
+  const std::vector<Level> levels_;
+  std::vector<std::vector<Column>> columns_;  // by level
+};
+
 // Rays take a tenth more time in an array. From here on that is worth its edits, which then take 10 ms instead of 27
 // (testenv/benchmark/results/edit_latency.md).
 constexpr size_t kSmallestArray = 8192;
@@ -112,13 +176,14 @@ DisneyMaterial default_material(bool color, bool opacity) {
   DisneyMaterial material;
   material.name = "default";
   if (!color && !opacity) return material;
-  MaterialTexture primvars;
-  if (color) {
-    material.constants.base_color = Rgb(1.0f);
-    primvars.uses.push_back({find_material_parameter("baseColor"), Channel::rgb});
-  }
-  if (opacity) primvars.uses.push_back({find_material_parameter("opacity"), Channel::a});
-  material.textures.push_back(std::move(primvars));
+  const auto read = [&](const char* primvar, const char* parameter, Channel channel) {
+    MaterialTexture texture;
+    texture.lookup.primvar = primvar, texture.lookup.fallback = Vec4f(1);
+    texture.uses.push_back({find_material_parameter(parameter), channel});
+    material.textures.push_back(std::move(texture));
+  };
+  if (color) material.constants.base_color = Rgb(1.0f), read(kDisplayColor, "baseColor", Channel::rgb);
+  if (opacity) read(kDisplayOpacity, "opacity", Channel::a);
   return material;
 }
 
@@ -220,7 +285,8 @@ struct SceneTranslator::Run {
     instance.prim_id = mesh.prim_id;
     instance.name = path.str();
     instance.options = mesh.options;
-    for (const Path& id : mesh.materials) instance.materials.push_back(material(path, id, instance.prototype->mesh));
+    instance.values = values_of(mesh);
+    for (const Path& id : mesh.materials) instance.materials.push_back(material(path, id, instance));
     const std::optional<OpenClears::value_type> open = check_closed(instance, mesh);
     check_direction(instance);
     instance.subsurface_set = set_of(instance, mesh);
@@ -286,6 +352,19 @@ struct SceneTranslator::Run {
       if (has_categories) instance.category_set = category_sets.of(categories_of(mesh, i));
       add(InstanceDescription(instance), mesh);
     }
+  }
+
+  // Null: no instancer has any.
+  InstanceValuesPtr values_of(const MeshRecord& mesh) const {
+    std::vector<PointValues::Level> levels;
+    const Array<int32_t>* points = &mesh.instance_indices;
+    bool any = false;
+    for (const InstancerRecord* one : instancers_of(mesh.instancer)) {
+      levels.push_back({*points, one->primvars});
+      points = &one->indices_in_parent;
+      any = any || one->primvars;
+    }
+    return any ? std::make_shared<const PointValues>(std::move(levels)) : nullptr;
   }
 
   // The mesh's, and those of its instance at each level.
@@ -448,9 +527,14 @@ struct SceneTranslator::Run {
     out.material_paths.insert(out.material_paths.end(), mesh.materials.begin(), mesh.materials.end());
   }
 
-  const std::shared_ptr<const DisneyMaterial>& material(const Path& prim, const Path& id, const Mesh& mesh) {
-    const auto& own =
-        translator.default_materials_[(mesh.colors.empty() ? 0u : 1u) | (mesh.opacities.empty() ? 0u : 2u)];
+  const std::shared_ptr<const DisneyMaterial>& material(const Path& prim, const Path& id,
+                                                        const InstanceDescription& instance) {
+    const std::vector<UvSetName> by_instance = instance.values ? instance.values->names() : std::vector<UvSetName>();
+    const auto has = [&](const UvSetName& name) {
+      return instance.prototype->mesh.primvar(name) ||
+             std::find(by_instance.begin(), by_instance.end(), name) != by_instance.end();
+    };
+    const auto& own = translator.default_materials_[(has(kDisplayColor) ? 1u : 0u) | (has(kDisplayOpacity) ? 2u : 0u)];
     if (id.empty()) return own;
     if (const MaterialRecord* record = materials.find(id); record && record->material) {
       if (!record->display_name.empty()) out.display_names.emplace_back(id, record->display_name);

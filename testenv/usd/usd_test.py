@@ -291,6 +291,55 @@ def test_a_point_instancer_places_prototypes():
     same(stage("points.usda", half), stage("placed.usda", turned + cube("m", 0, BLUE)), 0.05)
 
 
+def test_primvars_of_a_point_instancer_are_values_by_instance():
+    """Indexed or not, they replace those of the prototype; nested, the innermost counts; too few are told."""
+    def points(name, colors, prototype, places="(-1.4, 0, 0), (0, 0, 0), (1.4, 0, 0)", more=""):
+        return """    def PointInstancer "%s"
+    {
+        rel prototypes = </World/%s/%s>
+        int[] protoIndices = [0, 0, 0]
+        point3f[] positions = [%s]
+        %s
+%s    }
+""" % (name, name + more, "c", places, colors, prototype)
+    placed = cube("a", -1.4) + cube("b", 0, BLUE) + cube("c", 1.4)
+    by_point = "color3f[] primvars:displayColor = [%s] ( interpolation = \"%s\" )"
+    same(stage("tints.usda", points("p", by_point % (", ".join((RED, BLUE, RED)), "vertex"), cube("c", 0, BLUE))), stage("tinted.usda", placed))
+    indexed = by_point % (", ".join((BLUE, RED)), "varying") + "\n        int[] primvars:displayColor:indices = [1, 0, 1]"
+    same(stage("indexed.usda", points("p", indexed, cube("c", 0))), stage("tinted.usda", placed))
+    file = stage("few.usda", points("p", by_point % (", ".join((RED, BLUE)), "vertex"), cube("c", 0)))
+    _, said = picture(file)
+    assert "displayColor has 2 for 3 points" in said, said
+    inner = points("c", by_point % (", ".join((RED, BLUE, RED)), "vertex"), cube("c", 0), more="/x").replace("/World/c/x/c", "/World/p/c/c")
+    outer = points("p", by_point % (", ".join((BLUE, BLUE, BLUE)), "vertex"), inner, "(0, 0, 0), (90, 0, 0), (99, 0, 0)")
+    same(stage("nested.usda", outer), stage("tinted.usda", placed))
+
+
+def test_native_instances_have_the_primvars_that_they_inherit():
+    """As one array of instances, unless a mesh within has one of its own."""
+    def body(word, own=""):
+        one = """    def Xform "%s" ( %s
+ prepend references = </World/proto> )
+    {
+        double3 xformOp:translate = (%g, 0, 0)
+        uniform token[] xformOpOrder = ["xformOp:translate"]
+        color3f[] primvars:displayColor = [%s]
+    }
+"""
+        proto = """    class Xform "proto"
+    {
+        def Cube "c" { double size = 0.8
+            %s }
+    }
+""" % own
+        return proto + "".join(one % (n, word, x, color) for n, x, color in (("a", -1.4, RED), ("b", 0, BLUE), ("c", 1.4, RED)))
+    own = "color3f[] primvars:displayColor = [%s]" % BLUE
+    for name, within in (("inherited", ""), ("own", own)):
+        file = stage("native_%s.usda" % name, body("instanceable = true", within))
+        same(file, stage("plain_%s.usda" % name, body("", within)))
+        assert len(prims(file)["meshes"]) == (3 if within else 1), name
+
+
 def test_purposes_and_visibility():
     body = cube("a", -1.4) + cube("b", 0, BLUE, 'uniform token purpose = "proxy"') + cube("c", 1.4, more='token visibility = "invisible"')
     file = stage("purposes.usda", body)

@@ -5,7 +5,7 @@ import re
 import subprocess
 import sys
 
-OPEN = {"1 colour by instance"}  # primvars by instance
+OPEN = set()
 
 
 def main():

@@ -109,6 +109,51 @@ def add_primvars(gprim, inherited, fields, time, notes, constant_only):
             fields[key + ":indices"] = V("int[]", indices)
 
 
+def add_by_instance(primvar, count, fields, time, notes):
+    """A primvar of a PointInstancer, which has a value for each of its points."""
+    prim, name = primvar.GetAttr().GetPrim(), primvar.GetPrimvarName()
+    if primvar.GetInterpolation() == "uniform" or name in OPTIONS:
+        return notes.tell("primvars of PointInstancers that are uniform, and options of meshes by instance, are not read", prim.GetPath())
+    made = _primvar(primvar, time, notes, prim)
+    if made is None:
+        return None
+    value, _, role, indices = made
+    given = len(indices) if indices is not None else len(value.data) if value.type.endswith("[]") else 1
+    if given < count:
+        return notes.tell("primvars by instance with too few values are not read: %s has %d for %d points" % (name, given, count), prim.GetPath())
+    data = type(value.data)([value.data[i] for i in indices[:count]]) if indices is not None else value.data if given == count else value.data[:count]
+    fields["primvars:" + name] = V(value.type, data)
+    if role and role != "textureCoordinate":
+        fields["primvars:" + name + ":role"] = token(role)
+    return None
+
+
+def one_value(primvar, time):
+    """The one to four numbers of a constant primvar, colours in linear Rec. 709; None: it is no such value."""
+    kind, name = str(primvar.GetTypeName()), primvar.GetPrimvarName()
+    made = value_of(primvar.Get(time), kind)
+    if made is None or ":" in name or name in OPTIONS or made.type.replace("[]", "").rstrip("234") not in ("float", "double", "half", "int"):
+        return None
+    space = color_space_of(primvar.GetAttr()) if primvar.GetTypeName().role == "Color" else ""
+    made = to_rec709(made, space) if space else made
+    if made is None or (made.type.endswith("[]") and len(made.data) != 1):
+        return None
+    value = made.data[0] if made.type.endswith("[]") else made.data
+    return [float(c) for c in value] if hasattr(value, "__len__") else [float(value)]
+
+
+def add_by_native_instance(primvars, fields, time):
+    """The primvars of one name that native instances inherit, unless all have one value."""
+    values = [one_value(p, time) for p in primvars]
+    if all(v == values[0] for v in values):
+        return
+    key = "primvars:" + primvars[0].GetPrimvarName()
+    fields[key] = array("float%d" % len(values[0]) if len(values[0]) > 1 else "float", [c for v in values for c in v])
+    role = ROLES.get(str(primvars[0].GetTypeName().role), "")
+    if role and role != "textureCoordinate":
+        fields[key + ":role"] = token(role)
+
+
 def _primvar(primvar, time, notes, gprim):
     value = primvar.Get(time)
     kind = str(primvar.GetTypeName()) or "that OpenUSD does not know"

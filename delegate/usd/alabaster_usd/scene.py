@@ -68,6 +68,7 @@ class Reader:
         self.origins = {}    # names of meshes and instancers -> the path of the prim that they are read from
         self.changes = None  # Changes, once a second time is asked for
         self.taken_apart = None  # paths below which a collection tells prims apart
+        self.within = {}     # paths of prototypes -> names of the primvars that prims within them have
         self.said = {}       # of cameras and lights, as they were last
         self._begin(time, sink, notes)
 
@@ -321,11 +322,21 @@ class Reader:
         if prim.IsInstance() and not prim.IsA(UsdGeom.Gprim):
             skel = UsdSkel.BindingAPI(prim)
             key = (str(prim.GetPrototype().GetPath()), self._bindings(prim), place.purpose, self._apart(prim),
-                   tuple(str(p.GetAttr().GetPath()) for p in UsdGeom.PrimvarsAPI(prim).FindInheritablePrimvars()),
+                   tuple((p.GetPrimvarName(), str(p.GetTypeName())) if self._may_differ(p, prim) else str(p.GetAttr().GetPath())
+                         for p in UsdGeom.PrimvarsAPI(prim).FindInheritablePrimvars()),
                    *(str(p.GetPath()) if p else "" for p in (skel.GetInheritedAnimationSource(), skel.GetInheritedSkeleton())))
             groups.setdefault(key, []).append((prim, place))
             return
         self._draw(prim, place)
+
+    def _may_differ(self, primvar, instance):
+        """Whether instances that are drawn as one may each have a value: it would replace that of a mesh, so nothing within has one."""
+        within = self.within.get(instance.GetPrototype().GetPath())
+        if within is None:
+            below = (p for child in instance.GetFilteredChildren(Usd.TraverseInstanceProxies()) for p in Usd.PrimRange(child, Usd.TraverseInstanceProxies()))
+            within = self.within[instance.GetPrototype().GetPath()] = {
+                v.GetPrimvarName() for p in below if p.IsA(UsdGeom.Imageable) for v in UsdGeom.PrimvarsAPI(p).GetPrimvarsWithAuthoredValues()}
+        return primvar.GetPrimvarName() not in within and geometry.one_value(primvar, self.time) is not None
 
     def _bindings(self, prim):
         """What an instance inherits: the material of each purpose, and whether it is stronger than those below."""
@@ -417,6 +428,10 @@ class Reader:
         if any(m[1].moves for m in members):
             at = [[m[1].moves[i] if m[1].moves else m[1].xform for m in members] for i in range(len(self.shutter))]
             fields["primvars:hydra:instanceTransforms:samples"] = V("samples", Samples(self.shutter, [V("matrix[]", _matrices(a)) for a in at]))
+        inherited = [{p.GetPrimvarName(): p for p in UsdGeom.PrimvarsAPI(m[0]).FindInheritablePrimvars()} for m in members]
+        for name, primvar in inherited[0].items():
+            if self._may_differ(primvar, first):
+                geometry.add_by_native_instance([of[name] for of in inherited], fields, self.time)
         instancer = Instancer(first_place.name(first), Gf.Matrix4d(1), place.instancer, fields)
         instancer.indices = array("int", range(len(members)))
         instancer.of_links = self._links_of([m[0].GetPath() for m in members], fields)
@@ -463,8 +478,8 @@ class Reader:
         if self.shutter:
             self._move_points(points, positions, fields)
         for primvar in UsdGeom.PrimvarsAPI(prim).GetPrimvarsWithAuthoredValues():
-            if primvar.GetInterpolation() != "constant" and not primvar.GetPrimvarName().startswith("skel:"):
-                self.notes.tell("primvars by instance are not read: all instances look alike", prim.GetPath())
+            if primvar.GetInterpolation() != "constant" and ":" not in primvar.GetPrimvarName():
+                geometry.add_by_instance(primvar, len(positions), fields, self.time, self.notes)
         primvars = tuple(p for p in UsdGeom.PrimvarsAPI(prim).FindIncrementallyInheritablePrimvars(list(place.primvars)) or place.primvars
                          if p.GetInterpolation() == "constant")
         if min(indices) < 0 or max(indices) >= len(prototypes):

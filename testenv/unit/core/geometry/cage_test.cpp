@@ -210,12 +210,13 @@ TEST(SanitizeCage, FaultsOfOneKindAreReportedOnceWithCountAndFirst) {
 TEST(SanitizeCage, ConstantAndUniformValuesAreSpread) {
   Cage cage = cube_cage();
   cage.uvs = uvs(Interpolation::uniform, 6);
-  cage.opacities = {Interpolation::constant, {0.25f, 0.5f}, {1}};
+  cage.primvars = {{Primvar<float>{Interpolation::constant, {0.25f, 0.5f}, {1}}, "wetness"}};
   cage.face_vertex_indices[0] = -1;  // face 0 goes
   cage.invisible_faces = {0, 5, 2};
   EXPECT_TRUE(sanitize_cage(cage, "", {}));
-  EXPECT_EQ(cage.opacities.interpolation, Interpolation::vertex);
-  EXPECT_EQ(cage.opacities.indices, std::vector<int>(8, 1));
+  const auto& wetness = std::get<Primvar<float>>(cage.primvars[0].values);
+  EXPECT_EQ(wetness.interpolation, Interpolation::vertex);
+  EXPECT_EQ(wetness.indices, std::vector<int>(8, 1));
   EXPECT_EQ(cage.uvs[0].interpolation, Interpolation::face_varying);
   ASSERT_EQ(cage.uvs[0].indices.size(), 20u);
   for (size_t corner = 0; corner < 20; ++corner) EXPECT_EQ(cage.uvs[0].indices[corner], int(corner / 4) + 1);

@@ -35,7 +35,8 @@ void add_primvars(bool indexed, Cage* cage) {
   cage->uvs.emplace_back();
   cage->uvs[0].name = "st";
   add_values(*cage, Vec2f(0.5f, 0.25f), indexed, &cage->uvs[0]);
-  add_values(*cage, Rgb(0.01f), indexed, &cage->colors);
+  cage->primvars = {{Primvar<Vec4f>(), "tint"}};
+  add_values(*cage, Vec4f(0.01f), indexed, &std::get<Primvar<Vec4f>>(cage->primvars[0].values));
 }
 
 TEST(UsedPoints, TheMeshIsThatWithoutLoosePoints) {
@@ -61,7 +62,8 @@ TEST(UsedPoints, TheMeshIsThatWithoutLoosePoints) {
       if (indexed) continue;  // values that no index names stay
       EXPECT_EQ(a.normals, b.normals);
       EXPECT_EQ(a.uv_sets[0].values, b.uv_sets[0].values);
-      EXPECT_EQ(a.colors.values, b.colors.values);
+      const auto tint = [](const Mesh& mesh) { return std::get<MeshAttribute<Vec4f>>(mesh.primvars[0].values).values; };
+      EXPECT_EQ(tint(a), tint(b));
       EXPECT_EQ(a.memory_bytes(), b.memory_bytes());
     }
 }

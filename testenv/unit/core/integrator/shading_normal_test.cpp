@@ -87,7 +87,7 @@ TEST(MappedNormal, TurnsWithEachOfManyMapsOfOneMesh) {
   const SurfaceHit at = surface_on_side(instance, instance, hit, {0, 1, 0});
   for (size_t slot = 1; slot < materials.size(); ++slot) {
     const NormalMap& map = *materials[slot]->normal_map;
-    const auto own = instance.prototype->tangents.of(instance.prototype->mesh, map.uv_set, map.transform.axes());
+    const auto own = instance.prototype->tangents.of(instance.prototype->mesh, map.primvar, map.transform.axes());
     const Vec4f& along = own->values[0];
     expect_near(mapped_normal(instance, instance, hit, at, map), {0.6f * along.x, 0.8f, 0.6f * along.z});
   }

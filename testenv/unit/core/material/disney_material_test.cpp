@@ -72,11 +72,11 @@ TEST(DisneyMaterial, ReadsADirectionAsAnAngle) {
   }
 }
 
-TEST(DisneyMaterial, ReadsTheMeshsColorsAndTheNamedTextureCoordinates) {
+TEST(DisneyMaterial, ReadsPrimvarsAndTextureCoordinatesByName) {
   Mesh mesh;
   mesh.triangles = {{0, 1, 2}};
-  mesh.colors.values = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
-  mesh.opacities.values = {0, 1, 0};
+  mesh.primvars = {{MeshAttribute<Vec3f>{{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}, {}}, "tint"},
+                   {MeshAttribute<float>{{0, 1, 0}, {}}, "wetness"}};
   mesh.uv_sets.resize(2);
   mesh.uv_sets[0].name = "st", mesh.uv_sets[1].name = "map2";
   mesh.uv_sets[1].values = {{0, 0}, {1, 0}, {0, 1}};
@@ -86,15 +86,18 @@ TEST(DisneyMaterial, ReadsTheMeshsColorsAndTheNamedTextureCoordinates) {
   material.constants.base_color = Rgb(1.0f);
   material.constants.specular = 1;
   testing::connect("baseColor", nullptr, &material);
-  material.textures[0].uses.push_back({find_material_parameter("specular"), Channel::a});
+  material.textures[0].lookup.primvar = "tint";
   testing::connect("specularColor", std::make_shared<CountingTexture>(), &material);
-  material.textures[1].lookup.uv_set = "map2";
+  material.textures[1].lookup.primvar = "map2";
   material.textures[1].lookup.transform = {{0.125f, 0}, 0, {2, 1}};
+  material.textures.push_back(material.textures[0]);
+  material.textures[2].lookup.primvar = "wetness";
+  material.textures[2].uses = {{find_material_parameter("specular"), Channel::r}};
   const DisneyParameters p = material.evaluate({mesh, hit, {9, 9}});
   EXPECT_EQ(p.base_color, Rgb(0.25f, 0.5f, 0.25f));
   EXPECT_EQ(p.specular, 0.5f);
   EXPECT_EQ(p.specular_color, Rgb(1.125f, 0.25f, 2));
-  material.textures[1].lookup.uv_set = "none";
+  material.textures[1].lookup.primvar = "none";
   EXPECT_EQ(material.evaluate({mesh, hit, {9, 9}}).specular_color, Rgb(0.125f, 0, 2)) << "looked up at (0, 0)";
 }
 

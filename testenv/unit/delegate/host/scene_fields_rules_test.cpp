@@ -50,8 +50,8 @@ TEST(SceneFields, TypesAreThoseOfTheTables) {
 
 TEST(SceneFields, InstancersKnowTheirPrimvars) {
   RetainedSceneDelegate scene;
-  for (const char* name :
-       {"primvars:hydra:instanceTranslation", "primvars:translations", "primvars:hydra:instanceTranslations:indices"}) {
+  for (const char* name : {"primvars:hydra:instanceTranslation", "primvars:hydra:instanceTranslations:indices",
+                           "primvars:tint:indices", "primvars:tint:samples"}) {
     const SetResult result = SetPrim(&scene, "/many", Token("instancer"), {{name, Array<Vec3f>{Vec3f(0)}}});
     EXPECT_NE(result.fault.find("has no field"), std::string::npos) << name;
   }

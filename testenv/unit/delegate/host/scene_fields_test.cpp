@@ -89,6 +89,7 @@ TEST(SceneFields, AreTheMembersOfInstancersLightsAndCameras) {
   many.transform = kMoved, many.transformSamples = {{0, 1}, {kMoved, Matrix4d()}}, many.parent = "/outer";
   many.primvars["hydra:instanceScales"] = scales,
   many.primvarSamples["hydra:instanceScales"] = {{0, 1}, {scales, scales}};
+  many.primvars["tint"] = scales, many.primvarRoles["tint"] = "color";
   many.indices["/quad"] = kInts, many.categories = {{"near"}};
   expect_members(Token("instancer"), many,
                  {{"transform", kMoved},
@@ -96,6 +97,8 @@ TEST(SceneFields, AreTheMembersOfInstancersLightsAndCameras) {
                   {"parent", Path("/outer")},
                   {"primvars:hydra:instanceScales", scales},
                   {"primvars:hydra:instanceScales:samples", samples(scales, scales)},
+                  {"primvars:tint", scales},
+                  {"primvars:tint:role", "color"},
                   {"prototypes:/quad", kInts},
                   {"categories:near", Array<int32_t>{0}}});
   for (const char* type : kLightTypes) {

@@ -267,16 +267,22 @@ TEST(Patterns, AGltfColourImageIsMultipliedByBothColours) {
   EXPECT_EQ(look.warnings.size(), 2u) << "a circle";
 }
 
-TEST(Patterns, AFallbackOfDisplayColorIsTold) {
+// Arithmetic of one primvar is that of its numbers; the fallback goes through it, too.
+TEST(Patterns, ReadersOfPrimvarsHaveTheirNameFallbackAndArithmetic) {
   SampleLook look;
-  look.add("/p", "UsdPrimvarReader_float3", {{"varname", "displayColor"}, {"fallback", Vec3f(1)}});
-  look.connect("base_color", "/p", "result");
-  look.read();
+  look.add("/p", "ND_geompropvalue_float", {{"geomprop", "wetness"}, {"default", 0.25f}});
+  look.add("/dry", "ND_subtract_float", {{"in1", 1.0f}});
+  look.network.nodes["/dry"].inputConnections["in2"] = {{"/p", "out"}};
+  look.connect("specular_roughness", "/dry", "out");
+  const auto& connection = look.read().inputConnections.at("roughness").front();
   EXPECT_TRUE(look.warnings.empty());
-  look.network.nodes["/p"].parameters["fallback"] = Vec3f(1, 0, 0);
-  look.read();
-  ASSERT_EQ(look.warnings.size(), 1u);
-  EXPECT_NE(look.warnings[0].find("fallback of displayColor"), std::string::npos) << look.warnings[0];
+  EXPECT_EQ(connection.upstreamOutput, Token("r"));
+  const MaterialNode& reader = look.texture("roughness");
+  EXPECT_EQ(reader.nodeTypeId, Token("AlabasterPrimvar"));
+  EXPECT_EQ(reader.parameters.at("varname"), Value(Token("wetness")));
+  EXPECT_EQ(reader.parameters.at("scale"), Value(Vec4f(-1)));
+  EXPECT_EQ(reader.parameters.at("bias"), Value(Vec4f(1)));
+  EXPECT_EQ(reader.parameters.at("fallback"), Value(Vec4f(0.75f)));
 }
 
 TEST(Patterns, SpacesHaveOneNameForConstantsAndFiles) {

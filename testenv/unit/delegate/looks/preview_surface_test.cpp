@@ -130,7 +130,7 @@ TEST(PreviewSurface, CoordinatesArePlacedAsSpecified) {
 TEST(PreviewSurface, UnreadableInputsAreWarnedOfOnce) {
   MaterialNetwork network = preview({{"displacement", 0.1f}});
   network.nodes["/m/noise"] = {"UsdNoise", {}, {}};
-  network.nodes["/m/reader"] = {"UsdPrimvarReader_float", {{"varname", "wetness"}}, {}};
+  network.nodes["/m/reader"] = {"UsdPrimvarReader_string", {{"varname", "wetness"}}, {}};
   network.nodes["/m/image"] = {"UsdUVTexture", {}, {}};
   auto& inputs = network.nodes["/m/surface"].inputConnections;
   inputs["diffuseColor"] = {{"/m/noise", "out"}};
