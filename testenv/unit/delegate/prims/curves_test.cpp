@@ -321,6 +321,7 @@ TEST(Curves, ValuesByCurveByPointAndByEndOfASegmentAreWhereTheyBelong) {
   EXPECT_NEAR(two.at(4, 4).x, 0.32, 0.04) << "by the basis: the cube of .66, beside 4 %";
 }
 
+// promise: usd.curves.motion
 TEST(Curves, TheyMoveWithinTheShutter) {
   TwoCurves two;
   host::CameraDescription camera = two.stage.scene.GetCameras().at("/camera");
