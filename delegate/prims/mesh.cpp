@@ -112,17 +112,19 @@ void update(T* held, T now, bool* changed) {
 
 // A value that is dirty but equal to what is held changes nothing: the descriptor set may differ elsewhere.
 void MeshPrim::pull_shape(SceneDelegate& scene, DirtyBits bits) {
+  const bool has_faces = !is_curves_ && spheres_.empty();
   if (bits & dirty::kTopology && is_curves_) {
     BasisCurvesTopology curves = scene.GetBasisCurvesTopology(GetId());
     curves.curveVertexCounts = curves.curveVertexCounts.frozen();
     update(&pulled_.curves, std::move(curves), &shape_changed_);
-  } else if (bits & dirty::kTopology) {
+  } else if (bits & dirty::kTopology && has_faces) {
     MeshTopology topology = frozen(scene.GetMeshTopology(GetId()));
     subsets_ = std::exchange(topology.geomSubsets, {});
     update(&pulled_.topology, std::move(topology), &shape_changed_);
   }
-  if (bits & dirty::kSubdivTags) update(&pulled_.tags, frozen(scene.GetSubdivTags(GetId())), &shape_changed_);
-  if (bits & dirty::kDisplayStyle) update(&pulled_.style, scene.GetDisplayStyle(GetId()), &shape_changed_);
+  if (bits & dirty::kSubdivTags && has_faces)
+    update(&pulled_.tags, frozen(scene.GetSubdivTags(GetId())), &shape_changed_);
+  if (bits & dirty::kDisplayStyle && has_faces) update(&pulled_.style, scene.GetDisplayStyle(GetId()), &shape_changed_);
   if (bits & dirty::kPoints) {
     PulledPrimvar points;  // pulled even when no descriptor names them
     points.present = true;
@@ -196,16 +198,13 @@ void MeshPrim::update_slots(SceneParam& param) {
 // The sphere of points stands in the places that an instancer of their own gives it, which the points' own instancer
 // places.
 void MeshPrim::post_points(SceneParam& param) {
-  InstancerRecord places{.transform = record_.transform,
-                         .motion = {record_.motion.times, record_.motion.values},
-                         .moving_points = places_.moving,
-                         .points = places_.points,
-                         .parent = record_.instancer,
-                         .indices_in_parent = record_.instance_indices,
-                         .categories = nullptr};
+  InstancerRecord places;
+  places.transform = record_.transform, places.motion = {record_.motion.times, record_.motion.values};
+  places.points = places_.points, places.moving_points = places_.moving;
+  places.parent = record_.instancer, places.indices_in_parent = record_.instance_indices;
   MeshRecord sphere = record_;
   sphere.transform = Matrix4d(), sphere.motion = {};
-  sphere.instancer = places_of_points(GetId()), sphere.instance_indices = places_.drawn;
+  sphere.instancer = spheres_, sphere.instance_indices = places_.drawn;
   param.post(sphere.instancer, std::move(places));
   param.post(GetId(), std::move(sphere));
 }
@@ -215,7 +214,7 @@ DirtyBits MeshPrim::post_record(SceneDelegate& scene, SceneParam& param, DirtyBi
   if (shape_changed_) {
     hold_arrays(&pulled_, &param.buffers(), GetId().str());
     PulledMesh shape = pulled_;
-    if (is_points_) {
+    if (!spheres_.empty()) {
       places_ = place_points(pulled_, GetId().str(), param.sink());
       make_sphere_of(&shape, GetId().str(), param.sink());
     }
@@ -225,7 +224,7 @@ DirtyBits MeshPrim::post_record(SceneDelegate& scene, SceneParam& param, DirtyBi
   if (bits & dirty::kTopology) update_slots(param);
   record_.prim_id = GetPrimId();
   record_.materials = slot_materials(subsets_, material_);
-  if (is_points_)
+  if (!spheres_.empty())
     post_points(param);
   else
     param.post(GetId(), record_);

@@ -78,10 +78,6 @@ void make_sphere_of(PulledMesh* points, const std::string& where, const alabaste
   points->normals = {true, hd::Interpolation::vertex, sphere.normals, {}};
 }
 
-Path places_of_points(const Path& points) {
-  return Path(points.str() + "#places");
-}
-
 PlacedPoints place_points(const PulledMesh& pulled, const std::string& where, const alabaster::DiagnosticSink& sink) {
   PlacedPoints out;
   const auto warn = [&](const char* code, const std::string& text) {

@@ -10,9 +10,6 @@ namespace alabaster::hd::prims {
 /// reported. Its volume is exact, and its outline within a thousandth of the radius. All spheres share their arrays.
 void make_sphere_of(PulledMesh* points, const std::string& where, const alabaster::DiagnosticSink& sink);
 
-/// The path of the record of a points prim's places.
-Path places_of_points(const Path& points);
-
 struct PlacedPoints {
   support::InstancePoints points;
   TimeSamples<support::InstancePoints> moving;

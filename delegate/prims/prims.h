@@ -44,9 +44,11 @@ class RecordedPrim : public Recorded<Base> {
 class MeshPrim final : public RecordedPrim<Rprim> {
  public:
   MeshPrim(const Path& id, const Token& type)
-      : RecordedPrim(id), is_curves_(type == Token("basisCurves")), is_points_(type == Token("points")) {}
+      : RecordedPrim(id),
+        is_curves_(type == Token("basisCurves")),
+        spheres_(type == Token("points") ? id.str() + "#places" : std::string()) {}
   void Finalize(RenderParam* param) override {
-    if (is_points_) SceneParam::of(param).remove(places_of_points(GetId()));
+    if (!spheres_.empty()) SceneParam::of(param).remove(spheres_);
     RecordedPrim::Finalize(param);
   }
 
@@ -58,7 +60,8 @@ class MeshPrim final : public RecordedPrim<Rprim> {
   void update_slots(SceneParam& param);
   void post_points(SceneParam& param);
 
-  const bool is_curves_, is_points_;
+  const bool is_curves_;
+  const Path spheres_;  // of points: the path of the record of their places
   PulledMesh pulled_;
   PlacedPoints places_;  // of points
   bool shape_changed_ = false;

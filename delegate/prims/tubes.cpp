@@ -563,7 +563,7 @@ class TubeMaker {
     spread(given, given.value.get<Array<Vec4f>>(), name, out);
   }
   void spread_values(PulledMesh* mesh) {
-    ring_indices_ = ring_of_point_;
+    ring_indices_ = std::move(ring_of_point_);
     spread(curves_.display_color, "displayColor", &mesh->display_color);
     spread(curves_.display_opacity, "displayOpacity", &mesh->display_opacity);
     for (const auto& [name, uvs] : curves_.uvs) spread(uvs, name.str(), &mesh->uvs[name]);
