@@ -232,7 +232,8 @@ class TubeMaker {
     return sum;
   }
 
-  // By how much the segment bends: from one of four parts to the next.
+  // By how much the segment bends: from one of four parts to the next. A straight one has pieces, too, because cubics
+  // give it values that are none of its ends'.
   size_t pieces_of(uint32_t curve, size_t segment) const {
     if (basis_ == Basis::linear) return 1;
     const bool many = all_segments_ > kManySegments;
@@ -245,7 +246,7 @@ class TubeMaker {
       at = next;
     }
     const double step = (many ? 20 : 10) * std::numbers::pi / 180;
-    return std::clamp(static_cast<size_t>(std::ceil(bend * 4 / 3 / step)), size_t(many ? 1 : 2), size_t(many ? 8 : 16));
+    return std::clamp(static_cast<size_t>(std::ceil(bend * 4 / 3 / step)), size_t(many ? 1 : 4), size_t(many ? 8 : 16));
   }
 
   bool is_finite_curve(uint32_t curve) const {
