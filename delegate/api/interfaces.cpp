@@ -8,6 +8,9 @@ SceneDelegate::~SceneDelegate() = default;
 CullStyle SceneDelegate::GetCullStyle(const Path&) {
   return CullStyle::dontCare;
 }
+BasisCurvesTopology SceneDelegate::GetBasisCurvesTopology(const Path&) {
+  return {};
+}
 TimeSamples<Matrix4d> SceneDelegate::SampleTransform(const Path&) {
   return {};
 }

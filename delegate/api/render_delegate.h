@@ -165,7 +165,7 @@ class ALABASTER_API RenderDelegate {
 };
 
 /// Bumped whenever a class above changes its layout or meaning.
-inline constexpr uint32_t kAbiVersion = 12;
+inline constexpr uint32_t kAbiVersion = 13;
 
 struct DelegateOptions {
   DiagnosticSink diagnostics;  // empty: discarded

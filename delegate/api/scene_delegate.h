@@ -15,6 +15,7 @@ class ALABASTER_API SceneDelegate {
   // Rprims
   virtual MeshTopology GetMeshTopology(const Path& id) = 0;
   virtual SubdivTags GetSubdivTags(const Path& id) = 0;
+  virtual BasisCurvesTopology GetBasisCurvesTopology(const Path& id);  // by default no curve
   virtual DisplayStyle GetDisplayStyle(const Path& id) = 0;
   virtual Matrix4d GetTransform(const Path& id) = 0;
   virtual bool GetVisible(const Path& id) = 0;

@@ -34,6 +34,9 @@ inline constexpr DirtyBits kCullStyle = 1u << 18;
 inline constexpr DirtyBits kAll = ~0u;
 }  // namespace dirty
 
+/// The prim types of Rprims.
+inline constexpr const char* kRprimTypes[] = {"mesh", "basisCurves", "points"};
+
 // Meshes -------------------------------------------------------------------------------------------
 enum class Interpolation { constant, uniform, varying, vertex, faceVarying, instance };
 
@@ -95,6 +98,16 @@ inline constexpr int kMaxRefineLevel = 8;
 struct DisplayStyle {
   int refineLevel = 0;  // 0..kMaxRefineLevel; 0 draws the cage
   bool operator==(const DisplayStyle&) const = default;
+};
+
+// Curves -------------------------------------------------------------------------------------------
+/// Curves are drawn as closed tubes: delegate/manual/usd.md, "Curves and points".
+struct BasisCurvesTopology {
+  Token type = "cubic";              // cubic | linear
+  Token basis = "bezier";            // bezier | bspline | catmullRom; of cubic curves
+  Token wrap = "nonperiodic";        // nonperiodic | periodic | pinned
+  Array<int32_t> curveVertexCounts;  // the points of each curve, which stand one after the other
+  bool operator==(const BasisCurvesTopology&) const = default;
 };
 
 // Materials ----------------------------------------------------------------------------------------

@@ -18,6 +18,7 @@
 #include "delegate/host/input_digests.h"
 #include "delegate/host/parameter_pages.h"
 #include "delegate/support/json_values.h"
+#include "delegate/support/lookup.h"
 #include "delegate/support/nearest_name.h"
 #include "delegate/support/process_usage.h"
 
@@ -69,7 +70,12 @@ size_t refined_triangles(const MeshDescription& mesh) {
 }
 
 Json mesh_json(Json out, const MeshDescription& mesh, const WorldBox& box) {
-  out["faces"] = mesh.topology.faceVertexCounts.size();
+  if (mesh.type == hd::Token("mesh"))
+    out["faces"] = mesh.topology.faceVertexCounts.size();
+  else if (mesh.type == hd::Token("basisCurves"))
+    out["curves"] = mesh.curves.curveVertexCounts.size();
+  else
+    out["points"] = hd::support::value_in(mesh.primvars, hd::Token("points")).value.count();
   if (!(mesh.topology.scheme == hd::Token("none")))
     out["scheme"] = mesh.topology.scheme.str(), out["refineLevel"] = mesh.displayStyle.refineLevel;
   if (!mesh.material.empty()) out["material"] = mesh.material.str();
@@ -282,7 +288,9 @@ void print_geometry(const Json& scene, double metres_per_unit) {
   std::printf("meshes: %zu (%zu triangles as modelled, %zu as rendered)\n", meshes.size(),
               scene["triangles"]["modelled"].get<size_t>(), scene["triangles"]["rendered"].get<size_t>());
   for (const Json& mesh : meshes) {
-    std::string text = title(mesh) + ": " + mesh["faces"].dump() + " faces";
+    std::string text = title(mesh) + ":";
+    for (const char* parts : {"faces", "curves", "points"})
+      if (mesh.contains(parts)) text += " " + mesh[parts].dump() + " " + parts;
     if (mesh.contains("scheme")) text += ", " + shown(mesh["scheme"]) + " level " + mesh["refineLevel"].dump();
     if (mesh.contains("material")) text += ", material " + shown(mesh["material"]);
     if (mesh.contains("instancer")) text += ", instanced by " + shown(mesh["instancer"]);

@@ -26,7 +26,8 @@ bool has_instances(const host::RetainedSceneDelegate& scene, const Path& prototy
 bool draws_anything(const host::RetainedSceneDelegate& scene) {
   return std::any_of(scene.GetMeshes().begin(), scene.GetMeshes().end(), [&](const auto& entry) {
     const auto& [path, mesh] = entry;
-    return mesh.visible && !mesh.topology.faceVertexCounts.empty() && has_instances(scene, path, mesh.instancer);
+    const bool has_shape = !mesh.topology.faceVertexCounts.empty() || !(mesh.type == Token("mesh"));
+    return mesh.visible && has_shape && has_instances(scene, path, mesh.instancer);
   });
 }
 

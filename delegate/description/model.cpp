@@ -59,7 +59,7 @@ bool is_placed_alike(const PrimDescription& a, const PrimDescription& b) {
 }
 bool has_same_points(const PrimDescription& a, const PrimDescription& b) {
   const auto *mesh = std::get_if<host::MeshDescription>(&a), *other = std::get_if<host::MeshDescription>(&b);
-  return !mesh || mesh->topology == other->topology;
+  return !mesh || (mesh->topology == other->topology && mesh->curves == other->curves);
 }
 
 double angle_between(const Vec3d& a, const Vec3d& b) {

@@ -45,6 +45,26 @@ bool has_area(const Array<Vec3f>& points, const int32_t* corners, int32_t count)
   return false;
 }
 
+// Around each point, of curves and points, whose greatest width counts for all.
+std::vector<Vec3f> points_around(const Array<Vec3f>& points, const host::MeshDescription& mesh) {
+  const auto primvar = mesh.primvars.find("widths");
+  const Value value = primvar == mesh.primvars.end() ? Value() : support::FloatValues(primvar->second.value);
+  const auto* widths = value.get<Array<float>>();
+  float radius = widths ? 0.0f : 0.5f;
+  for (size_t i = 0; widths && i < widths->size(); ++i)
+    if (std::isfinite((*widths)[i])) radius = std::max(radius, (*widths)[i] / 2);
+  std::vector<Vec3f> around;
+  for (const Vec3f& p : points) {
+    if (!is_finite(p)) continue;
+    for (int axis = 0; axis < 3; ++axis) {
+      Vec3f out(0);
+      out[axis] = radius;
+      around.insert(around.end(), {p - out, p + out});
+    }
+  }
+  return around;
+}
+
 // The points of the faces that are drawn.
 std::vector<Vec3f> drawn_points(const host::MeshDescription& mesh) {
   const auto primvar = mesh.primvars.find("points");
@@ -52,6 +72,7 @@ std::vector<Vec3f> drawn_points(const host::MeshDescription& mesh) {
   const auto* points = value.get<Array<Vec3f>>();
   const MeshTopology& topology = mesh.topology;
   if (!points) return {};
+  if (!(mesh.type == Token("mesh"))) return points_around(*points, mesh);
   std::vector<char> is_hidden(topology.faceVertexCounts.size(), 0), is_drawn(points->size(), 0);
   for (const auto* faces : {&topology.holeIndices, &topology.invisibleFaces})
     for (const int32_t face : *faces)

@@ -260,6 +260,7 @@ constexpr FieldType array_of(int32_t type) {
 constexpr FieldType kWord = {ALABASTER_TOKEN, false}, kPath = {ALABASTER_PATH, false}, kAny = {},
                     kSamples = {ALABASTER_SAMPLES, false};
 constexpr Field kMeshes[] = {
+    open("primvars:widths", array_of(ALABASTER_FLOAT), "Diameters. Without them, 1."),  // of curves and points
     open("primvars:points", array_of(ALABASTER_FLOAT3), "Positions of the vertices."),
     open("primvars:normals", array_of(ALABASTER_FLOAT3), "Normals for shading."),
     open("primvars:st", kAny, "Texture coordinates (float2), v up."),
@@ -272,6 +273,7 @@ constexpr Field kMeshes[] = {
     open("primvars:NAME:role", kWord, "Meaning of the values.", kRoles),
     open("primvars:NAME:samples", kSamples,
          "Values at times, of points and normals that deform. Setting the primvar takes them away."),
+    // Of faces.
     open("subsets:ID:faces", array_of(ALABASTER_INT), "Faces with a material of their own."),
     open("subsets:ID:material", kPath, "Path of the material of these faces."),
 };
@@ -654,7 +656,9 @@ std::string finished(const MaterialNetwork& network) {
 }  // namespace
 
 std::span<const Field> open_rows(const PrimDescription& prim) {
-  if (std::holds_alternative<MeshDescription>(prim)) return kMeshes;
+  const auto* const mesh = std::get_if<MeshDescription>(&prim);
+  const std::span<const Field> all(kMeshes);
+  if (mesh) return mesh->type == Token("mesh") ? all.subspan(1) : all.first(all.size() - 2);
   if (std::holds_alternative<InstancerDescription>(prim)) return kInstancers;
   if (std::holds_alternative<MaterialNetwork>(prim)) return kMaterials;
   if (std::holds_alternative<RenderSettingsDescription>(prim)) return kOpenSettings;

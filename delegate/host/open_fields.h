@@ -109,7 +109,7 @@ struct Kind {
 };
 /// All that have fields.
 std::span<const Kind> kinds();
-const Kind& kind_of(const PrimDescription& prim);
+const Kind& kind_of(const PrimDescription& prim);  // that of its type, if it is a mesh
 /// The bits that an edit marks. Both are of one kind.
 DirtyBits difference(const PrimDescription& a, const PrimDescription& b);
 /// The open fields of a kind.

@@ -62,10 +62,9 @@ const Indices& indices_of(const PrimDescription* prim) {
   return instancer ? instancer->indices : none;
 }
 
-/// Another type of light is another prim.
+/// Another type of light or mesh is another prim.
 bool is_same_prim(const PrimDescription& a, const PrimDescription& b) {
-  const auto *light = std::get_if<LightDescription>(&a), *other = std::get_if<LightDescription>(&b);
-  return a.index() == b.index() && (!light || light->type == other->type);
+  return TypeOf(a) == TypeOf(b);
 }
 
 }  // namespace
@@ -81,10 +80,11 @@ struct RetainedSceneDelegate::State {
   bool insert(const Path& id, const PrimDescription& prim) const {
     const Kind& kind = kind_of(prim);
     if (!kind.insert) return index->InsertInstancer(scene, id);
-    const auto* light = std::get_if<LightDescription>(&prim);
+    const Token type = std::holds_alternative<RenderBufferDescriptor>(prim) ? Token(kind.name) : TypeOf(prim);
+    const bool is_light = std::holds_alternative<LightDescription>(prim);
     const std::vector<Token>& known = index->GetRenderDelegate()->GetSupportedSprimTypes();
-    if (light && std::find(known.begin(), known.end(), light->type) == known.end()) return true;
-    return (index->*kind.insert)(light ? light->type : Token(kind.name), scene, id);
+    if (is_light && std::find(known.begin(), known.end(), type) == known.end()) return true;
+    return (index->*kind.insert)(type, scene, id);
   }
   void mark(const Path& id, DirtyBits bits) const {
     if (index && index->Has(id)) index->GetChangeTracker().MarkDirty(id, bits);
@@ -227,6 +227,9 @@ MeshTopology RetainedSceneDelegate::GetMeshTopology(const Path& id) {
 }
 SubdivTags RetainedSceneDelegate::GetSubdivTags(const Path& id) {
   return state_->pull<MeshDescription>(id, [](const MeshDescription& prim) { return prim.subdivTags; });
+}
+BasisCurvesTopology RetainedSceneDelegate::GetBasisCurvesTopology(const Path& id) {
+  return state_->pull<MeshDescription>(id, [](const MeshDescription& prim) { return prim.curves; });
 }
 DisplayStyle RetainedSceneDelegate::GetDisplayStyle(const Path& id) {
   return state_->pull<MeshDescription>(id, [](const MeshDescription& prim) { return prim.displayStyle; });

@@ -20,8 +20,9 @@ struct PrimvarValue {
   bool operator==(const PrimvarValue&) const = default;
 };
 
+/// A mesh, or what is drawn as one: its type is its kind.
 struct MeshDescription {
-  MeshTopology topology;
+  MeshTopology topology;  // of a mesh
   SubdivTags subdivTags;
   DisplayStyle displayStyle;
   std::map<Token, PrimvarValue> primvars;  // "points" (Vec3f, vertex), "normals" (Vec3f), "st" (Vec2f, v up)
@@ -35,6 +36,8 @@ struct MeshDescription {
   std::map<Token, TimeSamples<Value>> primvarSamples = {};  // of what deforms: "points", "normals"
   Token renderTag = "geometry";
   std::vector<Token> categories = {};  // for light linking
+  Token type = "mesh";                 // of kRprimTypes
+  BasisCurvesTopology curves = {};     // of basisCurves, with primvar "widths": diameters, 1 without them. Points, too
   bool operator==(const MeshDescription&) const = default;
 };
 
@@ -175,6 +178,7 @@ class ALABASTER_API RetainedSceneDelegate : public SceneDelegate {
   // SceneDelegate
   MeshTopology GetMeshTopology(const Path& id) override;
   SubdivTags GetSubdivTags(const Path& id) override;
+  BasisCurvesTopology GetBasisCurvesTopology(const Path& id) override;
   DisplayStyle GetDisplayStyle(const Path& id) override;
   Matrix4d GetTransform(const Path& id) override;
   bool GetVisible(const Path& id) override;

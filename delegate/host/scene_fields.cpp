@@ -11,8 +11,16 @@
 namespace alabaster::hd::host {
 namespace {
 
+template <size_t kFirst, size_t kSecond>
+constexpr std::array<Field, kFirst + kSecond> joined(const Field (&first)[kFirst], const Field (&second)[kSecond]) {
+  std::array<Field, kFirst + kSecond> all{};
+  std::copy(std::begin(first), std::end(first), all.begin());
+  std::copy(std::begin(second), std::end(second), all.begin() + kFirst);
+  return all;
+}
+
 using Mesh = MeshDescription;
-constexpr Field kMesh[] = {
+constexpr Field kFaces[] = {
     field<&Mesh::topology, &MeshTopology::scheme>("scheme", dirty::kTopology,
                                                   "Subdivision scheme of the surface; none draws the control mesh.",
                                                   words(support::kSubdivisionSchemes)),
@@ -55,6 +63,22 @@ constexpr Field kMesh[] = {
     field<&Mesh::displayStyle, &DisplayStyle::refineLevel>(
         "refineLevel", dirty::kDisplayStyle, "Subdivision levels; 0 draws the control mesh.", range(0, kMaxRefineLevel))
         .in("levels"),
+};
+constexpr Field kCurves[] = {
+    field<&Mesh::curves, &BasisCurvesTopology::type>("type", dirty::kTopology,
+                                                     "linear: straight from point to point. cubic: by the basis.",
+                                                     words(support::kCurveTypes)),
+    field<&Mesh::curves, &BasisCurvesTopology::basis>("basis", dirty::kTopology, "Basis of cubic curves.",
+                                                      words(support::kCurveBases)),
+    field<&Mesh::curves, &BasisCurvesTopology::wrap>(
+        "wrap", dirty::kTopology,
+        "periodic: curves are closed. pinned: those of bspline and catmullRom begin and end in their end points.",
+        words(support::kCurveWraps)),
+    field<&Mesh::curves, &BasisCurvesTopology::curveVertexCounts>(
+        "curveVertexCounts", dirty::kTopology, "The number of points of each curve. They stand one after the other."),
+};
+// Of all that is drawn as a mesh.
+constexpr Field kRprim[] = {
     field<&Mesh::transform>(
         "transform", dirty::kTransform,
         "Object space to world space, or to the space of the instancer. Setting it takes away its samples."),
@@ -77,8 +101,14 @@ constexpr Field kMesh[] = {
     field<&Mesh::categories>("categories", dirty::kCategories,
                              "Names that the parameters lightLink and shadowLink of lights may give."),
 };
+constexpr auto kMesh = joined(kFaces, kRprim);
+constexpr auto kBasisCurves = joined(kCurves, kRprim);
 Kind row_of(const Mesh& defaults) {
-  return {"mesh", kMesh, open_rows(defaults), "mesh", dirty::kAll, &RenderIndex::InsertRprim, defaults};
+  std::span<const Field> fields = kRprim;
+  if (defaults.type == Token("mesh")) fields = kMesh;
+  if (defaults.type == Token("basisCurves")) fields = kBasisCurves;
+  return {defaults.type.str().c_str(), fields,  open_rows(defaults), "mesh", dirty::kAll,
+          &RenderIndex::InsertRprim,   defaults};
 }
 constexpr Field kInstancer[] = {
     field<&InstancerDescription::transform>("transform", dirty::kTransform,
@@ -146,9 +176,16 @@ Kind row_of(const RenderBufferDescriptor& defaults) {
 }
 
 template <size_t... kPlaces>
-std::array<Kind, sizeof...(kPlaces)> rows_of(std::index_sequence<kPlaces...>) {
-  return {row_of(std::variant_alternative_t<kPlaces, PrimDescription>())...};
+std::vector<Kind> rows_of(std::index_sequence<kPlaces...>) {
+  std::vector<Kind> all{row_of(std::variant_alternative_t<kPlaces, PrimDescription>())...};
+  for (size_t type = 1; type < std::size(kRprimTypes); ++type) {
+    Mesh defaults;
+    defaults.type = kRprimTypes[type];
+    all.insert(all.begin() + static_cast<std::ptrdiff_t>(type), row_of(defaults));
+  }
+  return all;
 }
+// The types of meshes, then the rest of PrimDescription in its order.
 std::span<const Kind> all_kinds() {
   static const auto all = rows_of(std::make_index_sequence<std::variant_size_v<PrimDescription>>());
   return all;
@@ -276,7 +313,7 @@ std::string fill_fields(const Fields& fields, const Path& id, PrimDescription* p
   std::vector<GeomSubset> none;
   SubsetFields of_subsets(mesh ? &mesh->topology.geomSubsets : &none);
   for (const auto& [name, value] : in_order(fields)) {
-    const bool is_of_subset = mesh && name.starts_with("subsets:");
+    const bool is_of_subset = mesh && mesh->type == Token("mesh") && name.starts_with("subsets:");
     const FieldResult result = is_of_subset ? of_subsets.set(name, value) : set_field(id, name, value, prim);
     if (!result) return unknown(name, id, *prim);
     if (!result->empty()) return *result;
@@ -302,10 +339,13 @@ std::span<const Kind> kinds() {
   return all_kinds().first(all_kinds().size() - 1);  // the last is that of render buffers
 }
 const Kind& kind_of(const PrimDescription& prim) {
-  return all_kinds()[prim.index()];
+  const auto* const mesh = std::get_if<Mesh>(&prim);
+  if (!mesh) return all_kinds()[prim.index() + std::size(kRprimTypes) - 1];
+  const auto type = std::find(std::begin(kRprimTypes), std::end(kRprimTypes), mesh->type.str());
+  return all_kinds()[type == std::end(kRprimTypes) ? 0 : static_cast<size_t>(type - std::begin(kRprimTypes))];
 }
 std::string_view KindOf(const PrimDescription& prim) {
-  return kind_of(prim).name;
+  return std::holds_alternative<Mesh>(prim) ? kRprimTypes[0] : kind_of(prim).name;
 }
 Token TypeOf(const PrimDescription& prim) {
   if (const auto* light = std::get_if<LightDescription>(&prim)) return light->type;

@@ -13,7 +13,7 @@ namespace alabaster::hd::host {
 /// Names and values, in the order in which they are given. delegate/manual/parameters has a page for each kind.
 using Fields = std::vector<std::pair<std::string, Value>>;
 
-/// The paths and kinds of all prims. A light's kind is its type.
+/// The paths and kinds of all prims. The kind of a mesh or light is its type.
 ALABASTER_API std::vector<std::pair<Path, Token>> ListPrims(const RetainedSceneDelegate& scene);
 
 struct [[nodiscard]] SetResult {
@@ -28,9 +28,10 @@ ALABASTER_API SetResult SetPrim(RetainedSceneDelegate* scene, const Path& path, 
 ALABASTER_API SetResult EditPrim(RetainedSceneDelegate* scene, const Path& path, const Fields& fields);
 /// The sentence about a path that no prim has, with the nearest path that one has.
 ALABASTER_API std::string NoSuchPrim(const RetainedSceneDelegate& scene, const Path& path);
-/// "mesh", "light" and the like.
+/// "mesh", "light" and the like: of all types of meshes, or of lights.
 ALABASTER_API std::string_view KindOf(const PrimDescription& prim);
-/// What SetPrim makes the prim of: its kind, or a light's type. Empty: a render buffer, which has no fields.
+/// What SetPrim makes the prim of: its kind, or the type of a mesh or light. Empty: a render buffer, which has no
+/// fields.
 ALABASTER_API Token TypeOf(const PrimDescription& prim);
 /// The fields that SetPrim makes the same prim of. Nodes of a material that do not lie below its path have their own
 /// paths as names.

@@ -39,11 +39,15 @@ hd::host::InstancerDescription& SceneCapture::instancer(const hd::Path& id) {
   return prim.emplace<hd::host::InstancerDescription>();
 }
 
-void SceneCapture::TakeMesh(hd::SceneDelegate& scene, const hd::Path& id) {
+void SceneCapture::TakeMesh(hd::SceneDelegate& scene, const hd::Path& id, const hd::Token& type) {
   hd::host::MeshDescription mesh;
-  mesh.topology = scene.GetMeshTopology(id);
-  mesh.subdivTags = scene.GetSubdivTags(id);
-  mesh.displayStyle = scene.GetDisplayStyle(id);
+  mesh.type = type;
+  if (type == hd::Token("basisCurves")) mesh.curves = scene.GetBasisCurvesTopology(id);
+  if (type == hd::Token("mesh")) {
+    mesh.topology = scene.GetMeshTopology(id);
+    mesh.subdivTags = scene.GetSubdivTags(id);
+    mesh.displayStyle = scene.GetDisplayStyle(id);
+  }
   for (const hd::PrimvarDescriptor& primvar : scene.GetPrimvarDescriptors(id)) {
     auto& held = mesh.primvars[primvar.name];
     held.interpolation = primvar.interpolation;

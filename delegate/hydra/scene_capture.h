@@ -10,7 +10,7 @@ namespace alabaster::hydra {
 /// Takes each prim when it is synced for the first time, or again. Prims may be taken by several threads at once.
 class SceneCapture {
  public:
-  void TakeMesh(hd::SceneDelegate& scene, const hd::Path& id);
+  void TakeMesh(hd::SceneDelegate& scene, const hd::Path& id, const hd::Token& type = "mesh");
   void TakeInstancer(hd::SceneDelegate& scene, const hd::Path& id);
   void TakeMaterial(hd::SceneDelegate& scene, const hd::Path& id);
   void TakeLight(hd::SceneDelegate& scene, const hd::Path& id, const hd::Token& type);

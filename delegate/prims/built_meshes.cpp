@@ -157,7 +157,8 @@ void BuiltMeshes::drop_all_but(size_t kept) {
 std::shared_ptr<PointEdits> BuiltMeshes::edits_after(const Held& from, const MeshJob& next,
                                                      const std::shared_ptr<MemoryBudget>& budget) const {
   const PulledMesh &a = *from.job->source, &b = *next.source;
-  if (!(a.topology == b.topology) || !(a.tags == b.tags) || !(a.style == b.style)) return nullptr;
+  if (!(a.topology == b.topology) || !(a.curves == b.curves) || !(a.tags == b.tags) || !(a.style == b.style))
+    return nullptr;
   if (b.point_samples.times.size() > 1 || next.request.dicing.edge_length > 0) return nullptr;
   if (!from.edits && from.built.prototype) return std::make_shared<PointEdits>(budget);
   return from.edits;

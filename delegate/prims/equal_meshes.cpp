@@ -45,7 +45,7 @@ std::string digest_of(const PulledMesh& mesh) {
   const MeshTopology& topology = mesh.topology;
   for (const auto* array :
        {&topology.faceVertexCounts, &topology.faceVertexIndices, &topology.holeIndices, &topology.invisibleFaces,
-        &mesh.tags.creaseIndices, &mesh.tags.creaseLengths, &mesh.tags.cornerIndices})
+        &mesh.tags.creaseIndices, &mesh.tags.creaseLengths, &mesh.tags.cornerIndices, &mesh.curves.curveVertexCounts})
     add_array(*array, &digest);
   for (const auto* array : {&mesh.tags.creaseWeights, &mesh.tags.cornerWeights}) add_array(*array, &digest);
   for (const auto& [name, primvar] : kPulledPrimvars) add_primvar(mesh.*primvar, &digest);
@@ -57,9 +57,10 @@ std::string digest_of(const PulledMesh& mesh) {
 
 bool have_equal_values(const PulledMesh& a, const PulledMesh& b) {
   const auto are_equal = [&](const PulledPrimvarName& named) { return a.*named.primvar == b.*named.primvar; };
-  return &a == &b || (a.topology == b.topology && a.tags == b.tags && a.style == b.style && a.uvs == b.uvs &&
-                      std::all_of(std::begin(kPulledPrimvars), std::end(kPulledPrimvars), are_equal) &&
-                      a.point_samples == b.point_samples && a.normal_samples == b.normal_samples);
+  return &a == &b ||
+         (a.topology == b.topology && a.curves == b.curves && a.tags == b.tags && a.style == b.style &&
+          a.uvs == b.uvs && std::all_of(std::begin(kPulledPrimvars), std::end(kPulledPrimvars), are_equal) &&
+          a.point_samples == b.point_samples && a.normal_samples == b.normal_samples);
 }
 
 // Displacement is a material's, and is made with the slots.

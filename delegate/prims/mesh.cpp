@@ -110,13 +110,19 @@ PulledPrimvar pull_primvar(SceneDelegate& scene, const Path& id, const PrimvarDe
 
 // A value that is dirty but equal to what is held changes nothing: the descriptor set may differ elsewhere.
 void MeshPrim::pull_shape(SceneDelegate& scene, DirtyBits bits) {
-  if (bits & dirty::kTopology) {
+  const bool has_faces = !is_curves_ && spheres_.empty();
+  if (bits & dirty::kTopology && is_curves_) {
+    BasisCurvesTopology curves = scene.GetBasisCurvesTopology(GetId());
+    curves.curveVertexCounts = curves.curveVertexCounts.frozen();
+    update(&pulled_.curves, std::move(curves), &shape_changed_);
+  } else if (bits & dirty::kTopology && has_faces) {
     MeshTopology topology = frozen(scene.GetMeshTopology(GetId()));
     subsets_ = std::exchange(topology.geomSubsets, {});
     update(&pulled_.topology, std::move(topology), &shape_changed_);
   }
-  if (bits & dirty::kSubdivTags) update(&pulled_.tags, frozen(scene.GetSubdivTags(GetId())), &shape_changed_);
-  if (bits & dirty::kDisplayStyle) update(&pulled_.style, scene.GetDisplayStyle(GetId()), &shape_changed_);
+  if (bits & dirty::kSubdivTags && has_faces)
+    update(&pulled_.tags, frozen(scene.GetSubdivTags(GetId())), &shape_changed_);
+  if (bits & dirty::kDisplayStyle && has_faces) update(&pulled_.style, scene.GetDisplayStyle(GetId()), &shape_changed_);
   if (bits & dirty::kPoints) {
     PulledPrimvar points;  // pulled even when no descriptor names them
     points.present = true;
@@ -189,17 +195,39 @@ void MeshPrim::update_slots(SceneParam& param) {
   record_.slots = std::make_shared<const FaceSlots>(std::move(slots));
 }
 
+// The sphere of points stands in the places that an instancer of their own gives it, which the points' own instancer
+// places.
+void MeshPrim::post_points(SceneParam& param) {
+  InstancerRecord places;
+  places.transform = record_.transform, places.motion = {record_.motion.times, record_.motion.values};
+  places.points = places_.points, places.moving_points = places_.moving;
+  places.parent = record_.instancer, places.indices_in_parent = record_.instance_indices;
+  MeshRecord sphere = record_;
+  sphere.transform = Matrix4d(), sphere.motion = {};
+  sphere.instancer = spheres_, sphere.instance_indices = places_.drawn;
+  param.post(sphere.instancer, std::move(places));
+  param.post(GetId(), std::move(sphere));
+}
+
 DirtyBits MeshPrim::post_record(SceneDelegate& scene, SceneParam& param, DirtyBits bits) {
   pull(scene, param, bits);
   if (shape_changed_) {
     hold_arrays(&pulled_, &param.buffers(), GetId().str());
-    record_.source = std::make_shared<const PulledMesh>(pulled_);
+    PulledMesh shape = pulled_;
+    if (!spheres_.empty()) {
+      places_ = place_points(pulled_, GetId().str(), param.sink());
+      make_sphere_of(&shape, GetId().str(), param.sink());
+    }
+    record_.source = std::make_shared<const PulledMesh>(std::move(shape));
   }
   shape_changed_ = false;
   if (bits & dirty::kTopology) update_slots(param);
   record_.prim_id = GetPrimId();
   record_.materials = slot_materials(subsets_, material_);
-  param.post(GetId(), record_);
+  if (!spheres_.empty())
+    post_points(param);
+  else
+    param.post(GetId(), record_);
   return dirty::kClean;
 }
 

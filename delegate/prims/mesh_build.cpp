@@ -5,6 +5,7 @@
 #include "core/geometry/used_points.h"
 
 #include "delegate/prims/motion.h"
+#include "delegate/prims/tubes.h"
 
 namespace alabaster::hd::prims {
 namespace {
@@ -98,7 +99,8 @@ class MeshBuilder {
  public:
   MeshBuilder(const MeshJob& job, SceneParam* param, const CancelToken& cancel)
       : job_(job),
-        mesh_(*job.source),
+        mesh_(job.source.get()),
+        named_(&job.request.primvars),
         edits_(job.edits.get()),
         where_(job.path.str()),
         param_(*param),
@@ -122,7 +124,7 @@ class MeshBuilder {
       TriangleSlots slots;
     };
     const std::vector<int32_t> of_faces =
-        slots_of_faces(*job_.slots, mesh_.topology.faceVertexCounts.size(), where_, sink_);
+        slots_of_faces(*job_.slots, mesh_->topology.faceVertexCounts.size(), where_, sink_);
     auto held = std::make_shared<Held>();
     held->memory = MemoryReservation(param_.memory(), MemoryUse::meshes,
                                      of_faces.empty() ? 0 : face.size() * sizeof(int32_t), where_);
@@ -136,18 +138,22 @@ class MeshBuilder {
   BuiltMesh build() {
     const MeshRequest& request = job_.request;
     BuiltMesh out;
-    const size_t faces = mesh_.topology.faceVertexCounts.size();
+    if (!mesh_->curves.curveVertexCounts.empty()) {
+      tubes_ = make_tubes(*mesh_, *named_, where_, sink_, param_.memory(), cancel_);
+      mesh_ = &tubes_->mesh, named_ = &tubes_->named;
+      if (mesh_->topology.faceVertexCounts.empty() && !reports_.empty()) return out;
+    }
+    const size_t faces = mesh_->topology.faceVertexCounts.size();
     const MemoryReservation cage_memory(param_.memory(), MemoryUse::meshes,
-                                        memory_bytes(mesh_, request.primvars) + faces * sizeof(int32_t),
-                                        "a copy of its cage");
-    Cage cage = make_cage(mesh_, request.primvars, where_, sink_);
+                                        memory_bytes(*mesh_, *named_) + faces * sizeof(int32_t), "a copy of its cage");
+    Cage cage = make_cage(*mesh_, *named_, where_, sink_);
     cage.face_material = slots_of_faces(*job_.slots, faces, where_, sink_);
     if (!sanitize_cage(cage, where_, sink_)) return out;
-    if (mesh_.point_samples.values.size() < 2) drop_unused_points(&cage);  // samples have values for all points
+    if (mesh_->point_samples.values.size() < 2) drop_unused_points(&cage);  // samples have values for all points
     cancel_.check();
     auto prototype = std::make_shared<MeshPrototype>();
     RefinementOptions options;
-    options.level = refine_level(mesh_);
+    options.level = refine_level(*mesh_);
     options.where = where_;
     options.cancel = cancel_;
     options.memory = &(prototype->memory = MemoryReservation(param_.memory(), MemoryUse::meshes));
@@ -172,7 +178,7 @@ class MeshBuilder {
   // Null: it does not deform.
   std::shared_ptr<const Deformation> deform_mesh(const Cage& cage, RefinementOptions options, const Mesh& mesh,
                                                  size_t cage_bytes) {
-    const auto& [times, values] = mesh_.point_samples;
+    const auto& [times, values] = mesh_->point_samples;
     const size_t samples = std::max(times.size(), values.size());
     if (samples < 2) return nullptr;
     const size_t pose = (mesh.points.capacity() + mesh.normals.capacity()) * sizeof(Vec3f);
@@ -182,7 +188,7 @@ class MeshBuilder {
     const MemoryReservation copy(param_.memory(), MemoryUse::meshes, cage_bytes, "a copy of its cage");
     MemoryReservation posed(param_.memory(), MemoryUse::meshes);
     options.memory = &posed;
-    const auto deformation = deform(mesh_, cage, options, mesh, sink_);
+    const auto deformation = deform(*mesh_, cage, options, mesh, sink_);
     if (deformation) deformation->memory = std::move(memory);
     return deformation;
   }
@@ -202,7 +208,9 @@ class MeshBuilder {
   }
 
   const MeshJob& job_;
-  const PulledMesh& mesh_;
+  const PulledMesh* mesh_;  // as pulled, or the tubes
+  const NamedPrimvars* named_;
+  std::optional<Tubes> tubes_;
   PointEdits* const edits_;
   const std::string& where_;
   SceneParam& param_;

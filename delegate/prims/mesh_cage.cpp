@@ -144,7 +144,8 @@ void for_each_buffer(const Visit& visit, const PulledMesh& mesh) {
   const MeshTopology& t = mesh.topology;
   const SubdivTags& tags = mesh.tags;
   for_each_buffer(visit, t.faceVertexCounts, t.faceVertexIndices, t.holeIndices, t.invisibleFaces, tags.creaseIndices,
-                  tags.creaseLengths, tags.cornerIndices, tags.creaseWeights, tags.cornerWeights);
+                  tags.creaseLengths, tags.cornerIndices, tags.creaseWeights, tags.cornerWeights,
+                  mesh.curves.curveVertexCounts);
   for_each_buffer(visit, mesh.point_samples);
   for_each_buffer(visit, mesh.normal_samples);
 }

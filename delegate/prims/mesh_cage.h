@@ -29,10 +29,11 @@ NumberArray numbers_of(const Value& value);
 /// The values that a mesh prim has pulled so far: numbers of any type as floats (support::FloatValues). Arrays are
 /// shared with the scene delegate, unless they had to be converted or the host edits them in place.
 struct PulledMesh {
-  MeshTopology topology;  // without its subsets: see FaceSlots
+  MeshTopology topology;       // without its subsets: see FaceSlots
+  BasisCurvesTopology curves;  // in its place, where there are any: tubes are made of them (tubes.h)
   SubdivTags tags;
   DisplayStyle style;
-  PulledPrimvar points, normals, tangents, display_color, display_opacity;
+  PulledPrimvar points, normals, tangents, display_color, display_opacity, widths;
   TimeSamples<Value> point_samples, normal_samples;
   std::map<Token, PulledPrimvar> uvs;  // texture coordinates by name
   SharedReservations memory;
@@ -49,7 +50,8 @@ constexpr PulledPrimvarName kPulledPrimvars[] = {{"points", &PulledMesh::points}
                                                  {"normals", &PulledMesh::normals},
                                                  {"tangents", &PulledMesh::tangents},
                                                  {kDisplayColor, &PulledMesh::display_color},
-                                                 {kDisplayOpacity, &PulledMesh::display_opacity}};
+                                                 {kDisplayOpacity, &PulledMesh::display_opacity},
+                                                 {"widths", &PulledMesh::widths}};
 inline bool is_refined(const PulledMesh& mesh) {
   return !mesh.topology.scheme.empty() && !(mesh.topology.scheme == Token("none"));
 }

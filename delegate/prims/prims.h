@@ -4,6 +4,7 @@
 #include "core/light/light_parameters.h"
 #include "delegate/api/prims.h"
 #include "delegate/prims/mesh_cage.h"
+#include "delegate/prims/points.h"
 #include "delegate/prims/scene_param.h"
 
 namespace alabaster::hd::prims {
@@ -42,10 +43,18 @@ class RecordedPrim : public Recorded<Base> {
 PulledPrimvar pull_primvar(SceneDelegate& scene, const Path& id, const PrimvarDescriptor& descriptor,
                            SceneParam* param);
 
-/// Pulls only: the shape is built where it is first drawn (built_meshes.h), once for each edit of it.
+/// Pulls only: the shape is built where it is first drawn (built_meshes.h), once for each edit of it. Curves and points
+/// are meshes from here on: their tubes are made with the shape (tubes.h), and points are one sphere in many places.
 class MeshPrim final : public RecordedPrim<Rprim> {
  public:
-  using RecordedPrim::RecordedPrim;
+  MeshPrim(const Path& id, const Token& type)
+      : RecordedPrim(id),
+        is_curves_(type == Token("basisCurves")),
+        spheres_(type == Token("points") ? id.str() + "#places" : std::string()) {}
+  void Finalize(RenderParam* param) override {
+    if (!spheres_.empty()) SceneParam::of(param).remove(spheres_);
+    RecordedPrim::Finalize(param);
+  }
 
  private:
   DirtyBits post_record(SceneDelegate& scene, SceneParam& param, DirtyBits bits) override;
@@ -53,8 +62,12 @@ class MeshPrim final : public RecordedPrim<Rprim> {
   void pull_shape(SceneDelegate& scene, DirtyBits bits);
   void pull_primvars(SceneDelegate& scene, SceneParam& param);
   void update_slots(SceneParam& param);
+  void post_points(SceneParam& param);
 
+  const bool is_curves_;
+  const Path spheres_;  // of points: the path of the record of their places
   PulledMesh pulled_;
+  PlacedPoints places_;  // of points
   bool shape_changed_ = false;
   std::vector<GeomSubset> subsets_;
   Path material_;

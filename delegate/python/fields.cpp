@@ -5,6 +5,7 @@ namespace {
 
 /// Arguments whose fields have other names.
 constexpr std::pair<const char*, const char*> kShortForms[] = {{"points", "primvars:points"},
+                                                               {"widths", "primvars:widths"},
                                                                {"counts", "faceVertexCounts"},
                                                                {"indices", "faceVertexIndices"},
                                                                {"holes", "holeIndices"},

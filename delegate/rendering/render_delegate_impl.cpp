@@ -13,7 +13,7 @@ RenderDelegateImpl::~RenderDelegateImpl() {
 }
 
 const std::vector<Token>& RenderDelegateImpl::GetSupportedRprimTypes() const {
-  static const std::vector<Token> types{"mesh"};
+  static const std::vector<Token> types(std::begin(kRprimTypes), std::end(kRprimTypes));
   return types;
 }
 
@@ -33,7 +33,8 @@ const std::vector<Token>& RenderDelegateImpl::GetSupportedBprimTypes() const {
 
 Rprim* RenderDelegateImpl::CreateRprim(const Token& type, const Path& id) {
   return answer<Rprim*>("CreateRprim", [&](Rprim*& prim) {
-    if (type == Token("mesh")) prim = new prims::MeshPrim(id);
+    const std::vector<Token>& known = GetSupportedRprimTypes();
+    if (std::find(known.begin(), known.end(), type) != known.end()) prim = new prims::MeshPrim(id, type);
   });
 }
 

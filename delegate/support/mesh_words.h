@@ -13,4 +13,9 @@ inline constexpr std::array kFaceVaryingRules{"all",         "none",         "bo
 inline constexpr std::array kCreaseMethods{"uniform", "chaikin"};
 inline constexpr std::array kTriangleSubdivisions{"catmullClark", "smooth"};
 
+// Of curves, the default first.
+inline constexpr std::array kCurveTypes{"cubic", "linear"};
+inline constexpr std::array kCurveBases{"bezier", "bspline", "catmullRom"};
+inline constexpr std::array kCurveWraps{"nonperiodic", "periodic", "pinned"};
+
 }  // namespace alabaster::hd::support

@@ -6,8 +6,8 @@ import bpy
 import numpy
 
 import scenes
-from alabaster_render import materials, meshes
-from synced_scene import fresh
+from alabaster_render import hair, materials, meshes, sync
+from synced_scene import Watched, dump, fresh
 
 
 class Meshes(unittest.TestCase):
@@ -74,3 +74,59 @@ class Meshes(unittest.TestCase):
         data = bpy.data.curves.new("text", "FONT")
         data.body, data.extrude = "A", 0.1
         self.assertGreater(len(self.extract(scenes.link("text", data))["counts"]), 4)
+
+
+class Hair(unittest.TestCase):
+    def setUp(self):
+        fresh()
+        self.notes = []
+
+    def furry(self):
+        ball = scenes.ball(scenes.diffuse("skin"), (1, 2, 3), radius=1, name="furry")
+        ball.data.materials.append(scenes.diffuse("fur"))
+        settings = ball.modifiers.new("hair", "PARTICLE_SYSTEM").particle_system.settings
+        settings.type, settings.count, settings.hair_length, settings.material = "HAIR", 20, 0.5, 2
+        settings.display_step = settings.render_step = 3
+        settings.root_radius, settings.tip_radius, settings.radius_scale, settings.use_close_tip = 1, 0.5, 0.01, False
+        return ball, settings
+
+    def fields(self, ball):
+        evaluated = ball.evaluated_get(bpy.context.evaluated_depsgraph_get())
+        return hair.of_system(evaluated, next(hair.systems(evaluated, True)), True)
+
+    def test_strands_of_particles_stand_on_their_object_and_thin_out(self):
+        ball, settings = self.furry()
+        made = self.fields(ball)
+        strands = made["points"].reshape(20, 9, 3)
+        numpy.testing.assert_allclose(numpy.linalg.norm(strands[:, 0], axis=1), 1, atol=0.01)
+        numpy.testing.assert_allclose(numpy.linalg.norm(strands[:, -1], axis=1), 1.5, atol=0.03)
+        numpy.testing.assert_allclose(made["widths"][:9], 0.01 - 0.005 * numpy.arange(9) / 8, rtol=1e-5)
+        settings.child_type, settings.child_percent = "SIMPLE", 5
+        self.assertEqual(len(self.fields(ball)["curve_vertex_counts"]), 100)
+
+    def test_hair_is_a_prim_of_its_material_that_goes_where_its_object_goes(self):
+        ball, settings = self.furry()
+        watched = Watched()
+        exporter = sync.SceneSync(watched, True, self.notes.append)
+        exporter.sync(bpy.context.evaluated_depsgraph_get())
+        strands = [path for path, kind in watched.scene.prims.items() if kind == "basisCurves"]
+        self.assertEqual((len(strands), self.notes), (1, []))
+        before = dump(watched.scene)
+        self.assertIn("instance %s prim" % strands[0], before)
+        ball.location.x += 1
+        exporter.update(bpy.context.evaluated_depsgraph_get())
+        self.assertEqual([path for path, kind in watched.scene.prims.items() if kind == "basisCurves"], strands)
+        self.assertEqual(dump(watched.scene).count("transform ((1, 0, 0, 0), (0, 1, 0, 0), (0, 0, 1, 0), (2, 2, 3, 1))"), 2)
+        ball.modifiers.remove(ball.modifiers["hair"])
+        exporter.update(bpy.context.evaluated_depsgraph_get())
+        self.assertNotIn("basisCurves", watched.scene.prims.values())
+
+    @unittest.skipIf(bpy.app.version < (4, 0, 0), "Blender has no operator that makes them")
+    def test_hair_curves_are_curves_with_their_radii(self):
+        bpy.ops.object.curves_random_add()
+        ob = bpy.context.object.evaluated_get(bpy.context.evaluated_depsgraph_get())
+        made = hair.extract(ob, self.notes.append)
+        self.assertEqual((made["kind"], made["basis"], made["wrap"], self.notes), ("basisCurves", "catmullRom", "pinned", []))
+        self.assertEqual(sum(made["curve_vertex_counts"]), len(made["points"]))
+        radii = [one.value for one in ob.data.attributes["radius"].data]
+        numpy.testing.assert_allclose(made["widths"], 2 * numpy.array(radii, numpy.float32))

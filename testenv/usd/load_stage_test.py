@@ -26,7 +26,7 @@ def Xform "World"
     def "b" (instanceable = true
         inherits = </World/_part>) { }
     def SphereLight "lamp" { float inputs:intensity = 3; }
-    def BasisCurves "hair" { }
+    def Volume "fog" { }
 }
 """
 
@@ -42,7 +42,7 @@ def main():
             warnings.simplefilter("always")
             opened = hdalabaster.load_stage(Usd.Stage.Open(file), hdalabaster.Scene(report=lambda *told: None))
     assert opened.prims == loaded.prims and "instancer" in opened.prims.values(), (opened.prims, loaded.prims)
-    assert [str(w.message) for w in told] == ["/World/hair: curves are not drawn (1 times)"], [str(w.message) for w in told]
+    assert [str(w.message) for w in told] == ["/World/fog: volumes are not drawn (1 times)"], [str(w.message) for w in told]
     print("right: %d prims" % len(opened.prims))
 
 

@@ -633,12 +633,66 @@ def test_a_missing_image_is_its_fallback_or_a_fault():
 
 
 def test_what_is_not_read_is_one_warning_with_a_path():
-    body = cube("c", 0) + "".join("""    def BasisCurves "hair%d" { int[] curveVertexCounts = [2]
-        point3f[] points = [(0, 0, 0), (0, 1, 0)]
-        uniform token type = "linear" }
+    body = cube("c", 0) + "".join("""    def Volume "fog%d" { }
 """ % i for i in range(3))
-    _, said = picture(stage("curves.usda", body))
-    assert said.count("curves are not drawn (3 times") == 1 and "/World/hair0" in said, said
+    _, said = picture(stage("volumes.usda", body))
+    assert said.count("volumes are not drawn (3 times") == 1 and "/World/fog0" in said, said
+
+
+CURVES = """    def BasisCurves "hair" { int[] curveVertexCounts = [4, 4]
+        point3f[] points = [%s]
+        uniform token basis = "%s"
+        uniform token wrap = "%s"
+        float[] widths = [%s] (interpolation = "%s")
+        color3f[] primvars:displayColor = [(0.8, 0.1, 0.1), (0.1, 0.1, 0.8)] (interpolation = "uniform")
+        %s }
+"""
+
+
+def blocks_apart(a, b):
+    """The greatest difference of the means of 8x8 blocks."""
+    small = [e + ".8x8.exr" for e in (a, b)]
+    for one, made in zip((a, b), small):
+        subprocess.run(["oiiotool", one, "--ch", "R,G,B", "--resize:filter=box", "8x8", "-o", made], check=True)
+    return apart(*small)
+
+
+def spans(*curves):
+    return ", ".join("(%.9g, %.9g, %.9g)" % p for c in curves for p in c)
+
+
+def test_curves_are_tubes_in_each_basis():
+    """Two curves, as uniform B-splines and by the Bezier points of these; the first has width .3, the second .6."""
+    splines = [[(-1.2, -3, 0), (-1, -1, 0.2), (-0.8, 1, -0.2), (-1.5, 3, 0)], [(0.5, -2, 0), (0.9, -1, 0), (0.8, 1, 0.3), (0.9, 2, 0)]]
+    mix = lambda p, *w: tuple(sum(x[a] * k for x, k in zip(p, w)) / 6 for a in range(3))
+    beziers = [[mix(p, 1, 4, 1, 0), mix(p, 0, 4, 2, 0), mix(p, 0, 2, 4, 0), mix(p, 0, 1, 4, 1)] for p in splines]
+    a, said = picture(stage("bspline.usda", CURVES % (spans(*splines), "bspline", "nonperiodic", "0.3, 0.6", "uniform", "")))
+    b, _ = picture(stage("bezier.usda", CURVES % (spans(*beziers), "bezier", "pinned", "0.3, 0.3, 0.6, 0.6", "varying", "")))
+    assert "warning" not in said, said
+    left, right = mean(a, "2x8+12+20"), mean(a, "2x8+32+20")
+    assert blocks_apart(a, b) < 0.02 and left[0] > 2 * left[2] > 0 and right[2] > 2 * right[0] > 0, (blocks_apart(a, b), left, right)
+    ribbon = "normal3f[] normals = [%s]" % spans([(0, 0, 1)] * 8)
+    c, said = picture(stage("ribbon.usda", CURVES % (spans(*splines), "bspline", "nonperiodic", "0.3, 0.6", "uniform", ribbon)))
+    assert blocks_apart(a, c) < 0.02 and said.count("ribbons are drawn as tubes") == 1 and "/World/hair" in said, said
+
+
+def test_points_are_spheres_that_move_by_their_velocities():
+    ball = '    def Sphere "b%d" { double radius = %g\n double3 xformOp:translate = (%g, %g, 0)\n uniform token[] xformOpOrder = ["xformOp:translate"]\n color3f[] primvars:displayColor = [(0.8, 0.1, 0.1)] }\n'
+    places, widths = [(-0.8, 0.2), (0.9, -0.3), (0, 1.2)], [0.8, 1.2, 0.5]
+    cloud = """    def Points "cloud" { point3f[] points = [%s]
+        float[] widths = [%s]
+        color3f[] primvars:displayColor = [(0.8, 0.1, 0.1)]
+        %s }
+""" % (spans([(x, y, 0) for x, y in places]), ", ".join(map(str, widths)), "%s")
+    a, said = picture(stage("cloud.usda", cloud % ""))
+    b, _ = picture(stage("balls.usda", "".join(ball % (i, w / 2, x, y) for i, ((x, y), w) in enumerate(zip(places, widths)))))
+    assert blocks_apart(a, b) < 0.03 and "warning" not in said, (blocks_apart(a, b), said)
+    camera = CAMERA.replace("float focalLength", "double shutter:open = 0\n        double shutter:close = 1\n        float focalLength")
+    moving = "vector3f[] velocities = [(0, 0, 0), (24, 0, 0), (0, 0, 0)]"
+    timed = lambda name, body: stage(name, body + '    def Cube "far" { double3 xformOp:translate.timeSamples = { 1: (0, 99, 0),}\n uniform token[] xformOpOrder = ["xformOp:translate"] }\n', camera=camera)
+    c, _ = picture(timed("flying.usda", cloud % moving), "--time", "1")
+    d, _ = picture(timed("resting.usda", cloud % ""), "--time", "1")
+    assert blocks_apart(c, d) > 0.1, blocks_apart(c, d)
 
 
 def test_a_distant_light_has_the_intensity_of_its_schema():
@@ -994,14 +1048,13 @@ def test_points_of_an_instancer_move_within_the_shutter():
 
 
 def test_what_comes_later_is_told():
-    later = """    def BasisCurves "hair" { int[] curveVertexCounts = [2]
-        point3f[] points = [(0, 0, 0), (0, 1, 0)]
-        uniform token type = "linear"
+    later = """    def Volume "fog"
+    {
         token visibility.timeSamples = { 1: "invisible", 2: "inherited",}
     }
 """
     code, said = run("render", stage("later.usda", cube("c", 0) + later), "-o", "later.#.exr", "--frames", "1:3", "--size", "16x16", "--spp", "1", "--quiet")
-    assert code == 0 and said.count("curves are not drawn") == 1 and "/World/hair" in said, said
+    assert code == 0 and said.count("volumes are not drawn") == 1 and "/World/fog" in said, said
 
 
 def test_a_clip_that_is_damaged_at_a_later_frame_is_a_fault_of_it():

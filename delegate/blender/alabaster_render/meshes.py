@@ -6,6 +6,7 @@ import numpy
 
 from . import images
 
+TOPOLOGY = ("counts", "indices", "curve_vertex_counts")
 KINDS = {"MESH", "CURVE", "SURFACE", "FONT", "META"}
 CORNER_NORMALS = bpy.app.version >= (4, 1, 0)  # meshes know their normals; before, they had to be computed
 LAST_BITS = 1e-5  # of the components of a normal: no two normals of a vertex are as close
@@ -38,11 +39,11 @@ def same(a, b):
 
 def shape(mesh):
     """The arguments of set_mesh that a deformation changes, and those that it must not."""
-    return mesh and {**{name: mesh[name] for name in ("points", "counts", "indices")}, "normals": mesh["primvars"].get("normals")}
+    return mesh and {**{name: mesh[name] for name in ("points", *TOPOLOGY) if name in mesh}, "normals": mesh.get("primvars", {}).get("normals")}
 
 
 def same_topology(a, b):
-    return b is not None and all(numpy.array_equal(a[name], b[name]) for name in ("counts", "indices")) \
+    return b is not None and all(numpy.array_equal(a.get(name), b.get(name)) for name in TOPOLOGY) \
         and len(a["points"]) == len(b["points"])
 
 

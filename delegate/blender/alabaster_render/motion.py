@@ -1,5 +1,5 @@
 """Motion blur: where things stand at times of the shutter."""
-from . import materials, meshes, names, sync
+from . import hair, materials, meshes, names, sync
 
 POSES = 5  # over the shutter; between them bodies turn and move evenly
 
@@ -47,17 +47,18 @@ def shapes(depsgraph):
     made = {}
     for instance in depsgraph.object_instances:
         ob = instance.object
-        if ob.type not in meshes.KINDS or not instance.show_self:
+        if (ob.type not in meshes.KINDS and ob.type not in hair.KINDS) or not instance.show_self:
             continue
         key, is_own = sync.mesh_key(ob, depsgraph)
         if is_own and key not in made and ob.is_deform_modified(depsgraph.scene, "RENDER"):
-            made[key] = meshes.shape(meshes.extract(ob, depsgraph, True, False, materials.Wanted()))
+            read = hair.extract(ob, lambda text: None) if ob.type in hair.KINDS else meshes.extract(ob, depsgraph, True, False, materials.Wanted())
+            made[key] = meshes.shape(read)
     return made
 
 
 def places(depsgraph):
     for instance in depsgraph.object_instances:
-        if instance.object.type in meshes.KINDS:
+        if instance.object.type in meshes.KINDS or instance.object.type in hair.KINDS:
             yield sync.owner_of(instance), names.matrix(instance.matrix_world)
     eye = depsgraph.scene.camera
     if eye:

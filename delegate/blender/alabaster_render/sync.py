@@ -2,12 +2,11 @@
 import bpy
 import numpy
 
-from . import library, lights, materials, meshes, names, roles, world
+from . import hair, library, lights, materials, meshes, names, roles, world
 
 NO_MATERIAL = names.path("material", "(none)")
 DOME = "/world"
-NOT_DRAWN = {"CURVES": "hair curves", "VOLUME": "volumes", "POINTCLOUD": "point clouds", "GPENCIL": "grease pencils",
-             "GREASEPENCIL": "grease pencils"}
+NOT_DRAWN = {"VOLUME": "volumes", "GPENCIL": "grease pencils", "GREASEPENCIL": "grease pencils"}
 
 
 class Group:
@@ -59,19 +58,18 @@ class SceneSync:
         self.roles = roles.Roles(depsgraph, self.note)
         for instance in depsgraph.object_instances:
             ob = instance.object
+            if instance.show_particles and not (space and not ob.visible_in_viewport_get(space)):
+                self.place_hair(depsgraph, instance, groups)
             if not instance.show_self or (space and not instance.is_instance and not ob.visible_in_viewport_get(space)):
                 continue
             if instance.is_instance:
                 self.instanced.update((ob.name_full, instance.parent.name_full))
             if ob.type == "LIGHT":
                 seen_lights.add(self.sync_light(ob, instance.matrix_world, owner_of(instance)))
-            elif ob.type in meshes.KINDS:
+            elif ob.type in meshes.KINDS or ob.type in hair.KINDS:
                 self.place(depsgraph, instance, groups)
             if ob.type in NOT_DRAWN:
                 self.note(f"object '{ob.name}': {NOT_DRAWN[ob.type]} are not translated")
-            for system in getattr(ob, "particle_systems", ()):
-                if system.settings.type == "HAIR" and system.settings.render_type == "PATH":
-                    self.note(f"object '{ob.name}': hair is not translated")
         for gone in set(self.set_lights) - seen_lights:
             del self.set_lights[gone]
             self.scene.remove(gone)
@@ -83,13 +81,29 @@ class SceneSync:
         ob = instance.object
         key, is_own = mesh_key(ob, depsgraph)
         if key not in self.meshes:
-            self.meshes[key] = self.read(key, meshes.extract(ob, depsgraph, is_own, self.viewport, self.wanted))
+            made = hair.extract(ob, self.note) if ob.type in hair.KINDS else meshes.extract(ob, depsgraph, is_own, self.viewport, self.wanted)
+            self.meshes[key] = self.read(key, made)
             named = [one.name for one in getattr(ob.data, "color_attributes", ()) if one.name in self.wanted.colors]
             if len(named) > 1:
                 self.note(f"object '{ob.name}': of the colour attributes that materials read only '{named[0]}' is translated")
+        self.join(instance, groups, key, ob.material_slots)
+
+    def place_hair(self, depsgraph, instance, groups):
+        ob, viewport = instance.object, depsgraph.mode == "VIEWPORT"
+        for system in hair.systems(ob, viewport):
+            key = "hair", ob.name_full, system.name
+            if key not in self.meshes:
+                self.meshes[key] = self.read(key, hair.of_system(ob, system, viewport))
+            self.instanced.add(ob.name_full)  # it moves with its hair
+            last = min(system.settings.material, len(ob.material_slots))
+            self.join(instance, groups, key, ob.material_slots[max(last - 1, 0):last])
+
+    def join(self, instance, groups, key, slots):
+        """Adds a place to the group of what is read and looks alike."""
+        ob = instance.object
         if self.meshes[key] is None:
             return
-        slots = tuple(self.material(slot.material) for slot in ob.material_slots) or (NO_MATERIAL,)
+        slots = tuple(self.material(slot.material) for slot in slots) or (NO_MATERIAL,)
         if NO_MATERIAL in slots:
             self.material(None)
         if all(self.set_materials[path].left_out for path in slots):
@@ -99,7 +113,7 @@ class SceneSync:
             groups[identity] = Group(*identity)
         groups[identity].matrices.append(names.matrix(instance.matrix_world))
         groups[identity].owners.append(owner_of(instance))
-        if not instance.is_instance:
+        if not instance.is_instance and key[0] != "hair":
             self.own_path[ob.name_full] = groups[identity]
 
     def read(self, key, mesh):
@@ -208,7 +222,7 @@ class SceneSync:
         hdalabaster = library.load()
         motion = [(time, pose["points"]) for time, pose in poses]
         changed = {"points": hdalabaster.Primvar(mesh["points"], "vertex", role="point", motion=motion)}
-        normals = mesh["primvars"].get("normals")
+        normals = mesh.get("primvars", {}).get("normals")
         if normals and all(pose["normals"] and len(pose["normals"].values) == len(normals.values) for _, pose in poses):
             moved = normals._replace(motion=[(time, pose["normals"].values) for time, pose in poses])
             changed["primvars"] = {**mesh["primvars"], "normals": moved}
@@ -258,7 +272,7 @@ class SceneSync:
             return self.sync_light(ob, ob.matrix_world, (ob.name_full, ())) is not None
         group = self.own_path.get(ob.name_full)
         if group is None:
-            return ob.type not in meshes.KINDS
+            return ob.type not in meshes.KINDS and ob.type not in hair.KINDS
         group.matrices[group.owners.index((ob.name_full, ()))] = names.matrix(ob.matrix_world)
         self.push_group(group)
         return True
@@ -307,6 +321,11 @@ def instances(matrices, motions):
 def set_mesh(scene, group, mesh, placement):
     hdalabaster = library.load()
     arguments = dict(mesh)
+    if "kind" in mesh:
+        roles = {"subsurfaceSet": group.role.body or None, "holdout": group.role.holdout or None, "visibleToCamera": None if group.role.seen else False}
+        arguments["widths"] = hdalabaster.Primvar(arguments["widths"], "vertex")
+        scene.set(group.path, arguments.pop("kind"), {**arguments, **roles, "material": group.slots[0], "categories": group.role.categories, **placement})
+        return
     index = arguments.pop("material_index")
     primvars = {name: hdalabaster.Primvar(one.values, one.interpolation, role=one.role, motion=one.motion)
                 for name, one in arguments.pop("primvars").items()}

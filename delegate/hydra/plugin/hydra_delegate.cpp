@@ -176,11 +176,16 @@ void HydraDelegate::DestroyInstancer(pxr::HdInstancer* instancer) {
 
 pxr::HdRprim* HydraDelegate::CreateRprim(const pxr::TfToken& type, const pxr::SdfPath& id) {
   hd::Rprim* const prim = delegate_->CreateRprim(ToToken(type), ToPath(id));
-  return prim ? new HydraMesh(prim, id) : nullptr;
+  if (!prim) return nullptr;
+  if (type == pxr::HdPrimTypeTokens->basisCurves) return new HydraCurves(prim, id);
+  if (type == pxr::HdPrimTypeTokens->points) return new HydraPoints(prim, id);
+  return new HydraMesh(prim, id);
 }
 
 void HydraDelegate::DestroyRprim(pxr::HdRprim* prim) {
-  delegate_->DestroyRprim(static_cast<HydraMesh*>(prim)->prim());
+  if (const auto* mesh = dynamic_cast<HydraMesh*>(prim)) delegate_->DestroyRprim(mesh->prim());
+  if (const auto* curves = dynamic_cast<HydraCurves*>(prim)) delegate_->DestroyRprim(curves->prim());
+  if (const auto* points = dynamic_cast<HydraPoints*>(prim)) delegate_->DestroyRprim(points->prim());
   delete prim;
 }
 

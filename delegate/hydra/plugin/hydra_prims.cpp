@@ -3,6 +3,7 @@
 #include <pxr/imaging/hd/changeTracker.h>
 #include <pxr/imaging/hd/renderIndex.h>
 
+#include <type_traits>
 #include <utility>
 
 #include "delegate/hydra/plugin/hydra_param.h"
@@ -20,7 +21,8 @@ constexpr BitPair kGeometryBits[] = {
     {Tracker::DirtyNormals, hd::dirty::kNormals},       {Tracker::DirtyDoubleSided, hd::dirty::kDoubleSided},
     {Tracker::DirtyCullStyle, hd::dirty::kCullStyle},   {Tracker::DirtySubdivTags, hd::dirty::kSubdivTags},
     {Tracker::DirtyInstancer, hd::dirty::kInstancer},   {Tracker::DirtyInstanceIndex, hd::dirty::kInstanceIndex},
-    {Tracker::DirtyRenderTag, hd::dirty::kRenderTag},   {Tracker::DirtyCategories, hd::dirty::kCategories}};
+    {Tracker::DirtyRenderTag, hd::dirty::kRenderTag},   {Tracker::DirtyCategories, hd::dirty::kCategories},
+    {Tracker::DirtyWidths, hd::dirty::kPrimvar}};
 // Hydra has no bit for a light's visibility: hosts send DirtyParams.
 constexpr BitPair kLightBits[] = {{pxr::HdLight::DirtyTransform, hd::dirty::kTransform},
                                   {pxr::HdLight::DirtyParams, hd::dirty::kParams | hd::dirty::kVisibility},
@@ -52,33 +54,47 @@ void HydraPrim<Theirs, Ours>::Finalize(pxr::HdRenderParam* param) {
 }
 
 template class HydraPrim<pxr::HdMesh, hd::Rprim>;
+template class HydraPrim<pxr::HdBasisCurves, hd::Rprim>;
+template class HydraPrim<pxr::HdPoints, hd::Rprim>;
 template class HydraPrim<pxr::HdInstancer, hd::Instancer>;
 template class HydraPrim<pxr::HdMaterial, hd::Sprim>;
 template class HydraPrim<pxr::HdLight, hd::Sprim>;
 
-pxr::HdDirtyBits HydraMesh::GetInitialDirtyBitsMask() const {
+template <class Theirs>
+pxr::HdDirtyBits HydraRprim<Theirs>::GetInitialDirtyBitsMask() const {
   pxr::HdDirtyBits bits = Tracker::InitRepr;
   for (const BitPair& pair : kGeometryBits) bits |= pair.host;
   return bits;
 }
 
-void HydraMesh::_InitRepr(const pxr::TfToken& repr, pxr::HdDirtyBits*) {
-  for (const auto& [name, held] : _reprs)
+template <class Theirs>
+void HydraRprim<Theirs>::_InitRepr(const pxr::TfToken& repr, pxr::HdDirtyBits*) {
+  for (const auto& [name, held] : this->_reprs)
     if (name == repr) return;
-  _reprs.emplace_back(repr, pxr::HdReprSharedPtr());
+  this->_reprs.emplace_back(repr, pxr::HdReprSharedPtr());
 }
 
-void HydraMesh::Sync(pxr::HdSceneDelegate* scene, pxr::HdRenderParam* param, pxr::HdDirtyBits* bits,
-                     const pxr::TfToken&) {
-  _UpdateVisibility(scene, bits);
-  _UpdateInstancer(scene, bits);
-  pxr::HdInstancer::_SyncInstancerAndParents(scene->GetRenderIndex(), GetInstancerId());
+template <class Theirs>
+void HydraRprim<Theirs>::Sync(pxr::HdSceneDelegate* scene, pxr::HdRenderParam* param, pxr::HdDirtyBits* bits,
+                              const pxr::TfToken&) {
+  this->_UpdateVisibility(scene, bits);
+  this->_UpdateInstancer(scene, bits);
+  pxr::HdInstancer::_SyncInstancerAndParents(scene->GetRenderIndex(), this->GetInstancerId());
   HydraParam& shared = ParamOf(param);
-  if (prim()) prim()->SetPrimId(GetPrimId());
-  HydraScene pulled = shared.scene(scene, GetId());
-  if (SceneCapture* const capture = shared.capture()) capture->TakeMesh(pulled, ToPath(GetId()));
-  if (sync(prim(), &pulled, shared, TranslateBits(*bits, kGeometryBits))) *bits &= ~Tracker::AllSceneDirtyBits;
+  hd::Rprim* const ours = this->prim();
+  const pxr::SdfPath& id = this->GetId();
+  if (ours) ours->SetPrimId(this->GetPrimId());
+  HydraScene pulled = shared.scene(scene, id);
+  constexpr bool kIsCurves = std::is_same_v<Theirs, pxr::HdBasisCurves>,
+                 kIsPoints = std::is_same_v<Theirs, pxr::HdPoints>;
+  const char* const type = hd::kRprimTypes[kIsCurves ? 1 : kIsPoints ? 2 : 0];
+  if (SceneCapture* const capture = shared.capture()) capture->TakeMesh(pulled, ToPath(id), type);
+  if (sync(ours, &pulled, shared, TranslateBits(*bits, kGeometryBits))) *bits &= ~Tracker::AllSceneDirtyBits;
 }
+
+template class HydraRprim<pxr::HdMesh>;
+template class HydraRprim<pxr::HdBasisCurves>;
+template class HydraRprim<pxr::HdPoints>;
 
 void HydraInstancer::Sync(pxr::HdSceneDelegate* scene, pxr::HdRenderParam* param, pxr::HdDirtyBits* bits) {
   _UpdateInstancer(scene, bits);

@@ -1,11 +1,13 @@
 // OpenUSD's prims, each with one of the contract's inside.
 #pragma once
 
+#include <pxr/imaging/hd/basisCurves.h>
 #include <pxr/imaging/hd/camera.h>
 #include <pxr/imaging/hd/instancer.h>
 #include <pxr/imaging/hd/light.h>
 #include <pxr/imaging/hd/material.h>
 #include <pxr/imaging/hd/mesh.h>
+#include <pxr/imaging/hd/points.h>
 
 #include "delegate/api/prims.h"
 
@@ -27,9 +29,11 @@ class HydraPrim : public Theirs {
   Ours* prim_;
 };
 
-class HydraMesh final : public HydraPrim<pxr::HdMesh, hd::Rprim> {
+/// `Theirs`: HdMesh, HdBasisCurves or HdPoints.
+template <class Theirs>
+class HydraRprim final : public HydraPrim<Theirs, hd::Rprim> {
  public:
-  using HydraPrim::HydraPrim;
+  using HydraPrim<Theirs, hd::Rprim>::HydraPrim;
   pxr::HdDirtyBits GetInitialDirtyBitsMask() const override;
   void Sync(pxr::HdSceneDelegate* scene, pxr::HdRenderParam* param, pxr::HdDirtyBits* bits,
             const pxr::TfToken& repr) override;
@@ -38,6 +42,10 @@ class HydraMesh final : public HydraPrim<pxr::HdMesh, hd::Rprim> {
   pxr::HdDirtyBits _PropagateDirtyBits(pxr::HdDirtyBits bits) const override { return bits; }
   void _InitRepr(const pxr::TfToken& repr, pxr::HdDirtyBits* bits) override;
 };
+
+using HydraMesh = HydraRprim<pxr::HdMesh>;
+using HydraCurves = HydraRprim<pxr::HdBasisCurves>;
+using HydraPoints = HydraRprim<pxr::HdPoints>;
 
 class HydraInstancer final : public HydraPrim<pxr::HdInstancer, hd::Instancer> {
  public:

@@ -98,6 +98,14 @@ hd::SubdivTags HydraScene::GetSubdivTags(const hd::Path& id) {
           .cornerWeights = ToArray<float>(theirs.GetCornerWeights())};
 }
 
+hd::BasisCurvesTopology HydraScene::GetBasisCurvesTopology(const hd::Path& id) {
+  const pxr::HdBasisCurvesTopology theirs = host_->GetBasisCurvesTopology(path(id));
+  return {.type = ToToken(theirs.GetCurveType()),
+          .basis = ToToken(theirs.GetCurveBasis()),
+          .wrap = ToToken(theirs.GetCurveWrap()),
+          .curveVertexCounts = ToArray<int32_t>(theirs.GetCurveVertexCounts())};
+}
+
 hd::DisplayStyle HydraScene::GetDisplayStyle(const hd::Path& id) {
   return {.refineLevel = host_->GetDisplayStyle(path(id)).refineLevel};
 }

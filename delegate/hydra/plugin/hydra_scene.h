@@ -19,6 +19,7 @@ class HydraScene final : public TranslatedScene {
 
   hd::MeshTopology GetMeshTopology(const hd::Path& id) override;
   hd::SubdivTags GetSubdivTags(const hd::Path& id) override;
+  hd::BasisCurvesTopology GetBasisCurvesTopology(const hd::Path& id) override;
   hd::DisplayStyle GetDisplayStyle(const hd::Path& id) override;
   hd::Matrix4d GetTransform(const hd::Path& id) override;
   bool GetVisible(const hd::Path& id) override;

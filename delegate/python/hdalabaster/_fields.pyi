@@ -33,6 +33,36 @@ class Mesh(TypedDict, total=False):
     subsurfaceSet: Optional[str]
     lightGroup: Optional[str]
 
+class BasisCurves(TypedDict, total=False):
+    type: Optional[Literal["cubic", "linear"]]
+    basis: Optional[Literal["bezier", "bspline", "catmullRom"]]
+    wrap: Optional[Literal["nonperiodic", "periodic", "pinned"]]
+    curve_vertex_counts: Optional[_Array]
+    transform: Optional[_Array]
+    visible: Optional[bool]
+    double_sided: Optional[bool]
+    cull_style: Optional[Literal["dontCare", "nothing", "back", "front", "backUnlessDoubleSided", "frontUnlessDoubleSided"]]
+    material: Optional[str]
+    instancer: Optional[str]
+    render_tag: Optional[str]
+    categories: Optional[Sequence[str]]
+    visibleToCamera: Optional[bool]
+    holdout: Optional[bool]
+    subsurfaceSet: Optional[str]
+
+class Points(TypedDict, total=False):
+    transform: Optional[_Array]
+    visible: Optional[bool]
+    double_sided: Optional[bool]
+    cull_style: Optional[Literal["dontCare", "nothing", "back", "front", "backUnlessDoubleSided", "frontUnlessDoubleSided"]]
+    material: Optional[str]
+    instancer: Optional[str]
+    render_tag: Optional[str]
+    categories: Optional[Sequence[str]]
+    visibleToCamera: Optional[bool]
+    holdout: Optional[bool]
+    subsurfaceSet: Optional[str]
+
 class Instancer(TypedDict, total=False):
     transform: Optional[_Array]
     parent: Optional[str]

@@ -6,7 +6,8 @@ from pxr import Gf, Usd, UsdGeom, UsdSkel, Vt
 from .values import Samples, V, array, color_space_of, to_rec709, token, value_of
 
 SCHEMES = ("none", "catmullClark", "loop", "bilinear")
-UNREAD = {"BasisCurves": "curves", "NurbsCurves": "curves", "HermiteCurves": "curves", "Points": "points", "Volume": "volumes",
+KINDS = {"BasisCurves": "basisCurves", "Points": "points"}  # of prims; all others are meshes
+UNREAD = {"NurbsCurves": "NURBS and Hermite curves", "HermiteCurves": "NURBS and Hermite curves", "Volume": "volumes",
           "NurbsPatch": "NURBS patches", "ParticleField3DGaussianSplat": "splats", "ParticleField": "splats"}
 IMPLICIT = ("Cube", "Sphere", "Cylinder", "Cylinder_1", "Cone", "Capsule", "Capsule_1", "Plane")
 ROLES = {"Color": "lin_rec709", "TextureCoordinate": "textureCoordinate", "Normal": "normal", "Vector": "vector", "Point": "point"}
@@ -49,6 +50,32 @@ def mesh_fields(prim, time, refine, notes):
     return fields
 
 
+def curve_fields(prim, time, notes):
+    """Topology, points and widths of BasisCurves or Points; None (told): it has none."""
+    curves, fields = UsdGeom.BasisCurves(prim), {}
+    points = floats3(curves.GetPointsAttr().Get(time))
+    if prim.IsA(UsdGeom.BasisCurves):
+        counts = curves.GetCurveVertexCountsAttr().Get(time)
+        fields = {"curveVertexCounts": V("int[]", counts), "type": token(curves.GetTypeAttr().Get(time)),
+                  "basis": token(curves.GetBasisAttr().Get(time)), "wrap": token(curves.GetWrapAttr().Get(time))}
+        for name, known in (("type", ("linear", "cubic")), ("basis", ("bezier", "bspline", "catmullRom")),
+                            ("wrap", ("nonperiodic", "periodic", "pinned"))):
+            if fields[name].data not in known:
+                notes.tell("a %s of curves is not known: %s" % (name, fields.pop(name).data), prim.GetPath())
+        if curves.GetNormalsAttr().HasAuthoredValue() or UsdGeom.PrimvarsAPI(prim).GetPrimvar("normals").HasAuthoredValue():
+            notes.tell("ribbons are drawn as tubes: the normals of curves are not read", prim.GetPath())
+    if not points or ("curveVertexCounts" in fields and not fields["curveVertexCounts"].data):
+        notes.tell("curves and points without points draw nothing", prim.GetPath())
+        return None
+    fields["primvars:points"] = V("float3[]", points)
+    gprim = curves if prim.IsA(UsdGeom.BasisCurves) else UsdGeom.Points(prim)
+    widths = gprim.GetWidthsAttr().Get(time)
+    if widths:
+        fields["primvars:widths"] = V("float[]", widths)
+        fields["primvars:widths:interpolation"] = token(gprim.GetWidthsInterpolation())
+    return fields
+
+
 def floats3(values):
     """Points and normals may be halves or doubles in a file; None: they are neither."""
     if isinstance(values, (Vt.Vec3dArray, Vt.Vec3hArray)):
@@ -87,17 +114,17 @@ def add_primvars(gprim, inherited, fields, time, notes, constant_only):
         if ":" in name and not name.startswith("st"):
             notes.vendors[name.split(":")[0]] = notes.vendors.get(name.split(":")[0], 0) + 1
             continue
-        if name == "normals" and fields["scheme"].data != "none":
-            continue  # of a subdivision surface they follow from its shape
+        if name == "normals" and ("scheme" not in fields or fields["scheme"].data != "none"):
+            continue  # of a subdivision surface, curves and points they follow from the shape
         made = _primvar(primvar, time, notes, gprim)
         if made is None:
             continue
         value, interpolation, role, indices = made
-        if constant_only and interpolation != "constant":
+        if constant_only and interpolation != "constant" and name != "widths":
             if value.type.endswith("[]") and len(value.data) == 1:
                 interpolation = "constant"
             else:
-                notes.tell("primvars of implicit surfaces are read where they are constant", gprim.GetPath())
+                notes.tell("primvars of implicit surfaces and of points are read where they are constant", gprim.GetPath())
                 continue
         if name == "normals" and value.type != "float3[]":
             continue
@@ -183,7 +210,7 @@ def _primvar(primvar, time, notes, gprim):
 
 def add_motion(prim, fields, shutter, time, notes):
     """Samples of points that move within the shutter, by velocities where there are any."""
-    mesh = UsdGeom.Mesh(prim)
+    mesh = UsdGeom.PointBased(prim)
     attribute, points, now = mesh.GetPointsAttr(), fields["primvars:points"].data, time.GetValue()
     if add_velocities(mesh.GetVelocitiesAttr(), "primvars:points", points, fields, shutter, time, prim.GetStage()):
         return

@@ -375,6 +375,8 @@ class Reader:
                 self._mesh(prim, place, geometry.mesh_fields(prim, self.time, self.refine, self.notes))
             elif kind in geometry.IMPLICIT:
                 self._mesh(prim, place, geometry.implicit_fields(prim, self.time, self.shapes, self.notes), True)
+            elif kind in geometry.KINDS:
+                self._mesh(prim, place, geometry.curve_fields(prim, self.time, self.notes), kind == "Points")
             elif kind == "TetMesh":
                 self._mesh(prim, place, geometry.tet_fields(prim, self.time, self.notes))
             elif kind in geometry.UNREAD:
@@ -402,7 +404,7 @@ class Reader:
             fields["transform"] = matrix(xform)
         if moves:
             fields["transform:samples"] = self._samples(moves)
-        if self.shutter and prim.GetTypeName() == "Mesh" and fields["primvars:points"] is rest:
+        if self.shutter and (prim.GetTypeName() == "Mesh" or prim.GetTypeName() in geometry.KINDS) and fields["primvars:points"] is rest:
             geometry.add_motion(prim, fields, self.shutter, self.time, self.notes)
         if place.purpose != "default":
             fields["renderTag"] = token(RENDER_TAGS.get(place.purpose, "geometry"))
@@ -568,7 +570,7 @@ class Reader:
                 fields[where + ":faces"] = V("int[]", faces)
                 fields[where + ":material"] = value or kept[number]
         for name, prim, fields in self.meshes:
-            self.sink.set(name, "mesh", fields)
+            self.sink.set(name, geometry.KINDS.get(prim.GetTypeName(), "mesh"), fields)
 
     def _bound(self, prims, purposes):
         """The materials by the first purpose that has one."""

@@ -13,7 +13,8 @@ using host::FieldRow;
 using host::Fields;
 
 /// The paths of the prims that change. Camera and lights show a cube at the origin.
-inline const std::vector<Path> kPaths{"/body", "/camera", "/key", "/lid", "/many", "/settings", "/sky", "/wax"};
+inline const std::vector<Path> kPaths{"/beads", "/body", "/camera",   "/hair", "/key",
+                                      "/lid",   "/many", "/settings", "/sky",  "/wax"};
 
 class RandomScene {
  public:
@@ -36,6 +37,8 @@ class RandomScene {
     if (path == Path("/sky")) return "domeLight";
     if (path == Path("/settings")) return "renderSettings";
     if (path == Path("/camera")) return "camera";
+    if (path == Path("/hair")) return "basisCurves";
+    if (path == Path("/beads")) return "points";
     return path == Path("/many") ? "instancer" : path == Path("/wax") ? "material" : "mesh";
   }
   /// What a prim of the scene has at least.
@@ -52,6 +55,9 @@ class RandomScene {
     if (path == Path("/key")) return {{"transform", Matrix4d().setTranslation(Vec3d(0, 0, 3))}};
     if (path == Path("/settings")) return {{"camera", Path("/camera")}, {"width", 16}, {"height", 16}};
     if (path == Path("/sky")) return {};
+    const Array<Vec3f> row{{-1, 0, 1}, {-0.5f, 0.5f, 1}, {0.5f, -0.5f, 1}, {1, 0, 1}};
+    if (path == Path("/beads")) return {{"primvars:points", row}, {"primvars:widths", Array<float>{0.5f}}};
+    if (path == Path("/hair")) return {{"primvars:points", row}, {"curveVertexCounts", Array<int32_t>{4}}};
     const Cage cage = test::cube_cage();
     return {{"faceVertexCounts", Array<int32_t>(cage.face_vertex_counts)},
             {"faceVertexIndices", Array<int32_t>(cage.face_vertex_indices)},
@@ -85,23 +91,28 @@ class RandomScene {
       all.insert(all.end(), {{"crop", Array<int32_t>{0, 0, pick<int32_t>({4, 8}), 8}},
                              {"includedPurposes", Array<Token>{"proxy"}}});
     } else {
-      add_rows(host::FieldRows("mesh"), "", &all);
+      const bool has_faces = path == Path("/body") || path == Path("/lid");
+      add_rows(host::FieldRows(kind_of(path).str()), "", &all);
       add_rows(host::ParameterRows("mesh"), "", &all);
-      all.insert(all.end(), {{"holeIndices", one},
-                             {"invisibleFaces", one},
-                             {"creaseIndices", Array<int32_t>{0, 1, 2}},
-                             {"creaseLengths", Array<int32_t>{3}},
-                             {"creaseWeights", Array<float>{number(0, 4)}},
-                             {"cornerIndices", one},
-                             {"cornerWeights", Array<float>{number(0, 4)}},
-                             {"transform", place()},
+      if (has_faces)
+        all.insert(all.end(),
+                   {{"holeIndices", one},
+                    {"invisibleFaces", one},
+                    {"creaseIndices", Array<int32_t>{0, 1, 2}},
+                    {"creaseLengths", Array<int32_t>{3}},
+                    {"creaseWeights", Array<float>{number(0, 4)}},
+                    {"cornerIndices", one},
+                    {"cornerWeights", Array<float>{number(0, 4)}},
+                    {"subsets:part:faces", Array<int32_t>{pick<int32_t>({0, 1, 2}), pick<int32_t>({3, 4, 5})}},
+                    {"subsets:part:material", Path("/wax")}});
+      else
+        all.insert(all.end(), {{"primvars:widths", Array<float>{number(0.1f, 1)}}});
+      all.insert(all.end(), {{"transform", place()},
                              {"transform:samples", moving},
                              {"material", Path("/wax")},
                              {"instancer", Path("/many")},
                              {"renderTag", pick<Token>({"render", "proxy"})},
                              {"categories", near},
-                             {"subsets:part:faces", Array<int32_t>{pick<int32_t>({0, 1, 2}), pick<int32_t>({3, 4, 5})}},
-                             {"subsets:part:material", Path("/wax")},
                              {"subsurfaceSet", Token("set")},
                              {"primvars:displayColor", Value(vector(0, 1))},
                              {"primvars:displayColor:interpolation", Token("constant")},
