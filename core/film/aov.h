@@ -27,6 +27,13 @@ enum class Aov {
   subsurface_unscattered,
   specular,
   emission,
+  direct_diffuse,  // light by kind: these and emission add up to color
+  indirect_diffuse,
+  direct_subsurface,
+  indirect_subsurface,
+  direct_specular,
+  indirect_specular,
+  transmission,
   light_group,    // light by the group of the light where it began: "lightGroup:NAME"
   error,          // of color: PixelNoise::deviation()
   nonfinite,      // samples whose colour was not finite: black in color
@@ -101,6 +108,13 @@ inline constexpr AovInfo kAovs[] = {
      "subsurfaceUnscattered", "RGB"},
     {Aov::specular, "specular", AovSource::layer, AovValue::color, 0, "specular", "RGB"},
     {Aov::emission, "emission", AovSource::layer, AovValue::color, 0, "emission", "RGB"},
+    {Aov::direct_diffuse, "directDiffuse", AovSource::layer, AovValue::color, 0, "directDiffuse", "RGB"},
+    {Aov::indirect_diffuse, "indirectDiffuse", AovSource::layer, AovValue::color, 0, "indirectDiffuse", "RGB"},
+    {Aov::direct_subsurface, "directSubsurface", AovSource::layer, AovValue::color, 0, "directSubsurface", "RGB"},
+    {Aov::indirect_subsurface, "indirectSubsurface", AovSource::layer, AovValue::color, 0, "indirectSubsurface", "RGB"},
+    {Aov::direct_specular, "directSpecular", AovSource::layer, AovValue::color, 0, "directSpecular", "RGB"},
+    {Aov::indirect_specular, "indirectSpecular", AovSource::layer, AovValue::color, 0, "indirectSpecular", "RGB"},
+    {Aov::transmission, "transmission", AovSource::layer, AovValue::color, 0, "transmission", "RGB"},
     {Aov::light_group, "lightGroup:", AovSource::group, AovValue::color, 0, "lightGroup", "RGB"},
     {Aov::error, "error", AovSource::samples, AovValue::exact, 0, "error", "X"},
     {Aov::nonfinite, "nonfiniteSamples", AovSource::samples, AovValue::integer, 0, "nonfiniteSamples", "X"},

@@ -30,13 +30,20 @@ constexpr struct {
   Aov aov;
   Rgb (*light)(const LightLayers&);
 } kLayers[] = {
-    {Aov::diffuse, [](const LightLayers& l) { return l.diffuse; }},
-    {Aov::subsurface, [](const LightLayers& l) { return l.unscattered + l.single + l.multiple; }},
-    {Aov::subsurface_single, [](const LightLayers& l) { return l.single; }},
-    {Aov::subsurface_multiple, [](const LightLayers& l) { return l.multiple; }},
-    {Aov::subsurface_unscattered, [](const LightLayers& l) { return l.unscattered; }},
-    {Aov::specular, [](const LightLayers& l) { return l.specular; }},
-    {Aov::emission, [](const LightLayers& l) { return l.emission; }},
+    {Aov::diffuse, [](const LightLayers& l) { return l.diffuse(); }},
+    {Aov::subsurface, [](const LightLayers& l) { return l.subsurface(); }},
+    {Aov::subsurface_single, [](const LightLayers& l) { return l.single(); }},
+    {Aov::subsurface_multiple, [](const LightLayers& l) { return l.multiple(); }},
+    {Aov::subsurface_unscattered, [](const LightLayers& l) { return l.unscattered(); }},
+    {Aov::specular, [](const LightLayers& l) { return l.specular(); }},
+    {Aov::emission, [](const LightLayers& l) { return l[LightLayers::kSeen]; }},
+    {Aov::direct_diffuse, [](const LightLayers& l) { return l[LightLayers::kDirectDiffuse]; }},
+    {Aov::indirect_diffuse, [](const LightLayers& l) { return l[LightLayers::kIndirectDiffuse]; }},
+    {Aov::direct_subsurface, [](const LightLayers& l) { return l.direct_subsurface(); }},
+    {Aov::indirect_subsurface, [](const LightLayers& l) { return l.indirect_subsurface(); }},
+    {Aov::direct_specular, [](const LightLayers& l) { return l[LightLayers::kDirectSpecular]; }},
+    {Aov::indirect_specular, [](const LightLayers& l) { return l[LightLayers::kIndirectSpecular]; }},
+    {Aov::transmission, [](const LightLayers& l) { return l[LightLayers::kTransmission]; }},
 };
 
 template <class Table>

@@ -62,14 +62,47 @@ struct FilmSample {
   const Rgb* light_groups = nullptr;    // by plane, where any is drawn (LightByGroup)
 };
 
-/// A sample's colour, split by how the light left the first surface. The layers add up to color but for float rounding.
+/// A sample's colour, split by how the light left the first surface that scattered it, and by how it came there: direct
+/// from a light, or by way of other surfaces. The layers add up to color but for float rounding.
 struct LightLayers {
-  Rgb diffuse{0.0f};      // scattered by the diffuse and sheen lobes
-  Rgb specular{0.0f};     // scattered by the specular and clearcoat lobes
-  Rgb unscattered{0.0f};  // through the body below, without a scattering event
-  Rgb single{0.0f};       // through the body, one scattering event
-  Rgb multiple{0.0f};     // through the body, two scattering events or more
-  Rgb emission{0.0f};     // seen directly: emissive surfaces, lights, the background
+  enum Part {
+    kDirectDiffuse,  // by the diffuse and sheen lobes
+    kIndirectDiffuse,
+    kDirectSpecular,  // reflected by the specular and clearcoat lobes
+    kIndirectSpecular,
+    kTransmission,       // through a clear surface
+    kDirectUnscattered,  // through the body below, without a scattering event
+    kIndirectUnscattered,
+    kDirectSingle,  // through the body, one scattering event
+    kIndirectSingle,
+    kDirectMultiple,  // through the body, two scattering events or more
+    kIndirectMultiple,
+    kSeen,  // seen directly: emissive surfaces, lights, the background
+    kParts
+  };
+  std::array<Rgb, kParts> parts{};
+
+  Rgb& operator[](Part part) { return parts[part]; }
+  const Rgb& operator[](Part part) const { return parts[part]; }
+  void add(const LightLayers& other, float share) {
+    for (size_t i = 0; i < kParts; ++i) parts[i] += other.parts[i] * share;
+  }
+  void scale(float factor) {
+    for (Rgb& light : parts) light *= factor;
+  }
+
+  // The layers that are sums.
+  Rgb direct_subsurface() const { return parts[kDirectUnscattered] + parts[kDirectSingle] + parts[kDirectMultiple]; }
+  Rgb indirect_subsurface() const {
+    return parts[kIndirectUnscattered] + parts[kIndirectSingle] + parts[kIndirectMultiple];
+  }
+  Rgb diffuse() const { return parts[kDirectDiffuse] + parts[kIndirectDiffuse]; }
+  Rgb specular() const { return parts[kDirectSpecular] + parts[kIndirectSpecular] + parts[kTransmission]; }
+  Rgb unscattered() const { return parts[kDirectUnscattered] + parts[kIndirectUnscattered]; }
+  Rgb single() const { return parts[kDirectSingle] + parts[kIndirectSingle]; }
+  Rgb multiple() const { return parts[kDirectMultiple] + parts[kIndirectMultiple]; }
+  Rgb subsurface() const { return unscattered() + single() + multiple(); }
+  Rgb sum() const { return diffuse() + specular() + subsurface() + parts[kSeen]; }
 };
 
 /// A sample's colour, split by the group of the light where it began. The groups add up to color but for float

@@ -90,8 +90,9 @@ void sample_lights(const PathContext& context, const VertexBsdf& bsdf, Vertex* v
         const LobeScales* const scales = light->scales;
         const Rgb specular =
             scales ? share_of(value.specular * scales->specular, scales->of(value.specular)) : value.specular;
-        const Layer layer = path->seeks_layer() ? Layer{Layer::Kind::local, specular} : path->layer;
-        layer.add(path->throughput * arriving, path->layers);
+        const bool decides = path->seeks_layer();
+        const Layer layer = decides ? Layer{Layer::Kind::local, specular, origin == Vertex::kFarSide} : path->layer;
+        layer.add(path->throughput * arriving, decides || path->decided_here(), path->layers);
       }
       if (path->light_groups) [[unlikely]]
         path->add_to_group(light->group, path->throughput * arriving);

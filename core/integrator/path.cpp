@@ -45,14 +45,7 @@ Path Path::branch(uint32_t index, uint32_t count, LightLayers* its_layers) const
 void Path::join(const Path& branch, uint32_t count) {
   const float share = 1 / static_cast<float>(count);
   radiance += branch.radiance * share;
-  if (!layers) return;
-  const LightLayers& from = *branch.layers;
-  layers->emission += from.emission * share;
-  layers->diffuse += from.diffuse * share;
-  layers->specular += from.specular * share;
-  layers->unscattered += from.unscattered * share;
-  layers->single += from.single * share;
-  layers->multiple += from.multiple * share;
+  if (layers) layers->add(*branch.layers, share);
 }
 
 bool Path::may_pass_sheet(const Vertex& v) const {
@@ -86,7 +79,7 @@ void Path::leave(const PathContext& context, const Vertex& v, const VertexBsdf& 
   const bool decides = seeks_layer();
   if (layers) {
     const bool through_clear = walk_decides_layer() && v.kind == Vertex::Kind::interface && sample.side == Side::far;
-    if (decides) layer = {Layer::Kind::local, sample.specular};
+    if (decides) layer = {Layer::Kind::local, sample.specular, sample.side == Side::far, 0, bounces()};
     layer.through_clear = through_clear;
   }
   if (features && !is_mirror(v, sample.lobe)) features = nullptr;

@@ -34,26 +34,40 @@ struct Footprint {
 /// sampled with the f of all lobes together, so light that comes back along it belongs to specular and diffuse by their
 /// shares of that f, per channel: the estimate of each is then the one that its own f would give, unbiased, and the
 /// layers add up to the path.
+///
+/// Light is direct where it comes straight from a light: along a shadow ray from the vertex that decided, or from the
+/// walk's exit, along the ray from there, and where a walk that decided meets it. Clear sheets that a shadow ray passes
+/// are no vertices on its way.
 struct Layer {
   enum class Kind { seen, local, below };
   Kind kind = Kind::seen;
   Rgb specular{0.0f};          // local: the share of f
+  bool beyond = false;         // local: the light came through the surface
   uint32_t events = 0;         // below: of scattering in the walk
+  uint32_t bounces = 0;        // of the path, when it was decided
   bool through_clear = false;  // local: the path has passed clear walls alone, and its first walk decides again
   bool is_new = false;         // local: the path's ray left the vertex that decided
 
-  void add(const Rgb& light, LightLayers* layers) const {
+  void add(const Rgb& light, bool direct, LightLayers* layers) const {
+    using L = LightLayers;
     switch (kind) {
       case Kind::seen:
-        layers->emission += light;
+        (*layers)[L::kSeen] += light;
         break;
       case Kind::local:
-        layers->specular += light * specular;
-        layers->diffuse += light - light * specular;
+        add_local(light - light * specular, light * specular, direct, layers);
         break;
       case Kind::below:
-        (events == 0 ? layers->unscattered : events == 1 ? layers->single : layers->multiple) += light;
+        (*layers)[events == 0   ? direct ? L::kDirectUnscattered : L::kIndirectUnscattered
+                  : events == 1 ? direct ? L::kDirectSingle : L::kIndirectSingle
+                  : direct      ? L::kDirectMultiple
+                                : L::kIndirectMultiple] += light;
     }
+  }
+  void add_local(const Rgb& of_diffuse, const Rgb& of_specular, bool direct, LightLayers* layers) const {
+    using L = LightLayers;
+    (*layers)[direct ? L::kDirectDiffuse : L::kIndirectDiffuse] += of_diffuse;
+    (*layers)[beyond ? L::kTransmission : direct ? L::kDirectSpecular : L::kIndirectSpecular] += of_specular;
   }
 };
 
@@ -111,9 +125,15 @@ struct Path {
   FilmSample* features = nullptr;        // takes the denoiser's features at the next surface; null: they are not sought
   bool held_out = false;                 // the camera's ray ended at a hold-out
 
+  /// Light that the path's ray meets, or the surface at its end.
   void add(const Rgb& light) {
     radiance += light;
-    if (layers) layer.add(light, layers);
+    if (layers) layer.add(light, bounces() - layer.bounces <= 1, layers);
+  }
+  /// Light that its walk meets, or the wall that it leaves by.
+  void add_within(const Rgb& light) {
+    radiance += light;
+    if (layers) layer.add(light, decided_here(), layers);
   }
   /// Light that add() and its like have got began at a light of the group.
   void add_to_group(uint32_t group, const Rgb& light) const {
@@ -128,18 +148,18 @@ struct Path {
   /// Adds such light, by those lobes.
   void add_by_lobes(const Rgb& diffuse, const Rgb& specular) {
     radiance += diffuse + specular;
-    layers->diffuse += diffuse;
-    layers->specular += specular;
+    layer.add_local(diffuse, specular, true, layers);
   }
   /// Light that walks of all numbers of scattering events bring: it counts as many.
   void add_of_walks(const Rgb& light) {
     radiance += light;
-    if (layers) (walk_decides_layer() ? Layer{Layer::Kind::below, Rgb(0.0f), kManyEvents} : layer).add(light, layers);
+    if (layers) (walk_decides_layer() ? below(kManyEvents) : layer).add(light, walk_decides_layer(), layers);
   }
   /// Ends paths that light loses nothing on.
   static constexpr uint32_t kMostUncounted = 1u << 16;
+  uint32_t bounces() const { return depth - uncounted; }
   bool may_bounce(const PathContext& context) const {
-    return depth - uncounted < context.settings.max_depth && uncounted < kMostUncounted;
+    return bounces() < context.settings.max_depth && uncounted < kMostUncounted;
   }
   /// True if the path may go straight on through the vertex as shadow rays do.
   bool may_pass_sheet(const Vertex& v) const;
@@ -147,6 +167,10 @@ struct Path {
   bool seeks_layer() const { return layers && layer.kind == Layer::Kind::seen; }
   /// True where the next walk that scatters does.
   bool walk_decides_layer() const { return seeks_layer() || (layers && layer.through_clear); }
+  /// True at the vertex, or in the walk, that has decided.
+  bool decided_here() const { return bounces() == layer.bounces; }
+  /// The layer of a walk that decides.
+  Layer below(uint32_t events) const { return {Layer::Kind::below, Rgb(0.0f), false, events, bounces()}; }
 
   Rgb through_media(const Rgb& light, float distance) const {
     return media.empty() ? light : light * media.transmittance(distance);

@@ -195,9 +195,8 @@ class ContentsOfScene final : public WalkContents {
     met += linked;
     if (is_black(met)) return;
     const Layer before = path_.layer;
-    if (path_.seeks_layer() || (path_.walk_decides_layer() && events > 0))
-      path_.layer = {Layer::Kind::below, Rgb(0.0f), events};
-    path_.add(met);
+    if (path_.seeks_layer() || (path_.walk_decides_layer() && events > 0)) path_.layer = path_.below(events);
+    path_.add_within(met);
     path_.layer = before;
     if (context_.record) context_.record->meet_light(met);
   }
@@ -342,8 +341,7 @@ Exit find_exit(const PathContext& context, const PixelSampler& sampler, Path* pa
     if (record) record->end("the light did not leave the body");
     return Exit::none;
   }
-  if (path->seeks_layer() || (path->walk_decides_layer() && exit->events > 0))
-    path->layer = {Layer::Kind::below, Rgb(0.0f), exit->events};
+  if (path->seeks_layer() || (path->walk_decides_layer() && exit->events > 0)) path->layer = path->below(exit->events);
   path->throughput = exit->throughput;
 
   // Meet what stands in the body, or an opaque face of its own, in its medium. A profile ends there.
@@ -402,7 +400,7 @@ Exit find_exit(const PathContext& context, const PixelSampler& sampler, Path* pa
       *v = clear;
       if (met == Meeting::visible) {
         const Rgb glow = path->throughput * clear.material.emission;
-        path->add(glow);
+        path->add_within(glow);
         path->add_to_group(v->instance->light_group, glow);
         if (record) record->meet_light(glow);
         return Exit::vertex;

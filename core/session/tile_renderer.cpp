@@ -38,13 +38,6 @@ void prepare_filtering(const SceneSnapshot& scene, const CancelToken& cancel) {
   });
 }
 
-void expose(float factor, FilmSample* sample, LightLayers* layers) {
-  sample->color *= factor;
-  for (Rgb* layer : {&layers->diffuse, &layers->specular, &layers->unscattered, &layers->single, &layers->multiple,
-                     &layers->emission})
-    *layer *= factor;
-}
-
 // By the scene's number of a light group.
 std::vector<uint8_t> planes_of_groups(const RenderRequest& request) {
   std::vector<std::string> groups = request.scene->light_groups;
@@ -128,8 +121,11 @@ FilmSample TileRenderer::trace_sample(const SampleAddress& at, const PixelSample
     throw SampleFailure(failure.what(), at);
   }
   ++counters->samples;
-  if (exposure_ != 1) expose(exposure_, &result, parts.layers);
-  if (exposure_ != 1 && parts.light_groups) parts.light_groups->scale(exposure_);
+  if (exposure_ != 1) {
+    result.color *= exposure_;
+    parts.layers->scale(exposure_);
+    if (parts.light_groups) parts.light_groups->scale(exposure_);
+  }
 
   // One bad number would spoil every later sum of its pixel.
   if (!is_finite(result.color)) {

@@ -90,6 +90,10 @@ RenderRequest mixed_request() {
   return request_of(&b, testing::look_at({0, 1.2, 3.5}, {0, 0.5, 0}, 40), 64, 16);
 }
 
+constexpr Aov kKinds[] = {Aov::direct_diffuse,      Aov::indirect_diffuse, Aov::direct_subsurface,
+                          Aov::indirect_subsurface, Aov::direct_specular,  Aov::indirect_specular,
+                          Aov::transmission,        Aov::emission};
+
 class LightLayersInMode : public ::testing::TestWithParam<SubsurfaceMode> {};
 
 TEST_P(LightLayersInMode, AddUpToTheColorOfEveryPixel) {
@@ -112,10 +116,13 @@ TEST_P(LightLayersInMode, AddUpToTheColorOfEveryPixel) {
       EXPECT_EQ(total > 0, !(part == Aov::subsurface && c == 2)) << aov_info(part).name << c;
       left = difference(std::move(left), layer);
     }
+    std::vector<double> kinds_left = color;
+    for (const Aov kind : kKinds) kinds_left = difference(std::move(kinds_left), channel(*film, kind, c));
     for (const Aov walk : walks) subsurface_left = difference(std::move(subsurface_left), channel(*film, walk, c));
     // Float rounding: of a sample's dozen additions, and of the averages. Twins add and take up to the color.
     for (size_t i = 0; i < color.size(); ++i) {
       ASSERT_LE(std::abs(left[i]), 16 * 0x1p-24 * color[i]) << i;
+      ASSERT_LE(std::abs(kinds_left[i]), 16 * 0x1p-24 * color[i]) << i;
       ASSERT_LE(std::abs(subsurface_left[i]), 4 * 0x1p-24 * color[i]) << i;
     }
   }
@@ -123,6 +130,29 @@ TEST_P(LightLayersInMode, AddUpToTheColorOfEveryPixel) {
 
 INSTANTIATE_TEST_SUITE_P(Modes, LightLayersInMode,
                          ::testing::Values(SubsurfaceMode::walk, SubsurfaceMode::reference, SubsurfaceMode::diffusion));
+
+// Samples take the same ways as far as they go, so direct light is the very light of a render with one bounce.
+// promise: pipeline.aov.direct
+TEST_P(LightLayersInMode, DirectLightIsThatOfOneBounce) {
+  RenderRequest request = mixed_request();
+  request.settings.subsurface = GetParam();
+  const auto film = testing::render(request);
+  request.settings.max_depth = 1;
+  const auto once = testing::render(request);
+  const std::pair<Aov, Aov> direct[] = {{Aov::direct_diffuse, Aov::diffuse},
+                                        {Aov::direct_subsurface, Aov::subsurface},
+                                        {Aov::direct_specular, Aov::specular}};
+  for (const auto& [aov, whole] : direct) {
+    EXPECT_EQ(film->resolve_float(aov), once->resolve_float(aov)) << aov_info(aov).name;
+    EXPECT_EQ(once->resolve_float(aov), once->resolve_float(whole)) << aov_info(aov).name;
+  }
+  for (const Aov aov : {Aov::indirect_diffuse, Aov::indirect_subsurface, Aov::indirect_specular}) {
+    for (const float v : once->resolve_float(aov)) ASSERT_EQ(v, 0) << aov_info(aov).name;
+    double light = 0;
+    for (const float v : film->resolve_float(aov)) light += double(v);
+    EXPECT_GT(light, 10) << aov_info(aov).name;
+  }
+}
 
 // A diffusion profile does not distinguish numbers of events.
 // promise: pipeline.aov.diffusion
@@ -161,6 +191,38 @@ TEST(LightLayers, FirstSurfaceSelectsTheLayer) {
       for (const double v : channel(*film, none, c)) ASSERT_EQ(v, 0) << aov_info(none).name;
   }
   EXPECT_GT(seen, 1);
+}
+
+// What is seen through a clear pane of index 1 is transmission, all of it. What scattered in a body behind a clear wall
+// is subsurface.
+// promise: pipeline.aov.transmission
+TEST(LightLayers, LightThroughClearSurfacesIsTransmission) {
+  DisneyParameters pane, jelly, seen = every_lobe();
+  seen.scatter_distance = Rgb(0.0f);
+  pane.spec_trans = jelly.spec_trans = 1;
+  pane.ior = 1, pane.thin = true;
+  jelly.scatter_distance = Rgb(0.3f);
+  const auto film_of = [&](bool behind_pane) {
+    SceneBuilder b;
+    b.add(b.prototype(testing::sphere_mesh(1, 24, true)), b.material(behind_pane ? seen : jelly));
+    if (behind_pane)
+      b.add(b.prototype(testing::plane_mesh(40)), b.material(pane),
+            Matrix4d().setAxisAngle(Vec3d(1, 0, 0), 1.5707963267948966) * Matrix4d().setTranslation(Vec3d(0, 0, 2)));
+    b.add(testing::constant_dome(0.5f, false)).add(key_light());
+    return testing::render(request_of(&b, testing::look_at({0, 0, 4}, {0, 0, 0}, 24), 24, 16));
+  };
+  const auto through = film_of(true), body = film_of(false);
+  for (int c = 0; c < 3; ++c)
+    EXPECT_EQ(channel(*through, Aov::transmission, c), channel(*through, Aov::color, c)) << "all of it";
+  const auto total = [](const Film& film, Aov aov) {
+    double sum = 0;
+    for (const float v : film.resolve_float(aov)) sum += double(v);
+    return sum;
+  };
+  EXPECT_GT(total(*through, Aov::transmission), 10);
+  EXPECT_GT(total(*body, Aov::direct_subsurface), 10);
+  EXPECT_GT(total(*body, Aov::direct_specular), 1) << "the highlight";
+  EXPECT_LT(total(*body, Aov::transmission), 0.05 * total(*body, Aov::subsurface)) << "what has not scattered";
 }
 
 // promise: pipeline.aov.emission

@@ -153,7 +153,7 @@ RenderRequest mixed_request(uint32_t samples) {
   request.camera = look_at({0, 1.2, 3}, {0, 0.5, 0}, 35);
   request.width = request.height = 72;
   request.data_window = {0, 0, 72, 72};
-  request.aovs = ~0u;
+  request.aovs = ~AovSet{0};
   request.settings.samples = samples;
   return request;
 }

@@ -729,7 +729,6 @@ def test_a_mesh_is_a_light_by_its_front_and_its_area():
         assert "warning" not in said and abs(ratio - 1) < 0.01, (normalize, ratio, said)
 
 
-# promise: usd.light_group
 def test_light_groups_are_those_of_renderman_and_arnold():
     light = """    def SphereLight "%s" { float inputs:radius = 0.1
         float inputs:intensity = 40

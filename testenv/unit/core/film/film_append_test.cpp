@@ -30,18 +30,18 @@ FilmSample sample(size_t pixel, uint32_t number, LightLayers* layers) {
   s.prim_id = s.instance_id = s.element_id = static_cast<int32_t>(number);
   s.material_id = static_cast<int32_t>(random() % 3) - 1;
   s.is_held_out = random() % 5 == 0;
-  for (Rgb* layer : {&layers->diffuse, &layers->specular, &layers->unscattered, &layers->single, &layers->multiple,
-                     &layers->emission})
-    *layer = {light(random), light(random), light(random)};
+  for (Rgb& part : layers->parts) part = {light(random), light(random), light(random)};
   return s;
 }
 
 FilmTile tile_of(const SampleRange& range) {
-  FilmTile tile(kPixels, ~0u, {false, range});
+  FilmTile tile(kPixels, ~AovSet{0}, {false, range, 2});
   for (size_t pixel = 0; pixel < kPixels; ++pixel)
     for (uint32_t i = range.begin; i < range.end; ++i) {
       LightLayers layers;
-      const FilmSample s = sample(pixel, i, &layers);
+      FilmSample s = sample(pixel, i, &layers);
+      const Rgb groups[] = {layers.parts[0], layers.parts[1]};
+      s.light_groups = groups;
       tile.add(pixel, s, &layers);
     }
   return tile;

@@ -22,7 +22,7 @@ FilmSample sample(float value, float distance, int32_t id) {
 
 // promise: pipeline.aov.color, pipeline.aov.sample_count
 TEST(Film, AveragesColorAndKeepsTheClosestId) {
-  Film film({0, 0, 2, 1}, ~0u);
+  Film film({0, 0, 2, 1}, ~AovSet{0});
   FilmTile tile = film.load_tile(0);
   tile.add(1, sample(1, 5, 7));
   tile.add(1, sample(3, 2, 9));
@@ -36,7 +36,7 @@ TEST(Film, AveragesColorAndKeepsTheClosestId) {
 }
 
 // A film's tiles hold: 4 bytes of count, a sum of color (80 bytes) and of alpha (8), 6 floats of noise, 3 sums of
-// normal (8 each) and 3 of albedo, a sum of each of the 7 layers, the distance to the closest sample, a word for each
+// normal (8 each) and 3 of albedo, a sum of each of the 14 layers, the distance to the closest sample, a word for each
 // of its 5 values and 3 floats of each of its vectors (3 and 8 primvars), a count of samples that were not finite; and
 // the film 3 floats that are denoised. A part holds up to four more sums of color.
 TEST(Film, BytesAreKnownBeforehand) {
@@ -44,9 +44,9 @@ TEST(Film, BytesAreKnownBeforehand) {
   EXPECT_EQ(film_bytes({0, 0, 10, 7}, 0), 70u * kLeast);
   EXPECT_EQ(film_bytes({-5, 3, 5, 10}, aov_bit(Aov::depth) | aov_bit(Aov::prim_id)), 70u * (kLeast + 12));
   EXPECT_EQ(film_bytes({0, 0, 1 << 20, 1 << 20}, ~AovSet{0}),
-            (size_t(1) << 40) * (kLeast + 24 + 24 + 28 + 7 * kSum + 11 * 12 + 4 + 12 + 2 * 12));
+            (size_t(1) << 40) * (kLeast + 24 + 24 + 28 + 14 * kSum + 11 * 12 + 4 + 12 + 2 * 12));
   EXPECT_EQ(film_bytes({0, 0, 10, 7}, aov_bit(Aov::specular) | aov_bit(Aov::emission)), 70u * (kLeast + 2 * kSum));
-  EXPECT_EQ(film_bytes({4, 4, 0, 9}, ~0u), 0u);
+  EXPECT_EQ(film_bytes({4, 4, 0, 9}, ~AovSet{0}), 0u);
   EXPECT_EQ(film_bytes({0, 0, 10, 7}, 0, {false, {256, 511}}), 70u * kLeast);
   EXPECT_EQ(film_bytes({0, 0, 10, 7}, 0, {false, {256, 512}}), 70u * (kLeast + kSum));
   EXPECT_EQ(film_bytes({0, 0, 10, 7}, 0, {false, {1, 1 << 20}}), 70u * (kLeast + 4 * kSum));
@@ -58,7 +58,7 @@ TEST(Film, PixelsWithoutASampleShowTheCornerOfTheirBlock) {
   const PixelRect window{3, -2, 48, 39};  // one whole tile, and parts of three
   std::mt19937 random(5);
   for (const uint32_t rarity : {2u, 9u, 70u, 5000u}) {
-    Film film(window, ~0u);
+    Film film(window, ~AovSet{0});
     std::vector<float> values(static_cast<size_t>(window.width() * window.height()), 0.0f);
     std::vector<int32_t> ids(values.size(), -1);
     for (int t = 0; t < film.tile_count(); ++t) {
@@ -160,7 +160,7 @@ TEST(Film, CountsPixelsWithoutASample) {
 
 // take() copies every plane.
 TEST(FilmTile, APixelIsTakenWithAllItsPlanes) {
-  const FilmExtras extras{true, {4, 20}};
+  const FilmExtras extras{true, {4, 20}, 2};
   constexpr AovSet kAovs = ~AovSet{0} & ~aov_bit(Aov::denoised);
   HitVectors vectors;
   FilmTile from(2, kAovs, extras), to(2, kAovs, extras);
@@ -171,8 +171,10 @@ TEST(FilmTile, APixelIsTakenWithAllItsPlanes) {
     sample.depth = 0.5f;
     for (auto& value : vectors.values) value = {1, 2, 3};
     sample.vectors = &vectors;
+    const Rgb groups[] = {Rgb(float(i)), Rgb(1.0f)};
+    sample.light_groups = groups;
     LightLayers layers;
-    layers.diffuse = layers.specular = layers.single = Rgb(float(i));
+    layers.parts.fill(Rgb(float(i)));
     for (const size_t pixel : {size_t(0), size_t(1)}) from.add(pixel, sample, &layers, 5);
   }
   to.take(0, from);

@@ -56,10 +56,9 @@ TEST(HoldOut, TheCameraSeesAHoleWithDepthAndIds) {
 TEST(HoldOut, LayersAddUpToTheHole) {
   PathTracer tracer(glowing_plane(true).snapshot(), kEye);
   LightLayers layers;
-  layers.emission = Rgb(9.0f);
+  layers[LightLayers::kSeen] = Rgb(9.0f);
   EXPECT_EQ(tracer.trace(0, &layers).alpha, 0);
-  for (const Rgb* layer : {&layers.diffuse, &layers.specular, &layers.single, &layers.multiple, &layers.emission})
-    EXPECT_EQ(*layer, Rgb(0.0f));
+  for (const Rgb& part : layers.parts) EXPECT_EQ(part, Rgb(0.0f));
 }
 
 // Half of the samples see the sky or the hold-out through the film, and the others the film.

@@ -7,25 +7,16 @@
 namespace alabaster {
 namespace {
 
-Rgb sum_of(const LightLayers& l) {
-  return l.diffuse + l.specular + l.unscattered + l.single + l.multiple + l.emission;
-}
-
 // Sample by sample, not only in the mean: each of them is sorted without a rest, and traced as without layers. Returns
 // the sums.
 LightLayers traced_layers(testing::PathTracer* tracer) {
   LightLayers total;
   for (uint32_t i = 0; i < 512; ++i) {
     LightLayers layers;
-    const Rgb color = tracer->trace(i, &layers).color, sum = sum_of(layers);
+    const Rgb color = tracer->trace(i, &layers).color, sum = layers.sum();
     EXPECT_EQ(tracer->trace(i).color, color) << i;
     for (int c = 0; c < 3; ++c) EXPECT_NEAR(sum[c], color[c], 16 * 0x1p-24 * double(color[c])) << i;
-    total.diffuse += layers.diffuse;
-    total.specular += layers.specular;
-    total.unscattered += layers.unscattered;
-    total.single += layers.single;
-    total.multiple += layers.multiple;
-    total.emission += layers.emission;
+    total.add(layers, 1);
   }
   return total;
 }
@@ -46,7 +37,8 @@ TEST(Layers, LayersOfEverySampleAddUpToItsColor) {
   b.add(b.prototype(testing::sphere_mesh(1, 24, true)), b.material(lacquer())).add(testing::constant_dome(1, true));
   testing::PathTracer tracer(b.snapshot(), {0, 1, 3});
   const LightLayers total = traced_layers(&tracer);
-  for (const Rgb& layer : {total.diffuse, total.specular, total.single, total.multiple, total.emission})
+  for (const Rgb& layer :
+       {total.diffuse(), total.specular(), total.single(), total.multiple(), total[LightLayers::kSeen]})
     EXPECT_GT(layer.r, 0);
 }
 
@@ -57,7 +49,8 @@ TEST(Layers, LayersOfATransmissiveSurfaceAddUpToItsColor) {
   b.add(b.prototype(testing::sphere_mesh(1, 24, true)), b.material(glass)).add(testing::constant_dome(1, true));
   testing::PathTracer tracer(b.snapshot(), {0, 1, 3});
   const LightLayers total = traced_layers(&tracer);
-  for (const Rgb& layer : {total.specular, total.single, total.multiple, total.emission}) EXPECT_GT(layer.r, 0);
+  for (const Rgb& layer : {total.specular(), total.single(), total.multiple(), total[LightLayers::kSeen]})
+    EXPECT_GT(layer.r, 0);
 }
 
 // A body of mist before a body of wax: light that crosses the mist is unscattered, although the wax scattered it.
@@ -72,7 +65,7 @@ TEST(Layers, OnlyTheFirstBodyCounts) {
   b.add(testing::constant_dome(1, true));
   testing::PathTracer tracer(b.snapshot(), {0, 0, 3});
   const LightLayers total = traced_layers(&tracer);
-  EXPECT_GT(total.unscattered.g, 50 * (total.single.g + total.multiple.g));
+  EXPECT_GT(total.unscattered().g, 50 * (total.single().g + total.multiple().g));
   EXPECT_GT(tracer.counters.walks, 2 * tracer.counters.camera_rays) << "paths met the wax";
 }
 

@@ -94,10 +94,9 @@ LightLayers layers_of(const DisneyParameters& p, float size, const LobeScales& s
   for (uint32_t i = 0; i < 256; ++i) {
     LightLayers one{};
     const FilmSample seen = tracer.trace(i, &one);
-    const Rgb all = one.emission + one.diffuse + one.specular + one.unscattered + one.single + one.multiple;
+    const Rgb all = one.sum();
     for (int c = 0; c < 3; ++c) EXPECT_NEAR(seen.color[c], all[c], 1e-5 * (1 + double(all[c])));
-    sum.diffuse += one.diffuse, sum.specular += one.specular;
-    sum.multiple += one.unscattered + one.single + one.multiple;
+    sum.add(one, 1);
   }
   return sum;
 }
@@ -114,14 +113,15 @@ TEST(LobeScales, AreMultiplesOfTheLayersOfOneBounce) {
         if (kind == std::string("sheet")) p.thin = true, p.spec_trans = 0.5f;
         if (kind == std::string("body")) p.scatter_distance = {0.2f, 0.1f, 0};
         const LightLayers whole = layers_of(p, size, {}), scaled = layers_of(p, size, {0.5f, 3});
-        EXPECT_GT(whole.specular.g, 0.01f);
+        EXPECT_GT(whole.specular().g, 0.01f);
         for (int c = 0; c < 3; ++c) {
-          EXPECT_NEAR(scaled.diffuse[c], 0.5f * whole.diffuse[c], 1e-4f * (1 + whole.diffuse[c]));
-          EXPECT_NEAR(scaled.specular[c], 3 * whole.specular[c], 1e-4f * (1 + whole.specular[c]));
-          EXPECT_NEAR(scaled.multiple[c], 0.5f * whole.multiple[c], 1e-4f * (1 + std::abs(whole.multiple[c])));
+          EXPECT_NEAR(scaled.diffuse()[c], 0.5f * whole.diffuse()[c], 1e-4f * (1 + whole.diffuse()[c]));
+          EXPECT_NEAR(scaled.specular()[c], 3 * whole.specular()[c], 1e-4f * (1 + whole.specular()[c]));
+          EXPECT_NEAR(scaled.subsurface()[c], 0.5f * whole.subsurface()[c],
+                      1e-4f * (1 + std::abs(whole.subsurface()[c])));
         }
         const LightLayers none = layers_of(p, size, {1, 0});
-        EXPECT_EQ(none.specular, Rgb(0.0f));
+        EXPECT_EQ(none.specular(), Rgb(0.0f));
       }
 }
 

@@ -230,7 +230,7 @@ TEST(PathIntegrator, BytesDoNotDependOnWhatElseIsBound) {
   request.data_window = {0, 0, 24, 24};
   request.settings.samples = 4;
   const auto color = testing::render(request)->resolve_float(Aov::color);
-  request.aovs = ~0u;
+  request.aovs = ~AovSet{0};
   const auto all = testing::render(request);
   EXPECT_EQ(all->resolve_float(Aov::color), color);
   for (const AovInfo& info : kAovs) {

@@ -243,7 +243,7 @@ double crossed(const DisneyParameters& p) {
   for (uint32_t i = 0; i < kSamples; ++i) {
     LightLayers layers;
     tracer.trace(i, &layers);
-    sum += double(layers.unscattered.g);
+    sum += double(layers.unscattered().g);
   }
   return sum / kSamples;
 }

@@ -65,10 +65,7 @@ TEST(TileRenderer, ExposureScalesRadianceAlone) {
       const FilmSample scaled = bright.trace_sample({x, y, 0}, &counters, &bright_layers);
       most = std::max(most, max_component(plain.color));
       EXPECT_EQ(scaled.color, plain.color * 8.0f);
-      EXPECT_EQ(bright_layers.diffuse, layers.diffuse * 8.0f);
-      EXPECT_EQ(bright_layers.specular, layers.specular * 8.0f);
-      EXPECT_EQ(bright_layers.multiple, layers.multiple * 8.0f);
-      EXPECT_EQ(bright_layers.emission, layers.emission * 8.0f);
+      for (size_t i = 0; i < LightLayers::kParts; ++i) EXPECT_EQ(bright_layers.parts[i], layers.parts[i] * 8.0f);
       EXPECT_EQ(scaled.albedo, plain.albedo);
       EXPECT_EQ(scaled.alpha, plain.alpha);
       EXPECT_EQ(scaled.camera_depth, plain.camera_depth);
