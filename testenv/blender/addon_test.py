@@ -26,7 +26,7 @@ from edit_test import Edits  # noqa: E402, F401
 from frame_test import Frames  # noqa: E402, F401
 from light_test import Nodes  # noqa: E402, F401
 from material_test import Materials  # noqa: E402, F401
-from mesh_test import Hair, Meshes  # noqa: E402, F401
+from mesh_test import Hair, HairEdits, Meshes  # noqa: E402, F401
 from panel_test import Panels  # noqa: E402, F401
 from role_test import Deformation, LightLinks, Roles  # noqa: E402, F401
 from alabaster_render import library  # noqa: E402

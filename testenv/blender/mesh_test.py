@@ -1,4 +1,5 @@
 """Tests of meshes. addon_test.py runs them."""
+import re
 import unittest
 import unittest.mock
 
@@ -6,8 +7,8 @@ import bpy
 import numpy
 
 import scenes
-from alabaster_render import hair, materials, meshes, sync
-from synced_scene import Watched, dump, fresh
+from alabaster_render import hair, materials, meshes
+from synced_scene import SyncedScene, dump, fresh
 
 
 class Meshes(unittest.TestCase):
@@ -76,6 +77,15 @@ class Meshes(unittest.TestCase):
         self.assertGreater(len(self.extract(scenes.link("text", data))["counts"]), 4)
 
 
+def grow(ball):
+    ball.data.materials.append(scenes.diffuse("fur"))
+    settings = ball.modifiers.new("hair", "PARTICLE_SYSTEM").particle_system.settings
+    settings.type, settings.count, settings.hair_length, settings.material = "HAIR", 20, 0.5, 2
+    settings.display_step = settings.render_step = 3
+    settings.root_radius, settings.tip_radius, settings.radius_scale, settings.use_close_tip = 1, 0.5, 0.01, False
+    return settings
+
+
 class Hair(unittest.TestCase):
     def setUp(self):
         fresh()
@@ -83,12 +93,7 @@ class Hair(unittest.TestCase):
 
     def furry(self):
         ball = scenes.ball(scenes.diffuse("skin"), (1, 2, 3), radius=1, name="furry")
-        ball.data.materials.append(scenes.diffuse("fur"))
-        settings = ball.modifiers.new("hair", "PARTICLE_SYSTEM").particle_system.settings
-        settings.type, settings.count, settings.hair_length, settings.material = "HAIR", 20, 0.5, 2
-        settings.display_step = settings.render_step = 3
-        settings.root_radius, settings.tip_radius, settings.radius_scale, settings.use_close_tip = 1, 0.5, 0.01, False
-        return ball, settings
+        return ball, grow(ball)
 
     def fields(self, ball):
         evaluated = ball.evaluated_get(bpy.context.evaluated_depsgraph_get())
@@ -104,23 +109,6 @@ class Hair(unittest.TestCase):
         settings.child_type, settings.child_percent = "SIMPLE", 5
         self.assertEqual(len(self.fields(ball)["curve_vertex_counts"]), 100)
 
-    def test_hair_is_a_prim_of_its_material_that_goes_where_its_object_goes(self):
-        ball, settings = self.furry()
-        watched = Watched()
-        exporter = sync.SceneSync(watched, True, self.notes.append)
-        exporter.sync(bpy.context.evaluated_depsgraph_get())
-        strands = [path for path, kind in watched.scene.prims.items() if kind == "basisCurves"]
-        self.assertEqual((len(strands), self.notes), (1, []))
-        before = dump(watched.scene)
-        self.assertIn("instance %s prim" % strands[0], before)
-        ball.location.x += 1
-        exporter.update(bpy.context.evaluated_depsgraph_get())
-        self.assertEqual([path for path, kind in watched.scene.prims.items() if kind == "basisCurves"], strands)
-        self.assertEqual(dump(watched.scene).count("transform ((1, 0, 0, 0), (0, 1, 0, 0), (0, 0, 1, 0), (2, 2, 3, 1))"), 2)
-        ball.modifiers.remove(ball.modifiers["hair"])
-        exporter.update(bpy.context.evaluated_depsgraph_get())
-        self.assertNotIn("basisCurves", watched.scene.prims.values())
-
     @unittest.skipIf(bpy.app.version < (4, 0, 0), "Blender has no operator that makes them")
     def test_hair_curves_are_curves_with_their_radii(self):
         bpy.ops.object.curves_random_add()
@@ -130,3 +118,21 @@ class Hair(unittest.TestCase):
         self.assertEqual(sum(made["curve_vertex_counts"]), len(made["points"]))
         radii = [one.value for one in ob.data.attributes["radius"].data]
         numpy.testing.assert_allclose(made["widths"], 2 * numpy.array(radii, numpy.float32))
+
+
+class HairEdits(SyncedScene):
+    def places(self):
+        """Of the ball and its hair."""
+        return {name: place for name, place in re.findall(r"instance (\S+) prim.*\n  transform (.*)", dump(self.watched.scene)) if "own" in name}
+
+    def test_hair_goes_where_its_object_goes_and_with_it(self):
+        self.after(lambda: grow(self.ball))
+        self.assertEqual((list(self.watched.scene.prims.values()).count("basisCurves"), self.notes), (1, []))
+        before = self.places()
+        self.assertEqual((len(before), len(set(before.values()))), (2, 1), before)
+        self.after(lambda: setattr(self.ball.location, "x", 5))
+        after = self.places()
+        self.assertEqual((after.keys(), len(set(after.values()))), (before.keys(), 1), after)
+        self.assertNotEqual(after, before)
+        self.after(lambda: self.ball.modifiers.remove(self.ball.modifiers["hair"]))
+        self.assertNotIn("basisCurves", self.watched.scene.prims.values())

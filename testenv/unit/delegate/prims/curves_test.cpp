@@ -92,6 +92,16 @@ TEST(Curves, ATubeHasTheVolumeOfTheRoundOneAcrossItsCornersToo) {
   EXPECT_NEAR(measure(cone).volume, cap, 1e-5 * cap);
 }
 
+TEST(Curves, ManyHaveSixSides) {
+  constexpr int kCurves = 100001;
+  std::vector<Vec3f> points;
+  for (int i = 0; i < 2 * kCurves; ++i) points.emplace_back(float(i / 2), float(i % 2), 0);
+  const Mesh many =
+      tube(with_widths(curves("linear", "bezier", "nonperiodic", points, std::vector<int32_t>(kCurves, 2)), {0.4f}));
+  EXPECT_EQ(many.triangles.size(), size_t(kCurves) * (6 * 2 + 2 * 4));
+  EXPECT_NEAR(measure(many).volume / kCurves, kPi * 0.04, 1e-4);
+}
+
 // All curves that there are, with widths that taper to nothing at an end or within.
 TEST(Curves, EveryBasisAndWrapIsAClosedBodyThatFacesOutward) {
   std::mt19937 random(1);
