@@ -9,6 +9,7 @@
 #include "delegate/description/places.h"
 #include "delegate/description/quality_presets.h"
 #include "delegate/support/extension.h"
+#include "delegate/support/json_bounds.h"
 #include "delegate/support/json_values.h"
 #include "delegate/support/nearest_name.h"
 
@@ -19,12 +20,7 @@ using nlohmann::json;
 
 // The limit is about that of a description's file. Readers of values take stack for each level.
 bool is_too_deep(const std::string& text) {
-  constexpr int kMostLevels = 60;
-  int depth = 0;
-  return std::any_of(text.begin(), text.end(), [&](char c) {
-    if (c == ']' || c == '}') --depth;
-    return (c == '[' || c == '{') && ++depth > kMostLevels;
-  });
+  return support::bounds_of_json(text, 60).too_deep_at != std::string::npos;
 }
 
 /// JSON has digits on both sides of a point and no plus sign; people write .1, 1. and +1.

@@ -7,6 +7,7 @@
 #include "delegate/description/layers.h"
 #include "delegate/description/load_state.h"
 #include "delegate/support/extension.h"
+#include "delegate/support/json_bounds.h"
 #include "delegate/support/process_usage.h"
 #include "delegate/usd/usd_source.h"
 
@@ -106,8 +107,7 @@ class Loader {
            "The file is larger than 64 MiB, too large for a render description. Geometry belongs in glTF files.");
     std::string json;
     if (!input || !input.read(&json)) fail("scene.read", file, "The file could not be read. Check its permissions.");
-    const auto values = static_cast<size_t>(
-        std::count_if(json.begin(), json.end(), [](char c) { return c == ',' || c == '[' || c == '{'; }));
+    const size_t values = support::bounds_of_json(json, json.size()).values;
     state_.read = MemoryReservation(state_.memory, MemoryUse::scene, 2 * json.size() + values * kValueBytes,
                                     "JSON of " + std::to_string(values) + " values");
     std::string problem;

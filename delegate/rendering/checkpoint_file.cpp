@@ -9,9 +9,9 @@
 #include "core/integrator/path_integrator.h"
 #include "delegate/api/render_delegate.h"
 #include "delegate/prims/scene_digest.h"
+#include "delegate/support/json_bounds.h"
 #include "delegate/support/output_file.h"
 #include "delegate/support/parameters.h"
-#include "delegate/support/retired_settings.h"
 #include "delegate/support/size_text.h"
 
 namespace alabaster::hd::rendering {
@@ -116,74 +116,38 @@ constexpr std::pair<const char*, json::value_t> kMembers[] = {
     {"settings", json::value_t::object}, {"names", json::value_t::object},  {"aovs", json::value_t::string},
     {"note", json::value_t::string},     {"samples", json::value_t::array}, {"complete", json::value_t::boolean}};
 
-/// Parses a header without trust: as any JSON, a hostile text takes gigabytes. `held` holds what is made, by and by
-/// (MemoryRefused).
-class HeaderParser {
- public:
-  explicit HeaderParser(MemoryReservation* held) : held_(*held) {}
+/// The members of an object, or the numbers of `samples`. Each of a scene's many names has a digest.
+bool are_parts(const json& parts, bool of_scene) {
+  constexpr size_t kMostNamed = 1000;
+  if (!of_scene && parts.size() > (parts.is_array() ? 2 : kMostNamed)) return false;
+  return std::all_of(parts.begin(), parts.end(), [&](const json& part) {
+    if (parts.is_array()) return part.is_number_unsigned();
+    return part.is_string() && (!of_scene || part.get_ref<const std::string&>().size() == kDigestBytes);
+  });
+}
 
-  /// Null if the text holds anything that no header has: deeper, longer or of another type.
-  json parse(std::string_view text) {
-    json header;
-    try {
-      header = json::parse(text.begin(), text.end(),
-                           [this](int depth, Event event, const json& value) { return check(depth, event, value); });
-    } catch (const json::exception&) {
-      return nullptr;
-    } catch (const NoHeader&) {
-      return nullptr;
-    }
-    return is_header(header) ? std::move(header) : json();
+bool is_header(const json& header) {
+  if (!header.is_object()) return false;
+  for (const auto& [name, value] : header.items()) {
+    const auto* known = std::find_if(std::begin(kMembers), std::end(kMembers),
+                                     [&member = name](const auto& one) { return member == one.first; });
+    if (known == std::end(kMembers) || value.type() != known->second) return false;
+    if (name == "note" && value.get_ref<const std::string&>().size() > kMostNoteBytes) return false;
+    if (value.is_structured() && name != "names" && !are_parts(value, name == "scene")) return false;
   }
+  return true;
+}
 
- private:
-  using Event = json::parse_event_t;
-  struct NoHeader {};
-
-  // Ends the parser early. The header has objects of texts, one array of two numbers, and a flag.
-  bool check(int depth, Event event, const json& value) {
-    constexpr size_t kMemberBytes = 256, kStep = size_t(1) << 16, kNotTexts = 3;
-    const bool is_text = (event == Event::key || event == Event::value) && value.is_string();
-    if (is_text) bytes_ += value.get_ref<const std::string&>().size();
-    if (event == Event::key) ++keys_, bytes_ += kMemberBytes;
-    if (event == Event::value) ++(is_text ? texts_ : others_);
-    const bool is_too_deep = (event == Event::object_start && depth > 1) ||
-                             (event == Event::array_start && (depth != 1 || std::exchange(has_array_, true)));
-    if (is_too_deep || texts_ > keys_ || others_ > kNotTexts) throw NoHeader();
-    if (bytes_ > kStep) held_.resize(held_.bytes() + std::exchange(bytes_, 0), "the header of a checkpoint");
-    return true;
-  }
-
-  static bool is_header(const json& header) {
-    if (!header.is_object()) return false;
-    for (const auto& [name, value] : header.items()) {
-      const auto* known = std::find_if(std::begin(kMembers), std::end(kMembers),
-                                       [&member = name](const auto& one) { return member == one.first; });
-      if (known == std::end(kMembers) || value.type() != known->second) return false;
-      if (name == "note" && value.get_ref<const std::string&>().size() > kMostNoteBytes) return false;
-      if (value.is_structured() && name != "names" && !are_parts(value, name == "scene")) return false;
-    }
-    return true;
-  }
-  /// The members of an object, or the numbers of `samples`. Each of a scene's many names has a digest.
-  static bool are_parts(const json& parts, bool of_scene) {
-    constexpr size_t kMostNamed = 1000;
-    if (!of_scene && parts.size() > (parts.is_array() ? 2 : kMostNamed)) return false;
-    return std::all_of(parts.begin(), parts.end(), [&](const json& part) {
-      if (parts.is_array()) return part.is_number_unsigned();
-      return part.is_string() && (!of_scene || part.get_ref<const std::string&>().size() == kDigestBytes);
-    });
-  }
-
-  MemoryReservation& held_;
-  size_t bytes_ = 0;  // that are not held yet
-  size_t keys_ = 0, texts_ = 0, others_ = 0;
-  bool has_array_ = false;
-};
-
-}  // namespace
-
-namespace {
+/// Parses a header without trust: as any JSON, a hostile text takes gigabytes. `held` holds what is made
+/// (MemoryRefused). Null if the text holds anything that no header has.
+json parse_header(std::string_view text, MemoryReservation* held) {
+  constexpr size_t kMostDepth = 2, kMemberBytes = 256;
+  const support::JsonBounds bounds = support::bounds_of_json(text, kMostDepth);
+  if (bounds.too_deep_at != std::string_view::npos || bounds.containers > std::size(kMembers)) return nullptr;
+  held->resize(text.size() + bounds.values * kMemberBytes, "the header of a checkpoint");
+  json header = json::parse(text.begin(), text.end(), nullptr, false);
+  return is_header(header) ? std::move(header) : json();
+}
 
 // The members of names, by their kinds.
 constexpr struct {
@@ -303,13 +267,9 @@ bool CheckpointReader::read_header() {
   if (magic != kMagic) return fail("it is a checkpoint of another version of Alabaster, in another format");
   std::vector<std::byte> block;
   if (!next(kMostHeaderBytes, &block)) return false;
-  json parsed = HeaderParser(&held_).parse({reinterpret_cast<const char*>(block.data()), block.size()});
+  json parsed = parse_header({reinterpret_cast<const char*>(block.data()), block.size()}, &held_);
   if (!parsed.is_object()) return fail("it is damaged: its header does not describe a render");
   header_ = std::move(parsed);
-  for (const auto& [name, value] : member(header_, "settings").items())
-    if (const std::string retired = support::RetiredSetting(name, value.is_string() ? value.get<std::string>() : "");
-        !retired.empty())
-      return fail("it is of an earlier version of Alabaster and cannot go on; render its frame again. " + retired);
   return true;
 }
 

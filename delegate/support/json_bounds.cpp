@@ -14,7 +14,7 @@ JsonBounds bounds_of_json(std::string_view text, size_t most_depth) {
       continue;
     }
     if (c == '"') in_string = true;
-    if (c == '{' || c == '[') ++depth;
+    if (c == '{' || c == '[') ++depth, ++bounds.containers;
     if ((c == '}' || c == ']') && depth > 0) --depth;
     if (c == '{' || c == '[' || c == ',') ++bounds.values;
     if (depth > most_depth) {

@@ -8,6 +8,7 @@ namespace alabaster::hd::support {
 
 struct JsonBounds {
   size_t values = 0;                            // about: brackets and commas outside of strings
+  size_t containers = 0;                        // objects and arrays
   size_t too_deep_at = std::string_view::npos;  // the first byte beyond the depth; npos: there is none
 };
 /// Stops at the first byte that lies deeper than `most_depth` brackets.
