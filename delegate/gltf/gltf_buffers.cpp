@@ -21,8 +21,8 @@ uint64_t offset_of(const Json& object) {
 
 class BufferLoader {
  public:
-  BufferLoader(const Bytes& chunk, size_t max_bytes, Report& report, Document* document)
-      : chunk_(chunk), left_(max_bytes), report_(report), base_(document->base), memory_(document->memory) {}
+  BufferLoader(const Bytes& chunk, Report& report, Document* document)
+      : chunk_(chunk), report_(report), base_(document->base), memory_(document->memory) {}
 
   /// Many buffers may be one file, which is read once.
   const std::map<std::string, Bytes>& files() const { return files_; }
@@ -65,12 +65,11 @@ class BufferLoader {
       const auto file = resolve_uri(base_, uri, reason);
       if (!file) return nullptr;
       if (const auto known = files_.find(*file); known != files_.end()) return known->second;
-      const Bytes bytes = read_file({*file, base_.within, left_}, &memory_, reason);
+      const Bytes bytes = read_file({*file, base_.within}, &memory_, reason);
       if (!bytes) {
         *reason = "'" + *file + "': " + *reason;
         return nullptr;
       }
-      left_ -= bytes->size();
       return files_[*file] = bytes;
     }
     hold_more(&memory_, uri.size() / 4 * 3, element);
@@ -79,12 +78,10 @@ class BufferLoader {
     if (data->media_type != "application/octet-stream" && data->media_type != "application/gltf-buffer")
       report_.warning("buffer.media_type", element + ".uri",
                       "media type '" + data->media_type.substr(0, 60) + "' is unusual; write application/octet-stream");
-    left_ -= std::min(left_, data->bytes.size());
     return std::make_shared<const std::vector<uint8_t>>(std::move(data->bytes));
   }
 
   Bytes chunk_;
-  size_t left_;
   Report& report_;
   const UriBase& base_;
   MemoryReservation& memory_;
@@ -357,9 +354,9 @@ class AccessorLoader : DocumentCheck {
 
 }  // namespace
 
-void load_buffers(const Json& root, const Bytes& binary_chunk, size_t max_bytes, Report& report, Document* document) {
+void load_buffers(const Json& root, const Bytes& binary_chunk, Report& report, Document* document) {
   const Json& buffers = at(root, "buffers");
-  BufferLoader loader(binary_chunk, max_bytes, report, document);
+  BufferLoader loader(binary_chunk, report, document);
   for (size_t i = 0; i < buffers.size(); ++i) document->buffers.push_back(loader.load(buffers[i], i));
   for (const auto& [file, bytes] : loader.files()) document->facts.files.push_back(file);
 }

@@ -20,18 +20,19 @@ uint32_t read_u32(const uint8_t* p) {
 }
 
 bool json_is_bounded(std::string_view text, MemoryReservation* memory, Report& report) {
-  const auto [values, too_deep_at] = support::bounds_of_json(text, kMostDepth);
-  if (too_deep_at != std::string_view::npos) {
+  const support::JsonBounds bounds = support::bounds_of_json(text, kMostDepth);
+  if (bounds.too_deep_at != std::string_view::npos) {
     report.error("json.depth", "",
                  "the JSON is nested deeper than " + std::to_string(kMostDepth) + " levels at byte " +
-                     std::to_string(too_deep_at) + "; flatten it");
+                     std::to_string(bounds.too_deep_at) + "; flatten it");
     return false;
   }
-  if (values > kMostValues) {
+  if (bounds.values > kMostValues) {
     report.error("json.size", "", "the JSON holds too many values; store bulk data in buffers");
     return false;
   }
-  hold_more(memory, values * kValueBytes + 3 * text.size(), "JSON of " + std::to_string(values) + " values");
+  hold_more(memory, bounds.values * kValueBytes + 3 * text.size(),
+            "JSON of " + std::to_string(bounds.values) + " values");
   return true;
 }
 
@@ -131,10 +132,6 @@ Bytes read_file(const FileToRead& file, MemoryReservation* memory, std::string* 
   const InputFile input(file.name, file.within);
   *reason = input.reason();
   if (!input) return nullptr;
-  if (input.size() > file.max_bytes) {
-    *reason = "the file is larger than the limit of " + std::to_string(file.max_bytes) + " bytes; raise max_file_bytes";
-    return nullptr;
-  }
   hold_more(memory, input.size(), "'" + file.name + "'");
   auto bytes = std::make_shared<std::vector<uint8_t>>();
   if (input.read(bytes.get())) return bytes;

@@ -28,8 +28,7 @@ struct Container {
 
 struct FileToRead {
   std::string name;
-  std::string within;    // as of an AssetPath
-  size_t max_bytes = 0;  // a longer file is refused
+  std::string within;  // as of an AssetPath
 };
 
 /// Throws MemoryRefused.
@@ -42,7 +41,7 @@ inline void hold_more(MemoryReservation* memory, size_t bytes, const std::string
 bool read_container(const FileToRead& file, MemoryReservation* memory, Report& report, Container* container);
 
 /// Reads a whole regular file, which `memory` then holds in addition (MemoryRefused). Null and `reason` if it cannot be
-/// read or is longer than its limit.
+/// read.
 Bytes read_file(const FileToRead& file, MemoryReservation* memory, std::string* reason);
 
 struct DataUri {

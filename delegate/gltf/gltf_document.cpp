@@ -129,8 +129,7 @@ void apply_variant(Json& root, size_t variant) {
 
 }  // namespace
 
-bool read_document(const std::string& file, const host::SourceOptions& options, size_t max_bytes, Report& report,
-                   Document* document) {
+bool read_document(const std::string& file, const host::SourceOptions& options, Report& report, Document* document) {
   document->file = file;
   document->base.folder = std::filesystem::path(file).parent_path().string();
   if (!options.allow_outside) document->base.within = allowed_folder(document->base.folder);
@@ -141,7 +140,7 @@ bool read_document(const std::string& file, const host::SourceOptions& options, 
   const size_t limit = options.memory_limit ? options.memory_limit : support::default_memory_limit();
   document->memory = MemoryReservation(std::make_shared<MemoryBudget>(limit), MemoryUse::scene);
   Container container;
-  if (!read_container({file, options.within, max_bytes}, &document->memory, report, &container)) return false;
+  if (!read_container({file, options.within}, &document->memory, report, &container)) return false;
   Json& root = container.root;
   if (!check_root(root, report)) return false;
   choose(root, options, report, document);
@@ -149,7 +148,7 @@ bool read_document(const std::string& file, const host::SourceOptions& options, 
   if (container.is_glb && !container.binary_chunk && root.contains("buffers"))
     report.warning("glb.no_binary", "buffers",
                    "the GLB has no binary chunk: its buffers are other files or base64 text");
-  load_buffers(root, container.binary_chunk, max_bytes, report, document);
+  load_buffers(root, container.binary_chunk, report, document);
   if (report.failed()) return false;
   load_accessors(root, report, document);
   if (report.failed()) return false;
@@ -158,7 +157,7 @@ bool read_document(const std::string& file, const host::SourceOptions& options, 
   if (report.failed()) return false;
   check_animations(root, report, document);
   if (report.failed()) return false;
-  load_images(root, max_bytes, report, document);
+  load_images(root, report, document);
   choose_image_light(root, report, document);
   report_extensions(root, report);
   if (document->variant >= 0) apply_variant(root, size_t(document->variant));

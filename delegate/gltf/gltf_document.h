@@ -40,13 +40,12 @@ struct Document {
 };
 
 /// False if an error was reported; the document must not be used then. Throws MemoryRefused.
-bool read_document(const std::string& file, const host::SourceOptions& options, size_t max_bytes, Report& report,
-                   Document* document);
+bool read_document(const std::string& file, const host::SourceOptions& options, Report& report, Document* document);
 
 // The steps of read_document, in order. Each reports faults; the steps after an error are not run.
 
-/// Gives every buffer its bytes from the GLB chunk, data URIs or files, at most `max_bytes` together.
-void load_buffers(const Json& root, const Bytes& binary_chunk, size_t max_bytes, Report& report, Document* document);
+/// Gives every buffer its bytes from the GLB chunk, data URIs or files.
+void load_buffers(const Json& root, const Bytes& binary_chunk, Report& report, Document* document);
 /// Checks buffer views and accessors against the buffers.
 void load_accessors(const Json& root, Report& report, Document* document);
 /// Checks attributes against their semantics and each other, and indices against vertex counts. Finds meshes that are
@@ -59,7 +58,7 @@ void check_animations(Json& root, Report& report, Document* document);
 /// Gives every texture the source that is used: EXT_texture_webp's, else its own, else KHR_texture_basisu's, which is
 /// then refused as an image. Finds every image's bytes or file. An image that cannot be used is a warning; the renderer
 /// refuses it where it is used. Reports textures and samplers that cannot work.
-void load_images(Json& root, size_t max_bytes, Report& report, Document* document);
+void load_images(Json& root, Report& report, Document* document);
 /// Finds the image-based light of the scene that is used.
 void choose_image_light(const Json& root, Report& report, Document* document);
 

@@ -33,8 +33,7 @@ const char* kind_fault(const uint8_t* data, size_t size) {
 
 class ImageLoader : DocumentCheck {
  public:
-  ImageLoader(const Json& root, size_t max_bytes, Report& report, Document* document)
-      : DocumentCheck(root, document, report), left_(max_bytes) {
+  ImageLoader(const Json& root, Report& report, Document* document) : DocumentCheck(root, document, report) {
     for (const Json& name : list("extensionsUsed")) allows_webp_ |= name == "EXT_texture_webp";
   }
 
@@ -77,8 +76,6 @@ class ImageLoader : DocumentCheck {
 
   AssetPath embedded(std::vector<uint8_t> bytes) {
     if (const char* fault = check_kind(bytes.data(), bytes.size())) return unusable(fault);
-    if (bytes.size() > left_) return unusable("exceeds the memory limit for embedded images; raise max_file_bytes");
-    left_ -= bytes.size();
     AssetPath asset;
     asset.authored = name_;
     asset.bytes = std::make_shared<const std::vector<uint8_t>>(std::move(bytes));
@@ -89,7 +86,6 @@ class ImageLoader : DocumentCheck {
     const Bytes& buffer = document_.buffers[view["buffer"].get<size_t>()];
     if (!buffer) return unusable("lies in a buffer without data; export the file again");
     const size_t offset = view.value("byteOffset", size_t(0)), length = view["byteLength"].get<size_t>();
-    if (length > left_) return unusable("exceeds the memory limit for embedded images; raise max_file_bytes");
     hold_more(&document_.memory, length, element_);
     return embedded({buffer->data() + offset, buffer->data() + offset + length});
   }
@@ -122,7 +118,6 @@ class ImageLoader : DocumentCheck {
     if (fault) report_.warning("image", element_, fault);
   }
 
-  size_t left_;
   bool allows_webp_ = false;
   std::string element_, name_;  // of the image that is loaded
   // The images so far, by buffer view and by data URI; those without bytes cannot be used.
@@ -149,9 +144,9 @@ void check_sampler(const Json& sampler, const std::string& element, Report& repo
 
 }  // namespace
 
-void load_images(Json& root, size_t max_bytes, Report& report, Document* document) {
+void load_images(Json& root, Report& report, Document* document) {
   const Json &images = at(root, "images"), &samplers = at(root, "samplers");
-  ImageLoader loader(root, max_bytes, report, document);
+  ImageLoader loader(root, report, document);
   for (size_t i = 0; i < images.size(); ++i) document->images.push_back(loader.load(images[i], i));
   for (size_t t = 0; t < at(root, "textures").size(); ++t) {
     choose_source(&root["textures"][t]);

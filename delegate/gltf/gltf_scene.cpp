@@ -24,7 +24,7 @@ SourceFault run_guarded(Report& report, const std::function<bool()>& work) {
     report.error("memory", "", e.what());
     fault = SourceFault::out_of_memory;
   } catch (const std::bad_alloc&) {
-    report.error("memory", "", "not enough memory; split the file or lower max_file_bytes");
+    report.error("memory", "", "not enough memory; split the file");
     fault = SourceFault::out_of_memory;
   } catch (const std::exception& e) {
     report.error("internal", "", std::string("reading failed (") + e.what() + "); export the file again");
@@ -35,13 +35,11 @@ SourceFault run_guarded(Report& report, const std::function<bool()>& work) {
 
 class GltfSource : public host::SceneSource {
  public:
-  explicit GltfSource(size_t max_file_bytes) : max_file_bytes_(max_file_bytes) {}
-
   SourceFault Open(const std::string& file, const host::SourceOptions& options, const DiagnosticSink& sink) override {
     Report report(file, sink);
     const SourceFault fault = run_guarded(report, [&] {
       document_.facts.files.push_back(file);
-      if (!read_document(file, options, max_file_bytes_, report, &document_)) return false;
+      if (!read_document(file, options, report, &document_)) return false;
       document_.facts.root = root_of(document_);
       document_.facts.varies = document_.animation >= 0;
       animation_ = NodeAnimation(document_);
@@ -95,7 +93,6 @@ class GltfSource : public host::SceneSource {
     document_.buffers.clear();
   }
 
-  const size_t max_file_bytes_;
   int refine_level_ = 0;
   Document document_;
   NodeAnimation animation_;
@@ -106,25 +103,8 @@ class GltfSource : public host::SceneSource {
 
 }  // namespace
 
-std::unique_ptr<host::SceneSource> MakeGltfSource(size_t max_file_bytes) {
-  return std::make_unique<GltfSource>(max_file_bytes);
-}
-
-GltfSummary LoadGltf(const std::string& file, const GltfOptions& options, host::RetainedSceneDelegate* scene,
-                     const DiagnosticSink& sink) {
-  GltfSource source(options.max_file_bytes);
-  host::SourceOptions asked = options;
-  asked.is_timed = options.time.has_value();
-  host::SceneEdits edits;
-  GltfSummary summary;
-  summary.fault = source.Open(file, asked, sink);
-  if (summary.fault == SourceFault::none) summary.fault = source.Pose(options.time, sink, &edits);
-  static_cast<host::SceneFacts&>(summary) = source.Facts();
-  Report report(file, sink);
-  if (summary.fault == SourceFault::none)  // nothing is changed, which alone may be refused
-    summary.fault = run_guarded(report, [&] { return host::ApplyEdits(std::move(edits), scene).empty(); });
-  summary.ok = summary.fault == SourceFault::none;
-  return summary;
+std::unique_ptr<host::SceneSource> MakeGltfSource() {
+  return std::make_unique<GltfSource>();
 }
 
 }  // namespace alabaster::hd::gltf

@@ -15,20 +15,9 @@ namespace alabaster::hd::gltf {
 
 /// A document that is posed by its animation. It keeps what poses need: the nodes, the animation, and the buffers if
 /// the animation deforms a mesh; nothing without an animation. After the last key a pose is held. Times are seconds.
-ALABASTER_API std::unique_ptr<host::SceneSource> MakeGltfSource(size_t max_file_bytes = size_t(4) << 30);
-
-struct GltfOptions : host::SourceOptions {
-  size_t max_file_bytes = size_t(4) << 30;
-  std::optional<double> time = {};  // as of SceneSource::Pose
-};
-struct GltfSummary : host::SceneFacts {
-  bool ok = false;  // false: nothing was added, for the reason reported
-  host::SourceFault fault = host::SourceFault::none;
-};
-/// Adds the document's scene to `scene`, in one pose. Never throws. Errors name the file, the element
-/// ("buffers[0].uri") and a remedy. A harmless fault is a warning, and everything else is loaded.
-ALABASTER_API GltfSummary LoadGltf(const std::string& file, const GltfOptions& options,
-                                   host::RetainedSceneDelegate* scene, const DiagnosticSink& sink);
+/// Errors name the file, the element ("buffers[0].uri") and a remedy. A harmless fault is a warning, and everything
+/// else is read.
+ALABASTER_API std::unique_ptr<host::SceneSource> MakeGltfSource();
 
 /// Makes a control mesh of the triangles of a loaded mesh, whose vertices glTF splits at seams: all that lie at one
 /// position, to the bit, become one point. Other primvars become face-varying, and tangents go. Triangles with fewer

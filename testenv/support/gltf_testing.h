@@ -14,9 +14,15 @@ namespace alabaster::hd::gltf::testing {
 
 using Json = nlohmann::json;
 
+struct GltfOptions : host::SourceOptions {
+  std::optional<double> time = {};  // as of SceneSource::Pose
+};
 /// The result of loading a document, with all diagnostics.
 struct Loaded {
-  GltfSummary summary;
+  struct Summary : host::SceneFacts {
+    bool ok = false;
+    host::SourceFault fault = host::SourceFault::none;
+  } summary;
   std::vector<Diagnostic> diagnostics;
   std::unique_ptr<host::RetainedSceneDelegate> scene = std::make_unique<host::RetainedSceneDelegate>();
 
@@ -39,10 +45,19 @@ struct Loaded {
   }
 };
 
+/// Loads the document's scene in one pose.
 inline Loaded load(const std::string& file, const GltfOptions& options = {}) {
   Loaded loaded;
-  loaded.summary =
-      LoadGltf(file, options, loaded.scene.get(), [&](const Diagnostic& d) { loaded.diagnostics.push_back(d); });
+  const auto sink = [&](const Diagnostic& d) { loaded.diagnostics.push_back(d); };
+  const auto source = MakeGltfSource();
+  host::SourceOptions asked = options;
+  asked.is_timed = options.time.has_value();
+  host::SceneEdits edits;
+  loaded.summary.fault = source->Open(file, asked, sink);
+  if (loaded.summary.fault == host::SourceFault::none) loaded.summary.fault = source->Pose(options.time, sink, &edits);
+  static_cast<host::SceneFacts&>(loaded.summary) = source->Facts();
+  loaded.summary.ok =
+      loaded.summary.fault == host::SourceFault::none && host::ApplyEdits(std::move(edits), loaded.scene.get()).empty();
   return loaded;
 }
 
