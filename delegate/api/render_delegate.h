@@ -79,7 +79,7 @@ class ALABASTER_API RenderDelegate {
   // value changes. Layers: defaults < a RenderSettings prim < SetRenderSetting (an empty value takes a key back). The
   // prim is the one that key "renderSettingsPrimPath" names, else the first by path.
   virtual void SetRenderSetting(const Token& key, const Value& value) = 0;
-  /// Several, all or none. False: memory ran out (reported), all are unchanged. A retired key is reported and left out.
+  /// Several, all or none. False: memory ran out (reported), all are unchanged.
   virtual bool SetRenderSettings(const Dictionary& settings) = 0;
   virtual Value GetRenderSetting(const Token& key) const = 0;
   virtual std::vector<RenderSettingDescriptor> GetRenderSettingDescriptors() const = 0;

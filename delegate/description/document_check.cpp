@@ -6,7 +6,6 @@
 #include "delegate/description/lengths.h"
 #include "delegate/support/json_values.h"
 #include "delegate/support/nearest_name.h"
-#include "delegate/support/retired_settings.h"
 
 namespace alabaster::hd::description {
 namespace {
@@ -153,9 +152,7 @@ class Checker {
         find_unknown_keys(child, *of_child, place);
         continue;
       }
-      const std::string retired = pointer == "/settings" ? support::RetiredSetting(name, "") : std::string();
-      fail("description.key.unknown", place,
-           retired.empty() ? "Unknown key '" + shortened(name) + "'." + right_key(name, key.keys) : retired);
+      fail("description.key.unknown", place, "Unknown key '" + shortened(name) + "'." + right_key(name, key.keys));
     }
   }
 

@@ -7,7 +7,6 @@
 #include "delegate/support/lookup.h"
 #include "delegate/support/nearest_name.h"
 #include "delegate/support/parameters.h"
-#include "delegate/support/retired_settings.h"
 
 namespace alabaster::hd::host {
 namespace {
@@ -368,7 +367,6 @@ FieldResult check_parameter(std::string_view schema, const std::string& name, co
 }
 
 std::string CheckSetting(const std::string& name, const Value& value) {
-  if (const std::string retired = support::RetiredSetting(name, value.text_or("")); !retired.empty()) return retired;
   if (const FieldResult checked = check(setting_parameters(), name, value, Range::refused)) return *checked;
   return "there is no setting '" + name + "'" + support::DidYouMean(name, parameter_names("render_settings"));
 }

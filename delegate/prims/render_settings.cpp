@@ -2,16 +2,12 @@
 #include "delegate/prims/parameters.h"
 #include "delegate/prims/prims.h"
 #include "delegate/support/parameters.h"
-#include "delegate/support/retired_settings.h"
 
 namespace alabaster::hd::prims {
 
 DirtyBits RenderSettingsPrim::post_record(SceneDelegate& scene, SceneParam& param, DirtyBits bits) {
   if (!(bits & (dirty::kParams | dirty::kDescription))) return dirty::kClean;
   const RenderSettingsDescription description = scene.GetRenderSettings(GetId());
-  for (const auto& [key, value] : description.settings)
-    if (const std::string fault = support::RetiredSetting(key, value.text_or("")); !fault.empty())
-      alabaster::report(param.sink(), alabaster::Severity::error, "settings.retired", GetId().str(), fault);
   // Values are reported here, once for each edit. DelegateState::render_settings() reads them when a render starts.
   RenderSettings unused;
   for (const SettingParameter& row : setting_parameters())

@@ -8,7 +8,6 @@
 #include "delegate/rendering/render_pass.h"
 #include "delegate/support/nearest_name.h"
 #include "delegate/support/parameters.h"
-#include "delegate/support/retired_settings.h"
 
 namespace alabaster::hd::rendering {
 namespace {
@@ -35,10 +34,6 @@ void DelegateState::set_settings(const Dictionary& given) {
   uint32_t changes = 0;
   bool dices = false;
   for (const auto& [name, value] : given) {
-    if (const std::string fault = support::RetiredSetting(name, value.text_or("")); !fault.empty()) {
-      alabaster::report(param->sink(), alabaster::Severity::error, "settings.retired", "render settings", fault);
-      continue;
-    }
     const Token key(name);
     const auto held = next.find(key);
     if (held == next.end() ? value.empty() : held->second == value) continue;

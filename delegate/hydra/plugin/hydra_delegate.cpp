@@ -11,7 +11,6 @@
 #include "delegate/hydra/plugin/hydra_pass.h"
 #include "delegate/hydra/plugin/hydra_prims.h"
 #include "delegate/hydra/plugin/hydra_settings.h"
-#include "delegate/support/retired_settings.h"
 
 using namespace pxr;  // the macros of diagnostics name its types
 
@@ -100,10 +99,7 @@ void HydraDelegate::SetSceneSettings(const pxr::SdfPath& prim, const pxr::VtDict
   std::map<hd::Token, hd::Value> now;
   for (const auto& [key, value] : settings) {
     const Setting setting = TranslateSetting(key, ToValue(value), settings_);
-    const std::string retired = hd::support::RetiredSetting(setting.key.str(), setting.value.text_or(""));
-    if (!retired.empty())
-      param_->error(prim, "settings.retired", retired);
-    else if (!is_for_scenes(setting.key))
+    if (!is_for_scenes(setting.key))
       param_->warn(prim, "settings.unknown", "the renderer has no setting '" + key + "' for scenes; it is ignored");
     else if (!setting.value.empty())
       now[setting.key] = setting.value;

@@ -462,18 +462,6 @@ class Control(unittest.TestCase):
         again.wait()
         self.assertEqual(renderer.stats()["state"], "converged")
 
-    def test_removed_settings_are_errors(self):
-        scene = square()
-        scene.set_render_settings("/settings", samples=1)
-        renderer = hdalabaster.Renderer(scene)
-        for name, value, instead in (("subsurface", "auto", "use 'walk'"), ("inversion", "vanDeHulst", "use 'exact'"),
-                                     ("walkWeights", "throughput", "leave it out"), ("rouletteDepth", 3, "leave it out")):
-            for what in (lambda: hdalabaster.Renderer(**{name: value}), lambda: renderer.set(**{name: value}),
-                         lambda: scene.set_render_settings("/settings", **{name: value}),
-                         lambda: scene.set_parameter("/settings", name, value)):
-                with self.assertRaisesRegex(ValueError, f"'{name}' has been removed; {instead}"):
-                    what()
-
 
 class Pickling(unittest.TestCase):
     def test_objects_are_neither_pickled_nor_made_from_their_base(self):

@@ -74,19 +74,6 @@ TEST_F(ProgramTest, InputErrorsEndWithThree) {
   EXPECT_FALSE(exists("a.exr"));
 }
 
-TEST_F(ProgramTest, SettingsThatHaveBeenRemovedAreErrorsThatNameTheirReplacement) {
-  expect_error(2, quick({"-o", "a.exr", "--subsurface", "auto"}),
-               "'auto' of setting 'subsurface' has been removed; use 'walk'");
-  expect_error(2, quick({"-o", "a.exr", "--inversion", "vanDeHulst"}), "use 'exact'");
-  expect_error(2, quick({"-o", "a.exr", "--set", "rouletteDepth=3"}),
-               "Setting 'rouletteDepth' has been removed; leave it out");
-  expect_error(2, quick({"-o", "a.exr", "--set", "walkWeights=throughput"}), "Setting 'walkWeights' has been removed");
-  write("old.json", "{\n  \"gltf\": [{\"file\": \"patch.gltf\"}],\n  \"settings\": {\"rouletteDepth\": 3}\n}");
-  expect_error(3, {"render", "old.json", "-o", "a.exr"},
-               "old.json:3 /settings/rouletteDepth: Setting 'rouletteDepth' has");
-  EXPECT_FALSE(exists("a.exr"));
-}
-
 // promise: pipeline.exit.output
 TEST_F(ProgramTest, OutputErrorsEndWithFiveBeforeRendering) {
   expect_error(5, quick({"-o", "absent/a.exr"}), "absent");

@@ -59,24 +59,6 @@ TEST(Parameters, AnIesProfileArrivesAndABrokenOneIsAFault) {
   EXPECT_EQ(stage.count("ies.invalid"), 1u);
 }
 
-// A host that sets one hears of it, and renders as if it had not.
-TEST(Parameters, RemovedSettingsAreErrors) {
-  Stage stage;
-  stage.delegate->SetRenderSetting("subsurface", std::string("lambert"));
-  for (const auto& [key, value] : {std::pair{"subsurface", Value(std::string("auto"))},
-                                   {"inversion", Value(std::string("vanDeHulst"))},
-                                   {"walkWeights", Value(std::string("throughput"))},
-                                   {"rouletteDepth", Value(int64_t(3))}}) {
-    stage.delegate->SetRenderSetting(key, value);
-    const std::vector<Diagnostic> said = stage.take_diagnostics();
-    ASSERT_EQ(said.size(), 1u) << key;
-    EXPECT_EQ(said[0].code, "settings.retired");
-    EXPECT_TRUE(said[0].severity == Severity::error);
-    EXPECT_NE(said[0].text.find("has been removed; "), std::string::npos) << said[0].text;
-  }
-  EXPECT_EQ(stage.delegate->GetRenderSetting("subsurface").text_or(""), "lambert");
-}
-
 TEST(Parameters, ASettingOfAPrimThatIsOutOfRangeIsReported) {
   Stage stage;
   RenderSettingsDescription settings;

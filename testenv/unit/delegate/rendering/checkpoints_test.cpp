@@ -259,24 +259,6 @@ TEST_F(Checkpoints, AHeaderThatDescribesNoRenderIsRefusedEarly) {
   EXPECT_EQ(frame.command("resumeCheckpoint", {{"file", file_}}), "");
 }
 
-TEST_F(Checkpoints, RemovedSettingOfACheckpointIsNamed) {
-  const std::string all = (written(), bytes());
-  for (const std::string& old :
-       {std::string(R"("rouletteDepth":"1",)"), std::string(R"("walkWeights":"throughput",)")}) {
-    std::string header = header_of(all);
-    const size_t at = header.find(R"("samples":")"), settings = header.find(R"("settings":{)");
-    ASSERT_NE(settings, std::string::npos) << at;
-    header.insert(settings + std::strlen(R"("settings":{)"), old);
-    replace(with_header(all, header));
-    const Frame frame;
-    for (const char* command : {"resumeCheckpoint", "describeCheckpoint"}) {
-      const std::string fault = frame.command(command, {{"file", file_}});
-      EXPECT_NE(fault.find("it is of an earlier version"), std::string::npos) << fault;
-      EXPECT_NE(fault.find("' has been removed; leave it out"), std::string::npos) << fault;
-    }
-  }
-}
-
 // promise: pipeline.memory.frames, security.checkpoint
 TEST_F(Checkpoints, TheMemoryLimitHoldsTheHeader) {
   const std::string all = (written(), bytes()), header = header_of(all), scene = "\"scene\":{";
