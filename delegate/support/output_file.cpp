@@ -99,42 +99,23 @@ struct Target {
   std::string folder() const { return file.has_parent_path() ? file.parent_path().string() : "."; }
 };
 
-Target find_target_within(const std::string& name, const std::string& within) {
-  Target target;
-  target.file = real_path(name);
-  if (target.file.empty()) return target.error = errno, target;
-  if (!is_within(target.file, within)) return target.outside = outside_text(target.file), target;
-  struct stat now = {};
-  if (::lstat(target.file.c_str(), &now) == 0)
-    target.now = now;
-  else
-    target.error = errno == ENOENT ? 0 : errno;
-  return target;
-}
-
+/// `within`: as of OutputFault.
 Target find_target(const std::string& name, const std::string& within) {
-  if (!within.empty()) return find_target_within(name, within);
   Target target;
   target.file = name;
   struct stat now = {};
-  if (::stat(name.c_str(), &now) == 0) {
-    target.now = now;
-    if (!S_ISREG(now.st_mode)) return target;
-    std::error_code error;
-    target.file = fs::canonical(name, error);
-    target.error = error.value();
+  if (within.empty() && ::stat(name.c_str(), &now) == 0 && !S_ISREG(now.st_mode)) {
+    target.now = now;  // what lies behind /dev/stdout need not have a path
     return target;
   }
-  target.error = errno == ENOENT ? 0 : errno;
-  // A link that leads nowhere: the file is made where it points to.
-  constexpr int kMostLinks = 40;
-  for (int i = 0; i < kMostLinks; ++i) {
-    std::error_code error;
-    const fs::path next = fs::read_symlink(target.file, error);
-    if (error) return target;
-    target.file = next.is_absolute() ? next : target.file.parent_path() / next;
-  }
-  target.error = ELOOP;
+  const std::string real = real_path(name);
+  if (real.empty()) return target.error = errno, target;
+  target.file = real;
+  if (!within.empty() && !is_within(real, within)) return target.outside = outside_text(real), target;
+  if (::lstat(real.c_str(), &now) == 0)
+    target.now = now;
+  else
+    target.error = errno == ENOENT ? 0 : errno;
   return target;
 }
 
