@@ -14,7 +14,6 @@
 #include "delegate/cli/scene_session.h"
 #include "delegate/cli/shell_word.h"
 #include "delegate/cli/stopwatch.h"
-#include "delegate/description/scene_names.h"
 #include "delegate/host/input_digests.h"
 #include "delegate/host/parameter_pages.h"
 #include "delegate/support/json_values.h"

@@ -6,7 +6,6 @@
 
 #include "delegate/cli/console.h"
 #include "delegate/description/render_description.h"
-#include "delegate/description/scene_names.h"
 
 namespace alabaster::cli {
 

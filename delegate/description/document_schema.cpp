@@ -166,18 +166,6 @@ ordered_json schema_of(const Key& key) {
   return schema;
 }
 
-/// As dump(2), but what fits into a line stands on one.
-std::string readable(const ordered_json& value, const std::string& indent = "\n") {
-  constexpr size_t kMostInLine = 140;
-  std::string line = value.dump(-1, ' ');
-  if (!value.is_structured() || indent.size() + line.size() < kMostInLine) return line;
-  std::string text;
-  for (const auto& [key, item] : value.items())
-    text += (text.empty() ? "" : ",") + indent + "  " + (value.is_array() ? "" : ordered_json(key).dump() + ": ") +
-            readable(item, indent + "  ");
-  return (value.is_array() ? "[" : "{") + text + indent + (value.is_array() ? "]" : "}");
-}
-
 std::string schema_text(const std::string& name, const std::string& title, const std::string& text,
                         const ordered_json& content) {
   ordered_json schema = {{"$schema", "http://json-schema.org/draft-07/schema#"},
@@ -185,7 +173,7 @@ std::string schema_text(const std::string& name, const std::string& title, const
                          {"title", title},
                          {"description", text}};
   schema.update(content);
-  return readable(schema) + "\n";
+  return support::readable_json(schema) + "\n";
 }
 
 const Key& key_at(const Key& key, std::initializer_list<const char*> names) {

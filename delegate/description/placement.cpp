@@ -9,7 +9,7 @@
 
 #include "core/math/bounds.h"
 #include "core/math/transform.h"
-#include "delegate/description/scene_names.h"
+#include "delegate/description/render_description.h"
 #include "delegate/support/float_values.h"
 #include "delegate/support/instancing.h"
 #include "delegate/support/lookup.h"

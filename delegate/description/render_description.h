@@ -123,6 +123,14 @@ class ALABASTER_API OpenScene {
 ALABASTER_API std::string WithOptions(const std::string& text, const LoadOptions& options,
                                       const std::function<std::string(const std::string&)>& place);
 
+/// A box in world space; without points `min` is above `max`.
+struct WorldBox {
+  Vec3d min = Vec3d(std::numeric_limits<double>::infinity()), max = -min;
+};
+/// The box of each mesh: of the points of its faces as they are modelled, before subdivision and displacement, at all
+/// its instances. Hidden meshes have one, too.
+ALABASTER_API std::map<Path, WorldBox> MeshBoxes(host::RetainedSceneDelegate& scene);
+
 /// The keys of a part of descriptions, in the order of its table: "settings", "camera", or of an entry of "models",
 /// "meshes", "lights" and "products"; of "materials" those of `set`.
 ALABASTER_API std::vector<host::FieldRow> DescriptionKeys(const std::string& part);

@@ -103,4 +103,15 @@ Value value_of(const json& value) {
   return whole ? array_of<int32_t>(value) : array_of<float>(value);
 }
 
+std::string readable_json(const nlohmann::ordered_json& value, const std::string& indent) {
+  constexpr size_t kMostInLine = 140;
+  std::string line = value.dump(-1, ' ');
+  if (!value.is_structured() || indent.size() + line.size() < kMostInLine) return line;
+  std::string text;
+  for (const auto& [key, item] : value.items())
+    text += (text.empty() ? "" : ",") + indent + "  " +
+            (value.is_array() ? "" : nlohmann::ordered_json(key).dump() + ": ") + readable_json(item, indent + "  ");
+  return (value.is_array() ? "[" : "{") + text + indent + (value.is_array() ? "]" : "}");
+}
+
 }  // namespace alabaster::hd::support

@@ -20,4 +20,7 @@ nlohmann::json json_of(const Value& value);
 /// is none.
 Value value_of(const nlohmann::json& json);
 
+/// As dump(2), but what fits into a line stands on one.
+std::string readable_json(const nlohmann::ordered_json& value, const std::string& indent = "\n");
+
 }  // namespace alabaster::hd::support

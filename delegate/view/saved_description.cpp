@@ -21,22 +21,6 @@ using nlohmann::json;
 const hd::Path kBackdrop("/studio/backdrop");
 const hd::Path kDome("/lights/dome");  // of --dome
 
-// As json::dump(2), but with a list of numbers on one line.
-std::string readable(const json& value, const std::string& indent = "\n") {
-  const bool is_list = value.is_array();
-  if (!value.is_structured() || value.empty()) return value.dump();
-  if (is_list && std::all_of(value.begin(), value.end(), [](const json& item) { return item.is_number(); })) {
-    std::string numbers;
-    for (const json& number : value) numbers += (numbers.empty() ? "[" : ", ") + number.dump();
-    return numbers + "]";
-  }
-  std::string text;
-  for (const auto& [key, item] : value.items())
-    text += (text.empty() ? (is_list ? "[" : "{") : ",") + indent + "  " + (is_list ? "" : json(key).dump() + ": ") +
-            readable(item, indent + "  ");
-  return text + indent + (is_list ? "]" : "}");
-}
-
 // Paths as patterns that match nothing else.
 std::string literal(const hd::Path& path) {
   std::string pattern;
@@ -94,7 +78,7 @@ class Description {
     for (const auto& [name, bytes] : companions_)
       if (!write_file((folder_ / name).string(), bytes)) return false;
     if (!backdrop_.empty() && !write_backdrop()) return false;
-    const std::string text = readable(document_) + "\n";
+    const std::string text = hd::support::readable_json(document_) + "\n";
     if (!write_file(file_, {text.begin(), text.end()})) return false;
     if (outside_ && sink_)
       sink_({hd::Severity::info, "view.outside", file_,

@@ -24,16 +24,11 @@ Path buffer_path(const std::string& aov) {
   return Path("/view/buffers").append(aov);
 }
 
-double size_of(const hd::host::RetainedSceneDelegate& scene) {
+double size_of(hd::host::RetainedSceneDelegate& scene) {
   hd::Vec3d low(1e300), high(-1e300);
-  for (const auto& [path, mesh] : scene.GetMeshes()) {
-    const auto points = mesh.primvars.find("points");
-    const auto* array = points == mesh.primvars.end() ? nullptr : points->second.value.get<hd::Array<hd::Vec3f>>();
-    if (!array || path.str().starts_with("/studio/")) continue;
-    for (const hd::Vec3f& p : *array) {
-      const hd::Vec3d world = hd::Vec3d(p) * mesh.transform;
-      for (int i = 0; i < 3; ++i) low[i] = std::min(low[i], world[i]), high[i] = std::max(high[i], world[i]);
-    }
+  for (const auto& [path, box] : hd::description::MeshBoxes(scene)) {
+    if (path.str().starts_with("/studio/")) continue;
+    for (int i = 0; i < 3; ++i) low[i] = std::min(low[i], box.min[i]), high[i] = std::max(high[i], box.max[i]);
   }
   const double size = (high - low).length();
   return size > 0 && std::isfinite(size) && size < 1e200 ? size : 1;
