@@ -141,10 +141,11 @@ bool is_header(const json& header) {
 /// Parses a header without trust: as any JSON, a hostile text takes gigabytes. `held` holds what is made
 /// (MemoryRefused). Null if the text holds anything that no header has.
 json parse_header(std::string_view text, MemoryReservation* held) {
-  constexpr size_t kMostDepth = 2, kMemberBytes = 256;
+  constexpr size_t kMostDepth = 2, kMemberBytes = 256, kUncounted = size_t(1) << 16;
   const support::JsonBounds bounds = support::bounds_of_json(text, kMostDepth);
   if (bounds.too_deep_at != std::string_view::npos || bounds.containers > std::size(kMembers)) return nullptr;
-  held->resize(text.size() + bounds.values * kMemberBytes, "the header of a checkpoint");
+  const size_t bytes = text.size() + bounds.values * kMemberBytes;
+  if (bytes > kUncounted) held->resize(bytes, "the header of a checkpoint");
   json header = json::parse(text.begin(), text.end(), nullptr, false);
   return is_header(header) ? std::move(header) : json();
 }
