@@ -32,7 +32,7 @@ std::span<const DisplacementInput> displacement_inputs() {
   using D = DisplacementInputs;
   static constexpr DisplacementInput kTable[] = {
       {"scale", &D::scale, -kUnbounded, kUnbounded, {},
-       "scene unit", "Length that 1 stands for."},
+       "unit of the mesh", "Length that 1 stands for."},
       {"midlevel", &D::midlevel, -kUnbounded, kUnbounded, {},
        "none", "Value that leaves a point where it is."},
       {"space", &D::space, -kUnbounded, kUnbounded, {"normal", "tangent", "object"},

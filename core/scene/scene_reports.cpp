@@ -118,6 +118,52 @@ void report_lost_distances(const ReportedScene& scene) {
     }
 }
 
+// The diagonal of the box about a body, in its first instance.
+float size_of(const SubsurfaceBody& body) {
+  Bounds box;
+  for (const auto& member : body.members) {
+    std::optional<SubsurfaceBody::Maps> placed;
+    const SubsurfaceBody::Maps& maps = member.array ? member.place(member.instance, &placed) : member;
+    for (const Vec3f& corner : member.mesh->bounds.corners()) box.extend(maps.to_body.point(corner));
+  }
+  return length(box.extent());
+}
+
+// Told once for a material.
+void report_far_distances(const ReportedScene& scene) {
+  struct Far {
+    std::string mesh;  // the first in the scene
+    float distance, size;
+    size_t others = 0;
+  };
+  std::map<std::string, Far> all;
+  for (const auto& body : scene.snapshot.bodies) {
+    scene.cancel.check();
+    const float size = size_of(*body);
+    for (const auto& member : body->members) {
+      const auto& materials = scene.snapshot.instance(member.instance).materials;
+      for (size_t slot = 0; slot < member.media.size(); ++slot) {
+        if (!member.media[slot]) continue;
+        const auto& medium = (*member.media[slot])[AlbedoInversion::exact].medium;
+        const float distance = max_component(medium.scatter_distance);
+        if (!(distance > size)) continue;
+        const auto [known, is_new] =
+            all.try_emplace(materials[slot]->name, Far{name_of(scene, member.instance), distance, size});
+        known->second.others += is_new ? 0 : 1;
+      }
+    }
+  }
+  for (const auto& [material, far] : all)
+    report(scene.sink, Severity::warning, "subsurface.farDistance", far.mesh,
+           "material '" + material + "' lets light travel " +
+               plain_format("%.3g units below the surface, and this mesh is %.3g across", double(far.distance),
+                            double(far.size)) +
+               (far.others > 0 ? ", " + std::to_string(far.others) + " more likewise" : std::string()) +
+               plain_format(": it looks like thin fog; distances count in units of the scene: where these are metres, "
+                            "%.3g millimetres are %.3g",
+                            double(far.distance), double(far.distance) / 1000));
+}
+
 // The closed shells of bodies along a ray: the first that it leaves without having entered holds its origin.
 class Surrounding {
  public:
@@ -332,6 +378,7 @@ void report_bodies(const ReportedScene& scene) {
   report_open_bodies(scene);
   report_thin_shells(scene);
   report_lost_distances(scene);
+  report_far_distances(scene);
   report_lights_within(scene);
   report_sets(scene);
 }

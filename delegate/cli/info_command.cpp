@@ -179,6 +179,16 @@ std::string title(const Json& prim) {
   return prim.contains("added") ? shown(prim["path"]) + " (added)" : shown(prim["name"]) + ": " + shown(prim["path"]);
 }
 
+/// "300, 47, 3.7 mm"
+std::string millimetres_text(const Json& lengths, double metres_per_unit) {
+  std::string text;
+  for (const Json& one : lengths.is_array() ? lengths : Json::array({lengths})) {
+    const double millimetres = 1000 * metres_per_unit * one.get<double>();
+    text += (text.empty() ? "" : ", ") + formatted(std::abs(millimetres) < 100 ? "%.3g" : "%.0f", millimetres);
+  }
+  return text + " mm";
+}
+
 std::string box_text(const Json& box) {
   if (box.is_null()) return "none";
   std::string text;
@@ -248,9 +258,11 @@ void print_overrides(const Kind& kind, const Json& prims) {
   std::fputs(properties_text(kind).c_str(), stdout);
 }
 
-void print_geometry(const Json& scene) {
+void print_geometry(const Json& scene, double metres_per_unit) {
   const Json& meshes = scene["meshes"];
   std::printf("bounds in scene units (metres in glTF): %s\n", box_text(scene["bounds"]).c_str());
+  if (!scene["bounds"].is_null())
+    std::printf("size: %s\n", millimetres_text(scene["bounds"]["size"], metres_per_unit).c_str());
   std::printf("meshes: %zu (%zu triangles as modelled, %zu as rendered)\n", meshes.size(),
               scene["triangles"]["modelled"].get<size_t>(), scene["triangles"]["rendered"].get<size_t>());
   for (const Json& mesh : meshes) {
@@ -296,14 +308,20 @@ void print_choices(const Json& model) {
     std::printf("time codes: %.6g to %.6g\n", model["range"][0].get<double>(), model["range"][1].get<double>());
 }
 
-void print_materials(const Json& materials) {
+void print_materials(const Json& materials, double metres_per_unit) {
+  std::set<std::string> lengths;
+  for (const hd::host::FieldRow& row : hd::host::ParameterRows("disney_material"))
+    if (row.unit == "scene unit") lengths.insert(row.name);
   std::printf("materials: %zu\n", materials.size());
   for (const Json& material : materials) {
     std::printf("  %s\n", title(material).c_str());
     for (const Json& node : material["nodes"])
       for (const auto& [name, value] : node["parameters"].items())
-        std::printf("    %s.%s = %s\n", shown(node["type"]).c_str(), printable(name).c_str(),
-                    printable(value.is_string() ? value.get<std::string>() : value.dump()).c_str());
+        std::printf("    %s.%s = %s%s\n", shown(node["type"]).c_str(), printable(name).c_str(),
+                    printable(value.is_string() ? value.get<std::string>() : value.dump()).c_str(),
+                    lengths.contains(name) && node["type"] == "AlabasterDisney" && !value.is_string()
+                        ? (" (" + millimetres_text(value, metres_per_unit) + ")").c_str()
+                        : "");
   }
   print_overrides(kKinds[0], materials);
 }
@@ -326,9 +344,11 @@ void print_lights_and_cameras(const Json& scene) {
 }
 
 void print_listing(const Json& scene) {
-  print_geometry(scene);
+  const double metres_per_unit =
+      scene["models"].empty() ? 1 : scene["models"][0]["metersPerUnit"].get<double>();  // the first model's rule
+  print_geometry(scene, metres_per_unit);
   for (const Json& model : scene["models"]) print_choices(model);
-  print_materials(scene["materials"]);
+  print_materials(scene["materials"], metres_per_unit);
   print_lights_and_cameras(scene);
   std::fflush(stdout);
 }

@@ -18,7 +18,6 @@ Path the_camera(LoadState& load, const std::string& name) {
 }  // namespace
 
 void apply_camera(LoadState& load) {
-  constexpr float kMetresPerMillimetre = 0.001f;
   const nlohmann::json* entry = load.part("camera");
   if (!entry) return;
   if (entry->contains("use")) load.camera.use = the_camera(load, (*entry)["use"]).str();
@@ -28,7 +27,7 @@ void apply_camera(LoadState& load) {
     if (given == entry->end()) continue;
     Value& value = load.camera.parameters[row.name] = field_value(*given);
     if (given->is_string()) value = Token(given->get<std::string>());
-    if (row.in_millimetres) value = given->get<float>() * kMetresPerMillimetre;
+    if (row.in_millimetres) value = given->get<float>() * load.result->info.units_per_millimetre();
   }
 }
 

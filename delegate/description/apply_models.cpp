@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <memory>
 
+#include "delegate/description/lengths.h"
 #include "delegate/description/load_state.h"
 #include "delegate/description/places.h"
 #include "delegate/support/extension.h"
@@ -139,7 +140,6 @@ bool add_model(LoadState& load, const std::string& pointer, const nlohmann::json
     load.fail(pointer + "/file", "'" + file.resolved +
                                      "' is not a model: name a file that ends in .gltf, .glb, .usd, .usda, .usdc, "
                                      ".usdz or .alab.");
-  model->placement = placement_of(load, pointer, entry);
   if (support::lower_extension(file.resolved) == ".alab")
     for (const char* key : {"scene", "animation", "variant", "time", "refineLevel"})
       if (entry.contains(key))
@@ -155,6 +155,8 @@ bool add_model(LoadState& load, const std::string& pointer, const nlohmann::json
   if (fault != SourceFault::none) return false;
 
   const host::SceneFacts& facts = model->source->Facts();
+  if (pointer.ends_with("/0")) resolve_lengths(facts.metersPerUnit, description_key(), &load.document.value);
+  model->placement = placement_of(load, pointer, entry);
   load.held.resize(load.held.bytes() + facts.memory_bytes, file.resolved);
   model->root = free_root(facts, edits.prims, &load);
   model->place(&edits);
@@ -204,6 +206,7 @@ void apply_models(LoadState& load) {
     ok = add_model(load, pointer, model) && ok;
   });
   if (!ok) throw LoadFailed();
+  if (load.models.empty()) resolve_lengths(1, description_key(), &load.document.value);
 }
 
 }  // namespace alabaster::hd::description

@@ -13,9 +13,11 @@ namespace {
 
 using support::number_in;
 
-// A description's camera starts from a 50 mm lens and full-frame film; metres.
-std::map<Token, Value> default_lens() {
-  return {{"focalLength", 0.050f}, {"horizontalAperture", 0.036f}, {"verticalAperture", 0.024f}};
+// A description's camera starts from a 50 mm lens and full-frame film.
+std::map<Token, Value> default_lens(const host::SceneInfo& info) {
+  const auto in_units = [&](double metres) { return static_cast<float>(metres / info.metersPerUnit); };
+  return {
+      {"focalLength", in_units(0.050)}, {"horizontalAperture", in_units(0.036)}, {"verticalAperture", in_units(0.024)}};
 }
 
 // The picture's frustum, once the film has been fitted to the picture's shape.
@@ -42,13 +44,13 @@ Path base_camera(const LoadState& state) {
 }
 
 // The camera `base`, or a new one if it is empty, with the plan's changes.
-host::CameraDescription planned_camera(const CameraPlan& plan, const Path& base,
-                                       const host::RetainedSceneDelegate& scene) {
+host::CameraDescription planned_camera(const LoadState& state, const Path& base) {
+  const CameraPlan& plan = state.camera;
   host::CameraDescription camera;
   if (base.empty()) {
-    camera.parameters = default_lens();
+    camera.parameters = default_lens(state.result->info);
   } else {
-    camera = scene.GetCameras().at(base);
+    camera = state.scene->GetCameras().at(base);
   }
   for (const auto& [name, value] : plan.parameters) camera.parameters[name] = value;
   const Placement& placed = plan.placement;
@@ -66,7 +68,7 @@ void complete_camera(LoadState* state) {
     state->settings.camera = base;
     return;
   }
-  host::CameraDescription camera = planned_camera(plan, base, *state->scene);
+  host::CameraDescription camera = planned_camera(*state, base);
   if (number_in(camera.parameters, "shutterClose", 0) < number_in(camera.parameters, "shutterOpen", 0))
     state->fail("/camera/shutterClose",
                 "The shutter closes before it opens: shutterClose must not be less than shutterOpen.");
@@ -213,7 +215,7 @@ bool gives_light(const MaterialNetwork& material) {
 void pose_camera(LoadState* state) {
   const Path base = base_camera(*state);
   if (base.empty() || !(state->settings.camera == state->planned_camera)) return;
-  state->scene->SetCamera(state->planned_camera, planned_camera(state->camera, base, *state->scene));
+  state->scene->SetCamera(state->planned_camera, planned_camera(*state, base));
 }
 
 void complete_scene(LoadState* state) {

@@ -3,6 +3,7 @@
 #include <limits>
 
 #include "delegate/description/document_keys.h"
+#include "delegate/description/lengths.h"
 #include "delegate/support/json_values.h"
 #include "delegate/support/nearest_name.h"
 #include "delegate/support/retired_settings.h"
@@ -80,6 +81,13 @@ std::string fault_text(const std::string& subject, const std::string& must, cons
          (key.kind.empty() ? " " + key.row.text : "");
 }
 
+/// What is missing in a text in the place of a length.
+std::string unit_hint(const json& value, const Key& key) {
+  const auto is_text = [](const json& one) { return one.is_string(); };
+  const bool any = value.is_array() ? std::any_of(value.begin(), value.end(), is_text) : is_text(value);
+  return any && key.row.unit == "scene unit" ? " A length may have a unit, " + length_units() + ": 3.7mm." : "";
+}
+
 std::string name_text(const Key& key) {
   return "'" + key.row.name + "'";
 }
@@ -135,7 +143,7 @@ class Checker {
     if (value.is_array() && key.form == Form::objects && !is_entry)
       for (size_t i = 0; i < value.size(); ++i)
         find_unknown_keys(value[i], key, pointer_append(pointer, std::to_string(i)), true);
-    if (!value.is_object() || !(is_entry || takes_object(key))) return;
+    if (!value.is_object() || !(is_entry || takes_object(key)) || without_unit(value, key.row, 1)) return;
     for (const auto& [name, child] : value.items()) {
       const std::string place = pointer_append(pointer, name);
       if (const Key* of_child = find_key(key.keys, name)) {
@@ -156,12 +164,16 @@ class Checker {
   }
 
   /// Reports the innermost faults of the value, or the first one of each list that has too many or too few entries.
-  void check(const json& value, const Key& key, const std::string& pointer) {
+  void check(const json& given, const Key& key, const std::string& pointer) {
+    // The scene's unit is not known yet. Bounds of lengths are 0, or none.
+    const std::optional<json> number = without_unit(given, key.row, 1);
+    const json& value = number ? *number : given;
     if (value.is_object() && takes_object(key)) return check_object(value, key, pointer, name_text(key));
     if (value.is_array() && takes_list(key)) return check_list(value, key, pointer);
     if (takes_value(key)) return check_value(value, key, pointer);
     fail("description.value", pointer,
-         fault_text(pointer.empty() ? "A render description" : name_text(key), must_be(key), value, key));
+         fault_text(pointer.empty() ? "A render description" : name_text(key), must_be(key), value, key) +
+             unit_hint(value, key));
   }
 
   /// `subject`: the object, or an entry of a list.
@@ -188,7 +200,8 @@ class Checker {
       else if (key.form == Form::objects)
         fail("description.value", place, fault_text(entry_text(key), object_text(key), value[i], key));
       else if (!fits(value[i], key))
-        fail("description.value", place, fault_text(entry_text(key), value_text(key), value[i], key));
+        fail("description.value", place,
+             fault_text(entry_text(key), value_text(key), value[i], key) + unit_hint(value[i], key));
     }
   }
 
@@ -200,7 +213,7 @@ class Checker {
       fault = fault_text(name_text(key), must_be(key), value, key);
     else if (!key.kind.empty())
       fault = host::CheckField(key.kind, key.row.name, given);
-    if (!fault.empty()) fail("description.value", pointer, sentence(fault));
+    if (!fault.empty()) fail("description.value", pointer, sentence(fault) + unit_hint(value, key));
   }
 
   const JsonDocument& document_;

@@ -102,7 +102,7 @@ Keys relief(const char* file, Keys more) {
 
 // Placements -------------------------------------------------------------------------------------------
 Key transform() {
-  Key key = numbers("transform", 16, "Placement: sixteen numbers, or translate, rotate and scale.", {}, "scene unit");
+  Key key = numbers("transform", 16, "Placement: sixteen numbers in scene units, or translate, rotate and scale.");
   key.form = Form::values_or_object;
   key.keys = {numbers("translate", 3, "Applied last.", Vec3f(0), "scene unit"),
               numbers("rotate", 3, "Rotations around x, then y, then z.", Vec3f(0), "degrees"),
@@ -157,7 +157,7 @@ Key materials() {
        object("bump", "Heights that tilt the normals and leave the surface where it is.",
               relief("Image of heights, in place of a normal map.",
                      {value("scale", ALABASTER_FLOAT, "Height where the image is 1, in the mesh's own units.", 1.0f,
-                            "scene unit")}),
+                            "unit of the mesh")}),
               {{"file"}}),
        object(
            "displacement",
@@ -171,7 +171,7 @@ Key materials() {
                      "mesh's own axes.",
                      "normal"),
                 value("scale", ALABASTER_FLOAT, "Points move by (value - midlevel) * scale, in the mesh's own units.",
-                      1.0f, "scene unit"),
+                      1.0f, "unit of the mesh"),
                 value("midlevel", ALABASTER_FLOAT, "Value of the image that leaves the surface where it is.", 0.0f)}),
            {{"file"}})},
       {{"match"}, {"name"}});
@@ -304,8 +304,9 @@ Key texture_key(const std::string& name) {
                         "r"));
     keys.push_back(value("scale", ALABASTER_FLOAT, "Multiplies the image: the parameter where the image is 1.", 1.0f));
   } else {
-    keys.push_back(at_least(
-        0, numbers("scale", 3, "Multiplies the image per channel: the parameter where the image is 1.", Vec3f(1))));
+    keys.push_back(
+        at_least(0, numbers("scale", 3, "Multiplies the image per channel: the parameter where the image is 1.",
+                            Vec3f(1), name == "distanceTexture" ? "scene unit" : "")));
   }
   return object(name.c_str(),
                 is_number                ? "A channel of a texture instead of a number."

@@ -3,6 +3,7 @@
 #include <map>
 
 #include "delegate/description/document_keys.h"
+#include "delegate/description/lengths.h"
 #include "delegate/description/render_description.h"
 #include "delegate/support/json_values.h"
 #include "delegate/support/presets_text.h"
@@ -76,7 +77,10 @@ ordered_json type_entry(const host::FieldRow& row) {
 /// The entry of a row in a schema.
 ordered_json row_schema(const host::FieldRow& row) {
   ordered_json entry = type_entry(row);
-  if (!row.texture.empty()) entry = {{"anyOf", {entry, {{"$ref", "textures.json#/definitions/" + row.texture}}}}};
+  const bool is_length = row.unit == "scene unit";
+  if (!row.texture.empty() || is_length) entry = {{"anyOf", {entry}}};
+  if (!row.texture.empty()) entry["anyOf"].push_back({{"$ref", "textures.json#/definitions/" + row.texture}});
+  if (is_length) entry["anyOf"].push_back({{"$ref", "render_description.json#/definitions/length"}});
   if (!row.fallback.empty()) entry["default"] = plain_numbers(support::json_of(row.fallback));
   if (!row.unit.empty()) entry["unit"] = row.unit;
   if (!row.lights.empty()) entry["appliesTo"] = row.lights;
@@ -145,6 +149,8 @@ ordered_json list_schema(const Key& key) {
   schema["items"] = std::move(item);
   if (key.least > 0) schema["minItems"] = key.least;
   if (key.most != ~size_t(0)) schema["maxItems"] = key.most;
+  if (key.row.unit == "scene unit")  // of all of them
+    schema = {{"anyOf", {schema, {{"$ref", "render_description.json#/definitions/length"}}}}};
   schema.update(words);
   schema["description"] = key.row.text;
   return schema;
@@ -191,6 +197,7 @@ std::string description_schema() {
   const Key& root = description_key();
   ordered_json content = object_schema(root);
   const Key& models = key_at(root, {"models"});
+  content["definitions"]["length"] = length_schema();
   for (const Key* shared : {&models, &key_at(models, {"motion"}), &key_at(models, {"transform"})})
     content["definitions"][shared->row.name] = schema_of(*shared);
   return schema_text("render_description", "Render description", root.row.text, content);

@@ -69,6 +69,7 @@ struct SceneInfo {
   std::optional<std::array<double, 2>> range = {};  // its first and last time
   std::map<Path, std::string> names = {};           // as in SceneEdits
   bool operator==(const SceneInfo&) const = default;
+  float units_per_millimetre() const { return static_cast<float>(0.001 / metersPerUnit); }
 };
 
 struct SceneFacts : SceneInfo {

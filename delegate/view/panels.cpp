@@ -27,6 +27,11 @@ std::vector<std::string> shown_aovs() {
   return all;
 }
 
+hd::Value multiplied(const hd::Value& value, double factor) {
+  if (const auto* three = value.get<hd::Vec3f>()) return *three * float(factor);
+  return value.number_or(0) * factor;
+}
+
 std::string short_name(const hd::Path& path) {
   const std::string& text = path.str();
   const size_t slash = text.rfind('/');
@@ -90,7 +95,10 @@ bool Panels::draw_row(const ParameterRow& row, bool changed, bool* reset, hd::Va
   const float back = ImGui::GetFrameHeight() + ImGui::GetStyle().ItemInnerSpacing.x;
   ImGui::SetNextItemWidth(ImGui::GetContentRegionAvail().x - back);
   const auto shown = [this](const hd::Vec3f& color) { return session_->shown(color); };
-  const bool edited = edit_parameter(widgets_, row, session_->scene_size(), shown, value);
+  const double length = row.in_millimetres ? session_->units_per_millimetre() : 1;
+  if (row.in_millimetres) *value = multiplied(*value, 1 / length);
+  const bool edited = edit_parameter(widgets_, row, session_->scene_size() / length, shown, value);
+  if (row.in_millimetres) *value = multiplied(*value, length);
   if (changed) {
     ImGui::SameLine(ImGui::GetContentRegionMax().x - ImGui::GetFrameHeight());
     *reset = ImGui::Button(("x##reset " + row.name).c_str(), {ImGui::GetFrameHeight(), 0});
@@ -193,10 +201,8 @@ void Panels::draw_camera() {
     hd::CameraDescription camera = session_->camera();
     const auto found = camera.parameters.find(row.name);
     hd::Value value = found == camera.parameters.end() ? row.default_value : found->second;
-    if (row.scale != 1 && found != camera.parameters.end()) value = found->second.number_or(0) / row.scale;
     bool reset = false;
     if (!draw_row(row, false, &reset, &value)) continue;
-    if (row.scale != 1) value = value.number_or(0) * row.scale;
     camera.parameters[row.name] =
         row.kind == RowKind::choice ? hd::Value(hd::Token(value.text_or(""))) : stored_value(row, value);
     session_->set_camera(camera);

@@ -61,7 +61,8 @@ std::vector<ParameterRow> parameter_rows(const std::string& schema) {
     ParameterRow row;
     row.name = field.name, row.label = label_of(field.name), row.kind = *kind;
     row.unit = field.unit == "none" ? "" : field.unit;
-    if (field.in_millimetres) row.unit = "mm", row.scale = 0.001;
+    row.in_millimetres = field.unit == "scene unit", row.is_length = row.in_millimetres && !field.in_millimetres;
+    if (row.in_millimetres) row.unit = "mm";
     row.description = field.text;
     row.default_value = field.fallback;
     row.minimum = field.is_above_zero() ? kLeastAbove : field.low, row.maximum = field.high;
@@ -72,7 +73,7 @@ std::vector<ParameterRow> parameter_rows(const std::string& schema) {
 }
 
 SoftRange soft_range(const ParameterRow& row, double value, double scene_size) {
-  const bool length = row.unit == "scene unit";
+  const bool length = row.is_length;
   double usual = 10;
   if (const double given = row.default_value.number_or(0); given > 0) usual = 10 * given;
   if (length) usual = scene_size;
@@ -91,8 +92,7 @@ SoftRange soft_range(const ParameterRow& row, double value, double scene_size) {
 }
 
 std::string unit_text(const ParameterRow& row) {
-  constexpr std::pair<const char*, const char*> kUnits[] = {
-      {"scene unit", "scene units"}, {"nanometre", "nm"}, {"kelvin", "K"}};
+  constexpr std::pair<const char*, const char*> kUnits[] = {{"nanometre", "nm"}, {"kelvin", "K"}};
   for (const auto& [unit, text] : kUnits)
     if (row.unit == unit) return text;
   return row.unit;

@@ -16,7 +16,8 @@ struct ParameterRow {
   std::string unit;         // empty: none
   std::string description;  // a sentence or two
   RowKind kind = RowKind::number;
-  double scale = 1;                     // of the unit: 0.001 where the renderer has metres and a row millimetres
+  bool in_millimetres = false;          // the renderer has scene units
+  bool is_length = false;               // in the scene: its size is the range of sliders
   hd::Value default_value;              // a number, bool, Vec3f or string
   double minimum = 0, maximum = 0;      // infinite where the schema has no limit
   std::vector<std::string> choices;     // of kind choice
@@ -34,11 +35,11 @@ struct SoftRange {
 };
 
 /// The schema's range where it has both limits and a slider can cover them. Else up to ten times the default, or for
-/// lengths up to `scene_size`; a value beyond that is in the range, too, unless it is
+/// lengths up to `scene_size`, in the row's unit; a value beyond that is in the range, too, unless it is
 /// beyond what sliders take (2^30 for whole numbers).
 SoftRange soft_range(const ParameterRow& row, double value, double scene_size);
 
-/// A unit as it stands behind a number: "scene units", "nm"; empty for none.
+/// A unit as it stands behind a number: "mm", "nm"; empty for none.
 std::string unit_text(const ParameterRow& row);
 /// How printf shows a value: digits enough for a thousandth of the range or of the value, and the unit. Whole numbers
 /// are an int, others a float or double.

@@ -108,6 +108,7 @@ class ViewSession {
   Sight sight() const;
   /// Length of the diagonal of the meshes' points; 1 if they have none.
   double scene_size() const { return scene_size_; }
+  double units_per_millimetre() const { return double(loaded_->file.info.units_per_millimetre()); }
 
   hd::Value setting(const std::string& key) const;
   void set_setting(const ParameterRow& row, const hd::Value& value);

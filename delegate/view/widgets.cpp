@@ -58,7 +58,7 @@ bool edit_swatch(const ParameterRow& row, const std::function<hd::Vec3f(hd::Vec3
 bool edit_color(Widgets* widgets, const ParameterRow& row, double scene_size,
                 const std::function<hd::Vec3f(hd::Vec3f)>& shown, hd::Value* value) {
   hd::Vec3f color = value->get_or(hd::Vec3f(0));
-  const bool length = row.unit == "scene unit";
+  const bool length = row.is_length;
   bool changed = false;
   const double largest = double(std::max({color.x, color.y, color.z}));
   const SoftRange range = soft_range(row, largest, scene_size);

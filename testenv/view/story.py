@@ -242,7 +242,7 @@ def denoising(window, scene):
 def saving(window, scene):
     before, = window.play(scene, [
         "size 1000 640", "wait converged", "drag left 0.45 0.45 0.58 0.38", "wait converged",
-        "click 0.5 0.45", "press Material", "type roughness 0.2", "type scatterDistance.g 0.3", "press Light", "type color.b 0.4",
+        "click 0.5 0.45", "press Material", "type roughness 0.2", "type scatterDistance.g 300", "press Light", "type color.b 0.4",
         "press Render", "type samples 7", "choose subsurface diffusion", "wait converged",
         *save_picture("shown.png"), *save_description("changed.json"), "state"])
     done = window.run("render", "changed.json", "-o", "again.png", "--size", "{}x{}".format(*before["size"]), "--quiet")

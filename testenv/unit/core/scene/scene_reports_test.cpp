@@ -205,5 +205,22 @@ TEST(SceneReports, PointsFarFromTheMeshsOriginThatLoseAChannelAreReported) {
   }
 }
 
+TEST(SceneReports, ADistanceThatExceedsTheBodyIsReportedOnceForAMaterial) {
+  for (const auto& [radius, count] : {std::pair(1.0f, 0u), std::pair(0.05f, 1u)}) {
+    SceneBuilder b;
+    const auto skin = b.material(wax());
+    for (const char* name : {"/head", "/hand"}) {
+      b.add(b.prototype(testing::sphere_mesh(radius, 16, true)), skin, testing::moved(3));
+      b.description.instances.back().name = name;
+    }
+    const auto found = warnings(b, "subsurface.farDistance");
+    ASSERT_EQ(found.size(), count) << radius;
+    for (const Diagnostic& d : found) {
+      EXPECT_EQ(d.where, "/head");
+      EXPECT_NE(d.text.find("0.2 millimetres are 0.0002"), std::string::npos) << d.text;
+    }
+  }
+}
+
 }  // namespace
 }  // namespace alabaster

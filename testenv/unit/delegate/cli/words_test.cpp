@@ -262,6 +262,14 @@ TEST_F(WordsTest, InfoTellsWhichPrimsShareANameAndThePathOfEach) {
 }
 
 // promise: pipeline.info
+TEST_F(WordsTest, InfoHasLengthsInMillimetres) {
+  const Outcome info = run({"info", "patch.gltf", "--set", "materials/skin.scatterDistance=[3.7,1.4,0.7]mm"});
+  ASSERT_EQ(info.code, 0) << info.err;
+  EXPECT_HAS(info.out, "size: 2000, 2000, 0 mm\n");
+  EXPECT_HAS(info.out, "scatterDistance = [0.0037,0.0014,0.0007] (3.7, 1.4, 0.7 mm)\n");
+}
+
+// promise: pipeline.info
 TEST_F(WordsTest, InfoHasTheBoundsOfTheSceneAndOfEachMesh) {
   write("moved.json",
         R"({"models": [{"file": "patch.gltf", "transform": {"translate": [10, 0, 0]}}, {"file": "patch.gltf"}],

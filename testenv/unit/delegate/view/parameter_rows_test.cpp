@@ -41,7 +41,7 @@ TEST(ParameterRows, ARowHasTheTablesWords) {
   const auto rows = parameter_rows("disney_material");
   const ParameterRow& distance = find(rows, "scatterDistance");
   EXPECT_EQ(distance.label, "Scatter distance");
-  EXPECT_EQ(distance.unit, "scene unit");
+  EXPECT_EQ(distance.unit, "mm");
   EXPECT_EQ(distance.kind, RowKind::color);
   EXPECT_EQ(distance.minimum, 0);
   EXPECT_TRUE(std::isinf(distance.maximum));
@@ -114,7 +114,7 @@ TEST(ParameterRows, LabelsAndUnitsArePlainWords) {
     std::snprintf(text, sizeof text, value_format(row, soft_range(row, value, 10), value).c_str(), value);
     return std::string(text);
   };
-  EXPECT_EQ(shown(find(lights, "width"), 0.5), "0.500 scene units");
+  EXPECT_EQ(shown(find(lights, "width"), 0.5), "0.500 mm");
   EXPECT_EQ(shown(find(lights, "colorTemperature"), 6500), "6500 K");
   EXPECT_EQ(shown(find(material, "iridescenceThickness"), 400), "400 nm");
   EXPECT_EQ(shown(find(camera, "fStop"), 2.8), "f/2.80");
