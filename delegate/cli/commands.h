@@ -52,13 +52,12 @@ struct UsdrecordArguments {
 };
 int run_usdrecord(UsdrecordArguments arguments);
 
-struct InfoArguments : SceneArguments {
+struct InfoArguments {
+  RenderArguments render;         // of one frame
   std::optional<double> predict;  // a relative RMSE
-  std::optional<hd::Vec2i> size;
-  std::string threads;
   bool json = false;
 };
-int run_info(const InfoArguments& arguments);
+int run_info(InfoArguments arguments);
 
 struct CheckArguments : SceneArguments {
   double time_limit = 60;    // seconds

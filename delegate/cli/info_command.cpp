@@ -8,7 +8,9 @@
 #include "delegate/cli/commands.h"
 #include "delegate/cli/exit_codes.h"
 #include "delegate/cli/interrupt.h"
+#include "delegate/cli/outputs.h"
 #include "delegate/cli/predict.h"
+#include "delegate/cli/render_options.h"
 #include "delegate/cli/scene_session.h"
 #include "delegate/cli/shell_word.h"
 #include "delegate/cli/stopwatch.h"
@@ -119,13 +121,24 @@ Json model_json(const hd::host::SceneFacts& model) {
   return out;
 }
 
+std::string text_of(const std::string& name) {
+  return name;
+}
+std::string text_of(const hd::Token& name) {
+  return name.str();
+}
+template <class Name>
+Json values_json(const std::map<Name, hd::Value>& values) {
+  Json all = Json::object();
+  for (const auto& [name, value] : values) all[text_of(name)] = hd::support::json_of(value);
+  return all;
+}
+
 Json material_json(Json out, const hd::MaterialNetwork& network) {
   out["nodes"] = Json::array();
   for (const auto& [node_path, node] : network.nodes) {
-    Json parameters = Json::object();
-    for (const auto& [name, value] : node.parameters) parameters[name.str()] = hd::support::json_of(value);
     out["nodes"].push_back(
-        {{"path", node_path.str()}, {"type", node.nodeTypeId.str()}, {"parameters", std::move(parameters)}});
+        {{"path", node_path.str()}, {"type", node.nodeTypeId.str()}, {"parameters", values_json(node.parameters)}});
   }
   return out;
 }
@@ -141,6 +154,7 @@ void add_lights_and_cameras(const SceneSession& session, Json* out) {
   for (const auto& [path, camera] : session.scene.GetCameras()) {
     cameras.push_back(named(session.scene, path));
     cameras.back()["used"] = path == used;
+    cameras.back()["parameters"] = values_json(camera.parameters);
   }
   for (const auto& [path, description] : settings) {
     Json files = Json::array();
@@ -148,7 +162,9 @@ void add_lights_and_cameras(const SceneSession& session, Json* out) {
     renders.push_back({{"path", path.str()},
                        {"width", description.width},
                        {"height", description.height},
-                       {"files", std::move(files)}});
+                       {"files", std::move(files)},
+                       {"settings", values_json(description.settings)}});
+    if (const auto& c = description.crop) renders.back()["crop"] = {c->minX, c->minY, c->maxX, c->maxY};
   }
   (*out)["lights"] = std::move(lights);
   (*out)["cameras"] = std::move(cameras);
@@ -365,12 +381,13 @@ std::vector<std::string> text_lines(const std::string& text) {
   return all;
 }
 
-hd::description::LoadOptions load_options(const InfoArguments& a) {
-  std::vector<hd::description::Override> flags;
-  if (!a.threads.empty()) flags.emplace_back("--threads " + a.threads, "threads", a.threads);
-  hd::description::LoadOptions options = scene_load_options(a, std::move(flags));
-  options.size = a.size;
-  return options;
+/// Gives the render that is listed the products of the options.
+void set_products(const PictureArguments& a, SceneSession* session, Console* console) {
+  hd::RenderSettingsDescription settings = session->scene.GetAllRenderSettings().at(session->file.settings);
+  const bool asked = !a.outputs.empty() || !a.aovs.empty() || a.exposure || !(a.display + a.view + a.look).empty();
+  if (!asked && settings.products.empty()) return;
+  settings.products = make_products(a, settings.products, "info", *console);
+  session->scene.SetRenderSettings(session->file.settings, std::move(settings));
 }
 
 // Those of SchemaText.
@@ -387,16 +404,19 @@ void write_table_files(const std::string& sources, Console* console) {
 
 }  // namespace
 
-int run_info(const InfoArguments& arguments) {
+int run_info(InfoArguments arguments) {
   // The start-up ran on one thread: its wall time is the same.
   const double linked = hd::support::process_cpu_seconds();
   const Stopwatch watch;
   catch_interrupts();
   Console console(false);
   SceneSession session;
-  session.load(arguments.scene, load_options(arguments), console.sink());
-  session.choose_colors(arguments.ocio, console.sink(), kInput);
-  Json scene = listing_of(session, arguments.scene);
+  RenderArguments& render = arguments.render;
+  if (arguments.predict) render.settings.emplace_back("--predict", "targetError", *arguments.predict);
+  session.load(render.scene, load_options(render), console.sink());
+  session.choose_colors(render.ocio, console.sink(), kInput);
+  set_products(render, &session, &console);
+  Json scene = listing_of(session, render.scene);
   if (!arguments.json) print_listing(scene);
   session.start(console.sink());
   Preparation spent{{linked + watch.wall(), linked + watch.cpu()}, {}};

@@ -81,14 +81,18 @@ void add_checkpoint(CLI::App* c, RenderArguments* a) {
       "--keep-going a part ends with exit code 0, and the merge with 6");
 }
 
+void add_display(CLI::App* c, PictureArguments* a) {
+  c->add_option("--display", a->display, "Display of the OCIO config, for .png, .tif and .jpg")->type_name("NAME");
+  c->add_option("--view", a->view, "View of that display")->type_name("NAME");
+  add_parsed(c, "--exposure", &a->exposure, parse_stops, "is not a number of stops from -64 to 64.", "STOPS",
+             "Exposure in stops, applied before the view");
+}
+
 /// The options of pictures but for --denoise and --ocio.
 void add_picture_options(CLI::App* c, PictureArguments* a, const char* aov_help) {
   add_repeated(c, "-o,--output", &a->outputs, "FILE", "File to write: .exr, .png, .tif or .jpg; may be repeated");
-  c->add_option("--display", a->display, "Display of the OCIO config, for .png, .tif and .jpg")->type_name("NAME");
-  c->add_option("--view", a->view, "View of that display")->type_name("NAME");
+  add_display(c, a);
   c->add_option("--look", a->look, "Look of the OCIO config")->type_name("NAME");
-  add_parsed(c, "--exposure", &a->exposure, parse_stops, "is not a number of stops from -64 to 64.", "STOPS",
-             "Exposure in stops, applied before the view");
   add_repeated(c, "--aov", &a->aovs, "NAME", aov_help);
 }
 
@@ -110,6 +114,9 @@ void add_frames(CLI::App* c, RenderArguments* a) {
   c->add_flag("--turntable-lights", a->turntable_lights, "Turn the lights with the camera");
   c->add_flag("--skip-existing", a->skip_existing,
               "Leave out the frames whose files are there already, whole and of the frame's size");
+}
+
+void add_shutter(CLI::App* c, RenderArguments* a) {
   add_parsed(c, "--fps", &a->fps, parse_positive, "is not a number of frames per second above 0.", "N",
              "Frames per second, for --frames and --shutter; default: 24");
   add_parsed(c, "--shutter", &a->shutter, parse_interval, "is not a shutter: write open:close in frames.", "OPEN:CLOSE",
@@ -134,13 +141,13 @@ void add_keep_going(CLI::App* c, bool* keep_going) {
               "files are marked (alabaster/sceneFaults), --stats lists what is missing, and the exit code is 6");
 }
 
-/// The options of render but for those of checkpoints.
-void add_render_options(CLI::App* c, RenderArguments* a) {
+/// The options that decide one frame, and what it costs.
+void add_frame_options(CLI::App* c, RenderArguments* a) {
   add_scene_options(c, a);
   add_picture_options(c, a,
                       "Extra layer for every .exr: depth, normal, albedo, primId, diffuse, subsurface, specular, "
                       "emission, error, ...; may be repeated");
-  add_frames(c, a);
+  add_shutter(c, a);
   add_size(c, &a->size, "Resolution in pixels");
   add_parsed(c, "--crop", &a->crop, parse_crop,
              "is not a rectangle: write four whole numbers, x0,y0,x1,y1, each from -2147483648 to 2147483647.",
@@ -150,6 +157,12 @@ void add_render_options(CLI::App* c, RenderArguments* a) {
       "--denoise", a->denoise,
       "Denoise the picture after its last sample (Open Image Denoise 2, if installed): .png, .tif and .jpg show "
       "it denoised, and .exr gets it as layer 'denoised' beside the colour as rendered");
+}
+
+/// The options of render but for those of checkpoints.
+void add_render_options(CLI::App* c, RenderArguments* a) {
+  add_frame_options(c, a);
+  add_frames(c, a);
   add_parsed(c, "--pixel", &a->pixel, parse_pixel,
              "is not a pixel: write x,y or x,y,sample, for example 320,200 or 320,200,5.", "X,Y[,SAMPLE]",
              "Print the path of one sample of a pixel, vertex by vertex, instead of writing files. X and Y count from "
@@ -314,14 +327,14 @@ CLI::App* add_convert(CLI::App& app, ConvertArguments* a) {
 
 CLI::App* add_info(CLI::App& app, InfoArguments* a) {
   CLI::App* c = app.add_subcommand(
-      "info", "Lists what a scene contains and what rendering it requires. Takes render's options of the scene.");
-  add_scene_options(c, a);
+      "info",
+      "Lists what a scene contains and what rendering it requires. Takes the options of render for one frame; nothing "
+      "is written.");
+  add_frame_options(c, &a->render);
   add_parsed(c, "--predict", &a->predict, parse_target_error,
              "is not a target error: write a relative RMSE above 0 and at most 1, for example 0.02.", "E",
-             "Predict the cost of rendering to this relative RMSE (0.02 is two per cent) from a probe of a few "
-             "seconds");
-  add_size(c, &a->size, "Resolution in pixels");
-  c->add_option("--threads", a->threads, "Render threads, for --predict; 0 uses all cores")->type_name("N");
+             "Predict the cost of render with these options and --target-error E (0.02 is two per cent), from a probe "
+             "of a few seconds");
   c->add_flag("--json", a->json, "Print one JSON document instead of text");
   return c;
 }

@@ -74,7 +74,7 @@ class ProbeRenders {
     if (!is_measured()) return true;
     const Probe& pilot = probes_.front();
     const double cost = pilot.cpu / (pilot.pixels * pilot.samples) / threads();
-    const double left = 0.9 * (kProbeSeconds - watch.wall());
+    const double left = std::max(0.9 * (kProbeSeconds - watch.wall()), 0.1 * kProbeSeconds);
     const double all = pixels_of(full_);
     const double pixels = std::clamp(left / (cost * (few / 4 + few + many)), std::min(kPilotPixels, all), all);
     if (pixels < all && !render({pixels / 4, few, left / 3, false})) return false;
@@ -216,7 +216,8 @@ Json prediction_json(const ProbeRenders& renders, const Preparation& spent, doub
   const Prediction p = tradeoff::predict(renders.probes(), pixels_of(renders.full()), target, kFirstLook);
   const double growth = pixels_of(renders.full()) / pixels_of(renders.last());
   const hd::Dictionary& stats = renders.stats();
-  const Seconds write{number_in(stats, "phase.write.wall") * growth, number_in(stats, "phase.write.cpu") * growth};
+  const auto of_frame = [&](const char* seconds) { return number_in(stats, seconds) * growth; };
+  const Seconds write{of_frame("phase.write.wall"), of_frame("phase.write.cpu")};
   const Seconds load{spent.load.wall + renders.opening().wall, spent.load.cpu + renders.opening().cpu};
   return {{"targetError", target},
           {"resolution", {renders.full().width, renders.full().height}},
@@ -230,6 +231,9 @@ Json prediction_json(const ProbeRenders& renders, const Preparation& spent, doub
             {"build", number_in(stats, "sync.bvhWallSeconds")},
             {"render", p.wall.value},
             {"write", write.wall}}},
+          {"mostSamples", int64_t(number_in(renders.full().settings, "samples"))},
+          {"denoises", number_in(renders.full().settings, "denoise") != 0},
+          {"timeLimit", number_in(renders.full().settings, "timeLimit")},
           {"isNoisy", p.noisy}};
 }
 
@@ -284,9 +288,12 @@ void print_prediction(const Json& p) {
   else
     std::printf(
         "  light that the probe has not met, such as a caustic or the sun in a mirror, would take more samples\n");
-  if (p["samplesPerPixel"]["high"] > kMaxSamplesWithTargetError)
-    std::printf("  a render with --target-error stops at %d samples per pixel: add --spp to allow more\n",
-                kMaxSamplesWithTargetError);
+  if (p["samplesPerPixel"]["high"] > p["mostSamples"])
+    std::printf("  a render with --target-error stops at %s samples per pixel: add --spp to allow more\n",
+                p["mostSamples"].dump().c_str());
+  if (p["timeLimit"] > 0 && p["phases"]["render"] > p["timeLimit"])
+    std::printf("  its time limit of %.3g s comes first\n", p["timeLimit"].get<double>());
+  if (p["denoises"]) std::printf("  denoising the picture takes time and memory beside these\n");
 }
 
 }  // namespace alabaster::cli

@@ -1,4 +1,5 @@
 """The rows of flags_table.py: a command's arguments without a flag and with it, and what must differ."""
+import json
 from typing import Callable, NamedTuple
 
 RENDER = ("render", "model.glb", "-o", "a.exr", "--size", "24x16", "--spp", "2", "--stats", "s.json", "--threads", "1")
@@ -209,13 +210,40 @@ def predicted(_, after):
     return "predicted for 50 % relative RMSE" in after.out
 
 
+def listed(outcome):
+    return json.loads(outcome.out)["renders"][0]
+
+
+def shows(name, value):
+    return lambda a, b: listed(a)["settings"].get(name) != value == listed(b)["settings"][name]
+
+
+def told(text):
+    return lambda a, b: text in b.out and text not in a.out
+
+
+LISTED = ("info", "model.glb", "--json")
+PREDICTED = ("info", "model.glb", "--size", "24x16", "--predict", "0.05")
 INFO_ROWS = {
     "--set": [Row(("--set", f"meshes/*ball*.refineLevel={level}"), triangles(level), ("info", "model.glb")) for level in (0, 1, 3)],
     "--camera": [Row(("--camera", "near"), lambda a, b: (a.code, b.code) == (0, 0), ("info", "model.glb")), Row(("--camera", "none"), codes(0, 2), ("info", "model.glb"))],
     "--dome": [Row(("--dome", "0.2,0.4,1"), lambda a, b: "dome" in b.out and a.out != b.out, ("info", "model.glb"))],
     "--predict": [Row(("--predict", "0.5"), predicted, ("info", "model.glb", "--size", "24x16"))],
     "--size": [Row(("--size", "30x20"), lambda a, b: "render /render: 30x20" in b.out and "30x20" not in a.out, ("info", "model.glb"))],
-    "--threads": [Row(("--threads", "1"), predicted, ("info", "model.glb", "--size", "24x16", "--predict", "0.5"))],
+    "--crop": [Row(("--crop", "4,3,20,12"), lambda a, b: listed(b)["crop"] == [4, 3, 20, 12], LISTED)],
+    **{flag: [Row((flag, given) if given else (flag,), shows(name, value), LISTED)] for flag, given, name, value in (
+        ("--quality", "draft", "maxDepth", 16), ("--seed", "7", "seed", 7), ("--threads", "1", "threads", 1), ("--max-depth", "3", "maxDepth", 3),
+        ("--target-error", "0.5", "samples", 65536), ("--subsurface", "lambert", "subsurface", "lambert"),
+        ("--inversion", "chiang2016", "inversion", "chiang2016"), ("--memory-limit", "900", "memoryLimit", 900),
+        ("--texture-memory", "90", "textureMemory", 90), ("--denoise", None, "denoise", True))},
+    "--spp": [Row(("--spp", "3"), told("stops at 3 samples per pixel"), PREDICTED)],
+    "--time-limit": [Row(("--time-limit", "1e-9"), told("its time limit of 1e-09 s comes first"), PREDICTED)],
+    "--studio": [Row(("--studio", "on"), told("added a studio"), ("info", "model.glb"))],
+    "--fps": [Row(("--fps", "0"), codes(0, 2), ("info", "model.glb"))],
+    "--shutter": [Row(("--shutter", "-6:6"), lambda a, b: '"shutterClose": 6' in b.out and '"shutterClose": 6' not in a.out, LISTED)],
+    "--output": [Row(("-o", "absent/a.png"), lambda a, b: listed(b)["files"] == ["absent/a.png"] and not b.names() - a.names(), LISTED)],
+    "--aov": [Row(("--aov", "depth"), codes(0, 2), ("info", "model.glb", "-o", "a.png"))],
+    **{flag: [Row((flag, "1"), codes(0, 2), ("info", "model.glb", "-o", "a.exr"))] for flag in ("--display", "--view", "--look", "--exposure")},
     "--json": [Row(("--json",), lambda a, b: b.out.startswith('{\n  "scene": "model.glb",') and a.out != b.out, ("info", "model.glb"))],
     "--ocio": [Row(("--ocio", "absent.ocio"), codes(0, 3), ("info", "model.glb"))],
     "--allow-outside": [Row(("--allow-outside",), codes(3, 0), ("info", "inner/outside.json"))],

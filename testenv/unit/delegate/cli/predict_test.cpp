@@ -58,7 +58,7 @@ TEST_F(PredictTest, PredictsSamplesAndMemory) {
   EXPECT_LT(memory.value, 1.3 * peak) << peak;
 }
 
-// Most of a tiny render's time is the start of the program, its images and the libraries that write its file.
+// promise: pipeline.predict
 TEST_F(PredictTest, TakesTheOptionsOfARender) {
   const std::string scene = testing::source_file("testenv/scenes/sample/sample.json");
   const auto listed = [&](std::vector<std::string> more) {
@@ -69,8 +69,14 @@ TEST_F(PredictTest, TakesTheOptionsOfARender) {
   const auto usual = listed({}), lit = listed({"--dome", "1,1,1", "--set", "maxDepth=2"});
   EXPECT_NE(usual["lights"], lit["lights"]);
   EXPECT_GT(usual["prediction"]["samplesPerPixel"]["value"], lit["prediction"]["samplesPerPixel"]["value"]);
+  const auto cut = listed({"--spp", "5", "--crop", "0,0,8,8", "-o", "a.exr", "--aov", "normal"});
+  EXPECT_EQ(cut["prediction"]["mostSamples"], 5);
+  EXPECT_EQ(cut["renders"][0]["crop"], std::vector<int>({0, 0, 8, 8}));
+  EXPECT_EQ(cut["renders"][0]["files"], std::vector<std::string>{"a.exr"});
+  EXPECT_FALSE(std::filesystem::exists(folder_ / "a.exr"));
 }
 
+// Most of a tiny render's time is the start of the program, its images and the libraries that write its file.
 TEST_F(PredictTest, CountsTheStartOfTheProgram) {
   const auto cpu_of_children = [] {
     rusage usage{};
