@@ -93,7 +93,7 @@ void add_picture_options(CLI::App* c, PictureArguments* a, const char* aov_help)
   add_repeated(c, "-o,--output", &a->outputs, "FILE", "File to write: .exr, .png, .tif or .jpg; may be repeated");
   add_display(c, a);
   c->add_option("--look", a->look, "Look of the OCIO config")->type_name("NAME");
-  add_repeated(c, "--aov", &a->aovs, "NAME", aov_help);
+  add_repeated(c, "--aov", &a->aovs, "NAME[=LAYER]", aov_help);
 }
 
 constexpr const char* kNoFrames =
@@ -146,7 +146,7 @@ void add_frame_options(CLI::App* c, RenderArguments* a) {
   add_scene_options(c, a);
   add_picture_options(c, a,
                       "Extra layer for every .exr: depth, normal, albedo, primId, diffuse, subsurface, specular, "
-                      "emission, error, ...; may be repeated");
+                      "emission, error, ...; =LAYER gives the layer a name of its own; may be repeated");
   add_shutter(c, a);
   add_size(c, &a->size, "Resolution in pixels");
   add_parsed(c, "--crop", &a->crop, parse_crop,
@@ -425,7 +425,7 @@ CLI::App* add_usdrecord(CLI::App& app, UsdrecordArguments* u) {
   add_setting_flags(c, a);
   add_repeated(c, "--set", &a->overrides, "KEY=VALUE", "Override a value, as in render");
   c->add_option("--variant", a->variant, "/PRIM{SET=CHOICE}, several one after the other")->type_name("NAME");
-  add_repeated(c, "--aov", &a->aovs, "NAME", "Extra layer for .exr, as in render");
+  add_repeated(c, "--aov", &a->aovs, "NAME[=LAYER]", "Extra layer for .exr, as in render");
   add_ocio(c, a);
   c->add_flag("--denoise", a->denoise, "Denoise the picture, as in render");
   c->add_option("--stats", a->stats, "Write the render's statistics as JSON")->type_name("FILE.json");
