@@ -101,6 +101,13 @@ struct TradeoffArguments : SceneArguments {
 };
 int run_tradeoff(const TradeoffArguments& arguments);
 
+struct CompareArguments {
+  RenderArguments render;          // that all looks have
+  std::vector<std::string> looks;  // "NAME: KEY=VALUE; KEY=VALUE"
+  std::string output;
+};
+int run_compare(CompareArguments arguments);
+
 /// Runs the program alabaster-view beside this one in its place. `arguments` begin with the name of the program and end
 /// with null. Returns only if that fails, with the exit code.
 int run_view(char** arguments);

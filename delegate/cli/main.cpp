@@ -93,7 +93,7 @@ void add_picture_options(CLI::App* c, PictureArguments* a, const char* aov_help)
   add_repeated(c, "-o,--output", &a->outputs, "FILE", "File to write: .exr, .png, .tif or .jpg; may be repeated");
   add_display(c, a);
   c->add_option("--look", a->look, "Look of the OCIO config")->type_name("NAME");
-  add_repeated(c, "--aov", &a->aovs, "NAME", aov_help);
+  add_repeated(c, "--aov", &a->aovs, "NAME[=LAYER]", aov_help);
 }
 
 constexpr const char* kNoFrames =
@@ -146,7 +146,7 @@ void add_frame_options(CLI::App* c, RenderArguments* a) {
   add_scene_options(c, a);
   add_picture_options(c, a,
                       "Extra layer for every .exr: depth, normal, albedo, primId, diffuse, subsurface, specular, "
-                      "emission, error, ...; may be repeated");
+                      "emission, error, ...; =LAYER gives the layer a name of its own; may be repeated");
   add_shutter(c, a);
   add_size(c, &a->size, "Resolution in pixels");
   add_parsed(c, "--crop", &a->crop, parse_crop,
@@ -253,6 +253,27 @@ CLI::App* add_tradeoff(CLI::App& app, TradeoffArguments* a) {
   c->add_flag("--denoise", a->denoise, "Measure each picture denoised, too (Open Image Denoise 2, if installed)");
   c->add_flag("--restart", a->restart, "Discard an earlier study in the folder and start afresh");
   c->add_flag("--quiet", a->quiet, "Print errors and warnings only");
+  c->footer(kExitCodes);
+  return c;
+}
+
+CLI::App* add_compare(CLI::App& app, CompareArguments* a) {
+  CLI::App* c = app.add_subcommand(
+      "compare",
+      "Renders variants of a scene, and joins them in one picture: a sheet with the name, the noise and the time of "
+      "each. Camera, lights of a studio, display and exposure are the same for all.");
+  RenderArguments* r = &a->render;
+  add_scene_options(c, r);
+  add_repeated(c, "--look", &a->looks, "'NAME: KEY=VALUE; KEY=VALUE'",
+               "A variant: its name, and values as --set takes them, after those of --set. 'NAME:' is the scene as it "
+               "is. To be repeated, once for each");
+  c->add_option("-o,--output", a->output, "Sheet to write: .png")->required()->type_name("FILE");
+  add_display(c, r);
+  add_shutter(c, r);
+  add_size(c, &r->size, "Size of each picture; default: the scene's, at most 480 pixels wide and high");
+  add_setting_flags(c, r);
+  c->add_flag("--denoise", r->denoise, "Show the pictures denoised; their noise is that before");
+  c->add_flag("--quiet", r->quiet, "Print errors and warnings only");
   c->footer(kExitCodes);
   return c;
 }
@@ -404,7 +425,7 @@ CLI::App* add_usdrecord(CLI::App& app, UsdrecordArguments* u) {
   add_setting_flags(c, a);
   add_repeated(c, "--set", &a->overrides, "KEY=VALUE", "Override a value, as in render");
   c->add_option("--variant", a->variant, "/PRIM{SET=CHOICE}, several one after the other")->type_name("NAME");
-  add_repeated(c, "--aov", &a->aovs, "NAME", "Extra layer for .exr, as in render");
+  add_repeated(c, "--aov", &a->aovs, "NAME[=LAYER]", "Extra layer for .exr, as in render");
   add_ocio(c, a);
   c->add_flag("--denoise", a->denoise, "Denoise the picture, as in render");
   c->add_option("--stats", a->stats, "Write the render's statistics as JSON")->type_name("FILE.json");
@@ -444,6 +465,7 @@ CLI::App* add_completion(CLI::App& app, std::string* shell) {
 struct Arguments {
   RenderArguments render;
   InfoArguments info;
+  CompareArguments compare;
   CheckArguments check;
   ConvertArguments convert;
   OcioArguments ocio;
@@ -488,6 +510,7 @@ int parse_and_run(int argc, char** argv) {
   add(add_merge, &a.merge, run_merge);
   const CLI::App* farm_command = add(add_farm, &a.farm, run_farm);
   const CLI::App* tradeoff_command = add(add_tradeoff, &a.tradeoff, run_tradeoff);
+  add(add_compare, &a.compare, run_compare);
   add(add_info, &a.info, run_info);
   add(add_check, &a.check, run_check);
   add(add_convert, &a.convert, run_convert);
@@ -508,7 +531,7 @@ int parse_and_run(int argc, char** argv) {
   } catch (const CLI::ParseError& e) {
     return parse_fault(e, app, word_fault(app, words, e));
   }
-  a.render.words = a.tradeoff.words = words;
+  a.render.words = a.tradeoff.words = a.compare.render.words = words;
   if (farm_command->parsed()) split_options(farm_command, &a.farm);
   a.tradeoff.options = given_options(tradeoff_command, {"--restart", "--quiet"});
   for (const auto& [command, run_parsed] : commands)

@@ -18,18 +18,23 @@ bool is_exr(const hd::RenderProduct& product) {
   return hd::support::lower_extension(product.file) == ".exr";
 }
 
+/// Of "NAME" or "NAME=LAYER". A layer of that AOV which is there already gets the name.
 void add_layers(const std::vector<std::string>& aovs, hd::RenderProduct* product) {
   if (product->vars.empty()) product->vars.push_back(hd::host::UsualRenderVar("color"));
-  for (const std::string& aov : aovs) {
+  for (const std::string& given : aovs) {
+    const std::string aov = aov_of(given);
     const auto same = [&](const hd::RenderVar& var) { return var.aov == hd::Token(aov); };
-    if (std::none_of(product->vars.begin(), product->vars.end(), same))
-      product->vars.push_back(hd::host::UsualRenderVar(aov));
+    auto found = std::find_if(product->vars.begin(), product->vars.end(), same);
+    if (found == product->vars.end()) found = product->vars.insert(found, hd::host::UsualRenderVar(aov));
+    if (given != aov) found->name = given.substr(aov.size() + 1);
   }
 }
 
 std::string unknown_aov(const std::vector<std::string>& aovs) {
   const std::vector<std::string>& known = hd::host::ProductAovs();
-  for (const std::string& aov : aovs) {
+  for (const std::string& given : aovs) {
+    const std::string aov = aov_of(given);
+    if (given.size() == aov.size() + 1) return "--aov: '" + given + "' has no name of a layer: write NAME=LAYER.";
     if (std::find(known.begin(), known.end(), aov) != known.end()) continue;
     if (const std::string primvars = "primvars:"; aov.starts_with(primvars) && aov != primvars) continue;
     if (aov.starts_with("lightGroup:")) continue;
@@ -40,6 +45,10 @@ std::string unknown_aov(const std::vector<std::string>& aovs) {
 }
 
 }  // namespace
+
+std::string aov_of(const std::string& given) {
+  return given.substr(0, given.find('='));
+}
 
 std::vector<hd::RenderProduct> make_products(const PictureArguments& a, const std::vector<hd::RenderProduct>& existing,
                                              const char* command, Console& console) {

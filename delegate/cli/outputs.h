@@ -6,6 +6,9 @@
 
 namespace alabaster::cli {
 
+/// The AOV of a --aov: "NAME", or "NAME=LAYER".
+std::string aov_of(const std::string& given);
+
 /// The products of -o with --aov, --denoise, --display, --view, --look and --exposure applied. Ends the
 /// command if the options contradict each other. `existing` are the description's products, used where -o is not given.
 std::vector<hd::RenderProduct> make_products(const PictureArguments& arguments,

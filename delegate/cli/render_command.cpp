@@ -22,6 +22,28 @@ namespace {
 
 using hd::host::RecordResult;
 
+/// OpenEXR's attributes of a frame of a sequence: the rate, and where a time code can count it, the frame in hours,
+/// minutes, seconds and frames.
+hd::Dictionary sequence_metadata(double frame, double fps) {
+  if (!(fps >= 0.001 && fps <= 1e6)) return {};  // beyond a ratio of whole numbers
+  const double ntsc = std::round(fps * 1.001);
+  const bool is_ntsc = std::abs(fps - ntsc / 1.001) < 1e-3 && fps != std::floor(fps);
+  const hd::Vec2i rate = is_ntsc                  ? hd::Vec2i(int(ntsc) * 1000, 1001)
+                         : fps == std::floor(fps) ? hd::Vec2i(int(fps), 1)
+                                                  : hd::Vec2i(int(std::lround(fps * 1000)), 1000);
+  hd::Dictionary all{{"framesPerSecond", rate}};
+  constexpr double kMostFrames = 30, kDay = 24 * 3600;  // a time code's digits hold no more
+  if (frame < 0 || frame != std::floor(frame) || fps != std::floor(fps) || fps > kMostFrames || frame >= kDay * fps)
+    return all;
+  const auto number = static_cast<uint32_t>(frame), per_second = static_cast<uint32_t>(fps);
+  const uint32_t seconds = number / per_second;
+  uint32_t packed = 0;
+  for (const uint32_t part : {seconds / 3600, seconds / 60 % 60, seconds % 60, number % per_second})
+    packed = packed << 8 | part / 10 << 4 | part % 10;  // SMPTE 12M, without dropped frames
+  all["timeCode"] = hd::Vec2i(int(packed), 0);
+  return all;
+}
+
 class RenderCommand {
  public:
   explicit RenderCommand(RenderArguments arguments) : a_(std::move(arguments)), console_(a_.quiet) {}
@@ -231,7 +253,9 @@ class RenderCommand {
         console_.note(formatted("frame %g is there (%zu of %zu)", frame, i + 1, frames.size()));
         continue;
       }
-      std::string place = formatted("at %.4g s", (frame - start) / a_.fps.value_or(codes > 0 ? codes : 24));
+      const double fps = a_.fps.value_or(codes > 0 ? codes : 24);
+      metadata_ = sequence_metadata(frame, fps);
+      std::string place = formatted("at %.4g s", (frame - start) / fps);
       if (turntable) {
         const double degrees = 360 * (frame - 1) / *a_.turntable;
         turntable->turn(degrees);
@@ -284,6 +308,7 @@ class RenderCommand {
       options.faults = session_.faults();
       options.aovs = part_aovs_;
       options.of_frame = of_frame_;
+      options.metadata = metadata_;
       set_checkpoint(a_, number, console_, &options);
       options.cancel = &interrupted();
       options.drops_incomplete = !a_.frames.numbers.empty();
@@ -423,6 +448,7 @@ class RenderCommand {
   std::vector<std::string> written_;
   std::vector<std::string> part_aovs_;  // of a part without files
   std::vector<hd::RenderProduct> of_frame_;
+  hd::Dictionary metadata_;  // of the files of a frame of --frames
 };
 
 }  // namespace

@@ -132,7 +132,8 @@ void set_checkpoint(const RenderArguments& a, double number, Console& console, h
 std::vector<std::string> take_part_aovs(const RenderArguments& a, SceneSession* session,
                                         std::vector<hd::RenderProduct>* of_frame) {
   hd::RenderSettingsDescription settings = session->scene.GetAllRenderSettings().at(session->file.settings);
-  std::vector<std::string> aovs = a.aovs;
+  std::vector<std::string> aovs;
+  for (const std::string& given : a.aovs) aovs.push_back(aov_of(given));
   for (const hd::RenderProduct& product : settings.products)
     for (const hd::RenderVar& var : product.vars) aovs.push_back(var.aov.str());
   *of_frame = std::exchange(settings.products, {});

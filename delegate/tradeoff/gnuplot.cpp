@@ -8,10 +8,12 @@
 #include <cctype>
 #include <cerrno>
 #include <cstdio>
+#include <cstdlib>
 #include <cstring>
 #include <filesystem>
 #include <fstream>
 #include <iterator>
+#include <sstream>
 #include <system_error>
 
 #include "delegate/support/output_file.h"
@@ -21,6 +23,8 @@ namespace alabaster::tradeoff {
 namespace {
 
 namespace fs = std::filesystem;
+
+constexpr const char* kNotInstalled = "The program gnuplot is not installed: install Debian's package gnuplot-nox.";
 
 std::string content_of(const fs::path& file) {
   std::ifstream in(file, std::ios::binary);
@@ -45,7 +49,7 @@ std::string run_gnuplot(const fs::path& script, const fs::path& messages) {
   const int error = ::posix_spawnp(&child, argv[0], &actions, &attributes, argv, environ);
   ::posix_spawnattr_destroy(&attributes);
   ::posix_spawn_file_actions_destroy(&actions);
-  if (error == ENOENT) return "The program gnuplot is not installed: install Debian's package gnuplot-nox.";
+  if (error == ENOENT) return kNotInstalled;
   if (error != 0) return "The program gnuplot could not be started: " + std::generic_category().message(error) + ".";
   int status = 0;
   while (::waitpid(child, &status, 0) < 0)
@@ -56,6 +60,14 @@ std::string run_gnuplot(const fs::path& script, const fs::path& messages) {
 }
 
 }  // namespace
+
+std::string gnuplot_fault() {
+  const char* const path = std::getenv("PATH");
+  std::istringstream folders(path ? path : "");
+  for (std::string folder; std::getline(folders, folder, ':');)
+    if (::access((fs::path(folder) / "gnuplot").c_str(), X_OK) == 0) return {};
+  return kNotInstalled;
+}
 
 // Double quotes, because gnuplot 5.4 misreads a doubled single quote at the beginning of a text.
 std::string gnuplot_quoted(const std::string& text) {

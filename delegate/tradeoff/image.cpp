@@ -1,11 +1,27 @@
 #include "delegate/tradeoff/image.h"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
 #include "delegate/host/display_transform.h"
 
 namespace alabaster::tradeoff {
+
+Image picture_of(const hd::host::ProductImage& picture, const char* aov) {
+  const auto found = picture.aovs.find(aov);
+  if (found == picture.aovs.end() || found->second.components < 3) return {};
+  const hd::host::AovPixels& color = found->second;
+  Image image{picture.framing.dataWindow.width(), picture.framing.dataWindow.height(), {}};
+  image.rgb.reserve(3 * image.pixels());
+  for (int y = 0; y < image.height; ++y) {
+    const float* pixel = &color.floats[picture.row_begin(color, y)];
+    for (int x = 0; x < image.width; ++x, pixel += color.components)
+      image.rgb.insert(image.rgb.end(), pixel, pixel + 3);
+  }
+  const bool finite = std::all_of(image.rgb.begin(), image.rgb.end(), [](float v) { return std::isfinite(v); });
+  return finite ? image : Image{};
+}
 
 Image mean_image(std::span<const Image> images) {
   if (images.empty()) return {};

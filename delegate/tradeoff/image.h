@@ -18,6 +18,9 @@ struct Image {
   size_t pixels() const { return static_cast<size_t>(width) * static_cast<size_t>(height); }
 };
 
+/// Red, green and blue of a colour AOV; empty if there is none or a value is not finite.
+Image picture_of(const hd::host::ProductImage& picture, const char* aov);
+
 /// The mean of `images`, which must all have one size; summed in double precision. Empty if there are none.
 Image mean_image(std::span<const Image> images);
 

@@ -76,6 +76,11 @@ std::string percent(double value) {
 }
 
 // A name is the user's text: as UTF-8, since JSON and plots hold nothing else.
+std::string caption_of(const Tile& tile) {
+  if (tile.samples == 0) return tile.name;
+  return tile.name + ", " + std::to_string(tile.samples) + (tile.samples == 1 ? " sample" : " samples");
+}
+
 std::string as_utf8(const std::string& name) {
   return ordered_json::parse(ordered_json(name).dump(-1, ' ', false, ordered_json::error_handler_t::replace));
 }
@@ -418,7 +423,9 @@ std::vector<std::string> write_report(const StudyResult& result, const Configura
   }
   if (!result.tiles.empty()) {
     const std::string file = (folder / "pictures.png").string();
-    keep(file, draw_tiles(result.tiles, file));
+    std::vector<CaptionedTile> tiles;
+    for (const Tile& tile : result.tiles) tiles.push_back({caption_of(tile), {}, &tile.pixels});
+    keep(file, draw_tiles(tiles, file));
   }
   return written;
 }

@@ -11,22 +11,6 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-/// Red, green and blue of a colour AOV; empty if there is none or a value is not finite.
-Image color_of(const hd::host::ProductImage& picture, const char* aov) {
-  const auto found = picture.aovs.find(aov);
-  if (found == picture.aovs.end() || found->second.components < 3) return {};
-  const hd::host::AovPixels& color = found->second;
-  Image image{picture.framing.dataWindow.width(), picture.framing.dataWindow.height(), {}};
-  image.rgb.reserve(3 * image.pixels());
-  for (int y = 0; y < image.height; ++y) {
-    const float* pixel = &color.floats[picture.row_begin(color, y)];
-    for (int x = 0; x < image.width; ++x, pixel += color.components)
-      image.rgb.insert(image.rgb.end(), pixel, pixel + 3);
-  }
-  const bool finite = std::all_of(image.rgb.begin(), image.rgb.end(), [](float v) { return std::isfinite(v); });
-  return finite ? image : Image{};
-}
-
 }  // namespace
 
 SceneRenderer::SceneRenderer(Scene scene) : scene_(std::move(scene)) {
@@ -68,8 +52,8 @@ std::optional<RenderedFrame> SceneRenderer::render(const Configuration& configur
   options.diagnostics = scene_.diagnostics;
   if (denoise) options.aovs = {"denoised"};
   options.picture = [&](const hd::host::ProductImage& picture) {
-    rendered.image = color_of(picture, "color");
-    rendered.denoised = color_of(picture, "denoised");
+    rendered.image = picture_of(picture, "color");
+    rendered.denoised = picture_of(picture, "denoised");
   };
   const hd::host::RecordResult result = hd::host::RecordFrame(scene_.index, scene_.scene, scene_.settings, options);
   if (result.status != hd::host::RecordStatus::done) return std::nullopt;

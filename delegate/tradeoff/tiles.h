@@ -4,12 +4,17 @@
 #include <span>
 #include <string>
 
-#include "delegate/tradeoff/analysis.h"
+#include "delegate/tradeoff/image.h"
 
 namespace alabaster::tradeoff {
 
-/// Draws the tiles, which have one size, enlarged and with their names into `file` (.png), written under a temporary
-/// name and renamed. Needs the program gnuplot. Empty on success, else the problem and its remedy.
-std::string draw_tiles(std::span<const Tile> tiles, const std::string& file);
+struct CaptionedTile {
+  std::string name, detail;  // a line each, above the picture
+  const Image* pixels = nullptr;
+};
+
+/// Draws the tiles, which have one size, small ones enlarged, with their captions into `file` (.png), written under a
+/// temporary name and renamed. Needs the program gnuplot. Empty on success, else the problem and its remedy.
+std::string draw_tiles(std::span<const CaptionedTile> tiles, const std::string& file);
 
 }  // namespace alabaster::tradeoff

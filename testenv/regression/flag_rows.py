@@ -1,5 +1,6 @@
 """The rows of flags_table.py: a command's arguments without a flag and with it, and what must differ."""
 import json
+import struct
 from typing import Callable, NamedTuple
 
 RENDER = ("render", "model.glb", "-o", "a.exr", "--size", "24x16", "--spp", "2", "--stats", "s.json", "--threads", "1")
@@ -109,6 +110,12 @@ def like_the_whole(a, b):
     return b.code == 0 and same_picture(a, b)
 
 
+def rate(outcome):
+    """Frames per second as a ratio, and the time code of frame 100 without its other half: hours, minutes, seconds and frames, two digits each."""
+    held = outcome.attributes("f.100.exr")
+    return (*struct.unpack("<iI", held["framesPerSecond"]), struct.unpack("<II", held["timeCode"])[0])
+
+
 SEQUENCE = ("render", "model.glb", "-o", "f.#.exr", *RENDER[4:], "--frames", "1:2")
 CHECKPOINT = (*RENDER, "--checkpoint", "c.checkpoint")
 MORE = (*RENDER[:6], "--spp", "3", *RENDER[8:])
@@ -129,7 +136,9 @@ RENDER_ROWS = {
     "--skip-existing": [Row(("--skip-existing",), lambda a, b: a.stats["frames"] == [1, 2] and b.stats["frames"] == [], SEQUENCE, first=(SEQUENCE,))],
     "--turntable": [Row(("--turntable", "4"), writes("f.4.exr"), SEQUENCE, instead=(*SEQUENCE[:-2], "--turntable", "4"))],
     "--turntable-lights": [Row(("--turntable-lights",), lambda a, b: b.color("f.2.exr") != a.color("f.2.exr"), (*SEQUENCE[:-2], "--turntable", "4"))],
-    "--fps": [frame_row(10, "--fps", "20"), Row(("--fps", "12"), picture, (*LATER, "--shutter", "-3:3"))],
+    # promise: pipeline.name.sequence
+    "--fps": [Row(("--fps", "25"), lambda a, b: (rate(a), rate(b)) == ((24, 1, 0x0404), (25, 1, 0x0400)), ("render", "model.glb", "-o", "f.###.exr", *RENDER[4:], "--frames", "100")),
+              frame_row(10, "--fps", "20"), Row(("--fps", "12"), picture, (*LATER, "--shutter", "-3:3"))],
     # promise: pipeline.animation
     "--shutter": [Row(("--shutter", "-6:6"), picture, LATER)],
     "--size": [Row(("--size", "20x10"), window(0, 0, 19, 9))],
@@ -154,7 +163,9 @@ RENDER_ROWS = {
     "--view": [Row(("--view", "dim"), only_display, SHOWN)],
     "--look": [Row(("--look", "warm"), only_display, SHOWN)],
     "--exposure": [Row(("--exposure", "-1"), only_display, SHOWN)],
-    "--aov": [Row(("--aov", "normal", "--aov", "error"), channels("N.X", "N.Y", "N.Z", "error.X"))],
+    # promise: pipeline.name.layers
+    "--aov": [Row(("--aov", "normal", "--aov", "error"), channels("N.X", "N.Y", "N.Z", "error.X")),
+              Row(("--aov", "normal=nrm"), channels("nrm.X", "nrm.Y", "nrm.Z")), Row(("--aov", "normal="), codes(0, 2))],
     "--denoise": [Row(("--denoise",), both(channels("denoised.R"), lambda a, b: a.pixels() != b.pixels()), (*RENDER, "-o", "a.png"))],
     "--pixel": [Row(("--pixel", "12,8"), lambda a, b: len(b.out) > len(a.out) and not b.file("a.exr").exists())],
     # promise: pipeline.stats.delegate, pipeline.stats.error, pipeline.stats.rays, pipeline.stats.samples

@@ -24,7 +24,12 @@ struct AttributeSetter {
   void operator()(const std::string& v) const { spec.attribute(name, v); }
   void operator()(const std::array<float, 2>& v) const { vector(OIIO::TypeDesc::FLOAT, OIIO::TypeDesc::VEC2, &v); }
   void operator()(const std::array<float, 3>& v) const { vector(OIIO::TypeDesc::FLOAT, OIIO::TypeDesc::VEC3, &v); }
-  void operator()(const std::array<int, 2>& v) const { vector(OIIO::TypeDesc::INT, OIIO::TypeDesc::VEC2, &v); }
+  // OpenEXR has types of its own for these two.
+  void operator()(const std::array<int, 2>& v) const {
+    if (name == "framesPerSecond") return spec.attribute(name, OIIO::TypeRational, v.data());
+    if (name == "timeCode") return spec.attribute("smpte:TimeCode", OIIO::TypeTimeCode, v.data());
+    vector(OIIO::TypeDesc::INT, OIIO::TypeDesc::VEC2, &v);
+  }
   void operator()(const std::array<int, 3>& v) const { vector(OIIO::TypeDesc::INT, OIIO::TypeDesc::VEC3, &v); }
   // OpenEXR's own attributes are of floats.
   void operator()(const std::array<double, 16>& v) const {
