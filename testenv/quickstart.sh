@@ -21,7 +21,9 @@ denoise=""
 size=480x320
 [ "${1:-}" != --large ] || { size=960x640; shift; }
 case " $* " in
-  *.usd\ * | *.usda\ * | *.usdc\ * | *.usdz\ *) [ -e "$top/build/usd/pxr" ] || "$build/bin/alabaster" usd install ;;
+  *.usd\ * | *.usda\ * | *.usdc\ * | *.usdz\ *)  # OpenUSD may lie elsewhere, too
+    printf '#usda 1.0\ndef Cube "c"\n{\n}\n' >"$build/cube.usda"
+    "$build/bin/alabaster" check "$build/cube.usda" >/dev/null 2>&1 || "$build/bin/alabaster" usd install ;;
 esac
 if [ $# -gt 0 ]; then
   exec "$build/bin/alabaster" render "$@"
