@@ -251,7 +251,7 @@ int HitPrimvars::read(const UvSetName& name, Vec4f* numbers) const {
   const NamedAttribute* const found = mesh_.primvar(name);
   if (!found) return 0;
   const auto read_one = [&]<class T>(const MeshAttribute<T>& attribute) {
-    constexpr size_t kCount = sizeof(T) / sizeof(float);
+    constexpr size_t kNumberBytes = sizeof(float), kCount = sizeof(T) / kNumberBytes;
     const T value = interpolated(attribute, mesh_, hit_);
     std::copy_n(reinterpret_cast<const float*>(&value), kCount, &numbers->x);
     return static_cast<int>(kCount);

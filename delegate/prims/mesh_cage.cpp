@@ -182,10 +182,11 @@ bool NamedPrimvars::operator==(const NamedPrimvars& other) const {
 }
 
 NumberArray numbers_of(const Value& value) {
+  constexpr size_t kNumberBytes = sizeof(float);
   NumberArray found;
   const auto take = [&]<class T>(const Array<T>* array) {
     if (array && !array->empty())
-      found = {reinterpret_cast<const float*>(array->data()), sizeof(T) / sizeof(float), array->size()};
+      found = {reinterpret_cast<const float*>(array->data()), sizeof(T) / kNumberBytes, array->size()};
   };
   take(value.get<Array<float>>()), take(value.get<Array<Vec2f>>());
   take(value.get<Array<Vec3f>>()), take(value.get<Array<Vec4f>>());

@@ -88,6 +88,12 @@ std::string instance_text(const InstanceDescription& instance, const Translation
   if (!instance.subsurface_set.empty()) text += "  subsurfaceSet " + instance.subsurface_set + "\n";
   if (instance.light_group != 0)
     text += "  lightGroup " + translation.scene.light_groups[instance.light_group - 1] + "\n";
+  if (instance.values)
+    for (const UvSetName& name : instance.values->names()) {
+      Vec4f numbers(0);
+      instance.values->read(name, static_cast<size_t>(instance.instance_id), &numbers);
+      text += "  primvar " + name.text() + " " + Value(numbers).to_string() + "\n";
+    }
   if (instance.category_set != 0)
     for (const uint32_t category : translation.scene.category_sets[instance.category_set])
       text += "  category " + translation.categories[category - 1].str() + "\n";
