@@ -79,7 +79,7 @@ void Path::leave(const PathContext& context, const Vertex& v, const VertexBsdf& 
   const bool decides = seeks_layer();
   if (layers) {
     const bool through_clear = walk_decides_layer() && v.kind == Vertex::Kind::interface && sample.side == Side::far;
-    if (decides) layer = {Layer::Kind::local, sample.specular, sample.side == Side::far, 0, bounces()};
+    if (decides) layer = {Layer::Kind::local, sample.specular, sample.side == Side::far};
     layer.through_clear = through_clear;
   }
   if (features && !is_mirror(v, sample.lobe)) features = nullptr;
@@ -98,6 +98,7 @@ void Path::leave(const PathContext& context, const Vertex& v, const VertexBsdf& 
   }
   const bool goes_cloudy = is_cloudy(context, media);
   const bool passes_sheet = sample.lobe == Lobe::straight && may_pass_sheet(v) && !goes_cloudy;
+  if (!passes_sheet) ++layer.legs;
   if (passes_sheet) {
     if (straight == 0) light_origin = ray.org;
     straight += ray.tmax;

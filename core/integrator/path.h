@@ -44,7 +44,7 @@ struct Layer {
   Rgb specular{0.0f};          // local: the share of f
   bool beyond = false;         // local: the light came through the surface
   uint32_t events = 0;         // below: of scattering in the walk
-  uint32_t bounces = 0;        // of the path, when it was decided
+  uint32_t legs = 0;           // rays and walks since it was decided
   bool through_clear = false;  // local: the path has passed clear walls alone, and its first walk decides again
   bool is_new = false;         // local: the path's ray left the vertex that decided
 
@@ -128,7 +128,7 @@ struct Path {
   /// Light that the path's ray meets, or the surface at its end.
   void add(const Rgb& light) {
     radiance += light;
-    if (layers) layer.add(light, bounces() - layer.bounces <= 1, layers);
+    if (layers) layer.add(light, layer.legs <= 1, layers);
   }
   /// Light that its walk meets, or the wall that it leaves by.
   void add_within(const Rgb& light) {
@@ -168,9 +168,9 @@ struct Path {
   /// True where the next walk that scatters does.
   bool walk_decides_layer() const { return seeks_layer() || (layers && layer.through_clear); }
   /// True at the vertex, or in the walk, that has decided.
-  bool decided_here() const { return bounces() == layer.bounces; }
+  bool decided_here() const { return layer.legs == 0; }
   /// The layer of a walk that decides.
-  Layer below(uint32_t events) const { return {Layer::Kind::below, Rgb(0.0f), false, events, bounces()}; }
+  Layer below(uint32_t events) const { return {Layer::Kind::below, Rgb(0.0f), false, events}; }
 
   Rgb through_media(const Rgb& light, float distance) const {
     return media.empty() ? light : light * media.transmittance(distance);

@@ -341,7 +341,11 @@ Exit find_exit(const PathContext& context, const PixelSampler& sampler, Path* pa
     if (record) record->end("the light did not leave the body");
     return Exit::none;
   }
-  if (path->seeks_layer() || (path->walk_decides_layer() && exit->events > 0)) path->layer = path->below(exit->events);
+  const bool decides = path->seeks_layer() || (path->walk_decides_layer() && exit->events > 0);
+  if (decides)
+    path->layer = path->below(exit->events);
+  else
+    ++path->layer.legs;
   path->throughput = exit->throughput;
 
   // Meet what stands in the body, or an opaque face of its own, in its medium. A profile ends there.
@@ -406,6 +410,7 @@ Exit find_exit(const PathContext& context, const PixelSampler& sampler, Path* pa
         return Exit::vertex;
       }
       path->forget_ended_stays(context.scene);
+      ++path->layer.legs;
       return Exit::passes;
     }
   }

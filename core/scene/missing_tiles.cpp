@@ -9,6 +9,9 @@ namespace {
 std::optional<Vec2f> find_missing_tile(const Instance& instance, const DisneyMaterial* material,
                                        const TextureLookup& lookup) {
   if (!lookup.image || !lookup.image->is_set()) return std::nullopt;
+  Vec4f by_instance(0);  // such coordinates take the place of the mesh's, and are not looked at here
+  if (instance.values && instance.values->read(lookup.primvar, static_cast<size_t>(instance.instance_id), &by_instance))
+    return std::nullopt;
   const Mesh& mesh = instance.prototype->mesh;
   const UvSet* const set = mesh.uv_set(lookup.primvar);
   for (uint32_t i = 0; i < mesh.triangles.size(); ++i) {

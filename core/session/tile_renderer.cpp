@@ -40,6 +40,7 @@ void prepare_filtering(const SceneSnapshot& scene, const CancelToken& cancel) {
 
 // By the scene's number of a light group.
 std::vector<uint8_t> planes_of_groups(const RenderRequest& request) {
+  CHECK_LE(request.light_groups.size(), kMostLightGroups);
   std::vector<std::string> groups = request.scene->light_groups;
   groups.insert(groups.begin(), "");
   std::vector<uint8_t> planes;

@@ -261,7 +261,7 @@ CLI::App* add_compare(CLI::App& app, CompareArguments* a) {
   CLI::App* c = app.add_subcommand(
       "compare",
       "Renders variants of a scene, and joins them in one picture: a sheet with the name, the noise and the time of "
-      "each. Camera, lights of a studio, display and exposure are the same for all.");
+      "each. Camera, display and exposure are the same for all.");
   RenderArguments* r = &a->render;
   add_scene_options(c, r);
   add_repeated(c, "--look", &a->looks, "'NAME: KEY=VALUE; KEY=VALUE'",

@@ -131,6 +131,13 @@ SourceFault read_model(LoadState& load, const nlohmann::json& entry, const Asset
   return fault == SourceFault::none ? model->pose(model->time_of(load.options), *load.sink, edits) : fault;
 }
 
+// Replaces lengths with a unit by numbers of scene units.
+void resolve(double metres_per_unit, const std::string& pointer, LoadState& load) {
+  if (!resolve_lengths(metres_per_unit, description_key(), &load.document.value))
+    load.fail(pointer,
+              "A length is too large in the scene's unit, of " + nlohmann::json(metres_per_unit).dump() + " metres.");
+}
+
 // False after the report of a fault of the file, whose cause is noted.
 bool add_model(LoadState& load, const std::string& pointer, const nlohmann::json& entry) {
   const AssetPath file = load.asset(pointer + "/file", entry["file"]);
@@ -155,7 +162,7 @@ bool add_model(LoadState& load, const std::string& pointer, const nlohmann::json
   if (fault != SourceFault::none) return false;
 
   const host::SceneFacts& facts = model->source->Facts();
-  if (pointer.ends_with("/0")) resolve_lengths(facts.metersPerUnit, description_key(), &load.document.value);
+  if (pointer.ends_with("/0")) resolve(facts.metersPerUnit, pointer, load);
   model->placement = placement_of(load, pointer, entry);
   load.held.resize(load.held.bytes() + facts.memory_bytes, file.resolved);
   model->root = free_root(facts, edits.prims, &load);
@@ -204,9 +211,10 @@ void apply_models(LoadState& load) {
   bool ok = true;
   load.for_each_entry(list, [&](const std::string& pointer, const nlohmann::json& model) {
     ok = add_model(load, pointer, model) && ok;
+    if (!ok && pointer.ends_with("/0")) resolve(1, pointer, load);  // for the faults of the others
   });
   if (!ok) throw LoadFailed();
-  if (load.models.empty()) resolve_lengths(1, description_key(), &load.document.value);
+  if (load.models.empty()) resolve(1, "", load);
 }
 
 }  // namespace alabaster::hd::description

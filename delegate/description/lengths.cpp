@@ -4,6 +4,7 @@
 #include <cctype>
 #include <charconv>
 #include <cmath>
+#include <limits>
 #include <tuple>
 
 namespace alabaster::hd::description {
@@ -36,7 +37,7 @@ struct LengthRow {
   // A division by a power of ten gives the number nearest to what was typed. None: it is no finite one.
   std::optional<double> convert(double number, const LengthUnit& unit) const {
     const double converted = number * unit.millimetres / (row.in_millimetres ? 1 : 1000 * metres_per_unit);
-    return std::isfinite(converted) ? std::optional(converted) : std::nullopt;
+    return std::abs(converted) <= double(std::numeric_limits<float>::max()) ? std::optional(converted) : std::nullopt;
   }
 };
 
@@ -124,20 +125,32 @@ std::optional<json> without_unit(const json& value, const host::FieldRow& row, d
   if (!value.is_array()) return std::nullopt;
   json list = value;
   bool any = false;
-  for (json& one : list)
-    if (const auto number = without_unit(one, row, metres_per_unit)) one = *number, any = true;
+  for (json& one : list) {
+    if (!without_unit(one, row, 1)) continue;
+    const auto number = without_unit(one, row, metres_per_unit);
+    if (!number) return std::nullopt;
+    one = *number, any = true;
+  }
   return any ? std::optional(list) : std::nullopt;
 }
 
-void resolve_lengths(double metres_per_unit, const Key& key, json* value) {
-  if (auto number = without_unit(*value, key.row, metres_per_unit)) {
-    *value = std::move(*number);
-  } else if (value->is_array() && key.form == Key::Form::objects) {
-    for (json& entry : *value)
-      for (auto& [name, child] : entry.items()) resolve_lengths(metres_per_unit, *find_key(key.keys, name), &child);
-  } else if (value->is_object()) {
-    for (auto& [name, child] : value->items()) resolve_lengths(metres_per_unit, *find_key(key.keys, name), &child);
+bool resolve_lengths(double metres_per_unit, const Key& key, json* value) {
+  if (without_unit(*value, key.row, 1)) {
+    auto number = without_unit(*value, key.row, metres_per_unit);
+    if (number) *value = std::move(*number);
+    return number.has_value();
   }
+  bool fits = true;
+  const auto resolve_keys = [&](json& object) {
+    for (auto& [name, child] : object.items())
+      fits = resolve_lengths(metres_per_unit, *find_key(key.keys, name), &child) && fits;
+  };
+  if (value->is_array() && key.form == Key::Form::objects) {
+    for (json& entry : *value) resolve_keys(entry);
+  } else if (value->is_object()) {
+    resolve_keys(*value);
+  }
+  return fits;
 }
 
 }  // namespace alabaster::hd::description

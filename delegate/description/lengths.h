@@ -19,7 +19,7 @@ nlohmann::ordered_json length_schema();
 std::optional<nlohmann::json> without_unit(const nlohmann::json& value, const host::FieldRow& row,
                                            double metres_per_unit);
 
-/// Replaces the lengths with a unit in a checked description by numbers of scene units.
-void resolve_lengths(double metres_per_unit, const Key& key, nlohmann::json* value);
+/// Replaces the lengths with a unit in a checked description by numbers of scene units. False: one is too large.
+[[nodiscard]] bool resolve_lengths(double metres_per_unit, const Key& key, nlohmann::json* value);
 
 }  // namespace alabaster::hd::description

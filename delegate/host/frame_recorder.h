@@ -43,10 +43,11 @@ struct RecordOptions {
   /// Renders a scene that has faults (see RenderDelegate::GetRenderStats) without what they leave out, and marks its
   /// files with the attribute "alabaster/sceneFaults". Else such a scene is not rendered.
   bool keep_going = false;
-  std::vector<std::string> faults;        // that reading the scene left out, beside those that the delegate tells
-  Dictionary metadata;                    // added to that of the files
-  std::vector<std::string> aovs;          // that `picture` gets besides those of the products
-  std::vector<std::string> light_groups;  // of checkpoints that are shown: AOV lightGroup:* stands for these, too
+  std::vector<std::string> faults;  // that reading the scene left out, beside those that the delegate tells
+  Dictionary metadata;              // added to that of the files
+  std::vector<std::string> aovs;    // that `picture` gets besides those of the products
+  /// Of checkpoints that are shown: AOV lightGroup:* stands for these. Empty: for those of the scene.
+  std::vector<std::string> light_groups;
   /// A file that the state of the render is written to every so many seconds, when it is cancelled and at its end; each
   /// time, the file holds either the last state or the one before. Empty: none.
   std::string checkpoint;

@@ -171,8 +171,9 @@ FramePlan PlanFrame(const RetainedSceneDelegate& scene, const Path& settings, co
   RenderSettingsDescription all = found->second;
   if (!options.products.empty()) all.products = options.products;
   const bool denoise = wants_denoised(all, delegate);
-  std::set<std::string> groups = light_groups_of(scene);
-  groups.insert(options.light_groups.begin(), options.light_groups.end());
+  const std::set<std::string> groups =
+      options.light_groups.empty() ? light_groups_of(scene)
+                                   : std::set<std::string>(options.light_groups.begin(), options.light_groups.end());
   for (RenderProduct& product : all.products) {
     product.denoise = product.denoise.value_or(denoise);
     expand_ranks(all, delegate, &product.vars);

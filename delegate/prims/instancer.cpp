@@ -13,7 +13,6 @@ void InstancerPrim::pull_primvars(SceneDelegate& scene, SceneParam& param, const
   for (const PrimvarDescriptor& descriptor : descriptors)
     if (descriptor.interpolation == Interpolation::instance && !descriptor.name.str().starts_with("hydra:"))
       now.by_name[descriptor.name] = pull_primvar(scene, GetId(), descriptor, &param);
-  if (record_.primvars && *record_.primvars == now) return;
   const size_t points = record_.points ? record_.points->size() : 0;  // 0: as many as are asked for
   std::erase_if(now.by_name, [&](const auto& named) {
     const auto& [name, primvar] = named;
@@ -29,6 +28,7 @@ void InstancerPrim::pull_primvars(SceneDelegate& scene, SceneParam& param, const
     if (!fault.empty()) report("instancer.primvar", GetId(), "primvar " + name.str() + fault + "; ignored");
     return !fault.empty();
   });
+  if (record_.primvars && record_.primvars->by_name == now.by_name) return;
   hold_arrays(&now, &param.buffers(), GetId().str());
   record_.primvars = now.by_name.empty() ? nullptr : std::make_shared<const OtherPrimvars>(std::move(now));
 }

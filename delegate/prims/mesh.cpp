@@ -152,6 +152,7 @@ void MeshPrim::pull_primvars(SceneDelegate& scene, SceneParam& param) {
       uvs[descriptor.name] = pull_primvar(scene, GetId(), descriptor.name, descriptors);
     } else if (!is_of_shape(descriptor.name)) {
       PulledPrimvar other = prims::pull_primvar(scene, GetId(), descriptor, &param);
+      if (!spheres_.empty()) keep_constant(descriptor.name.str(), GetId().str(), sink, &other);
       if (numbers_of(other.value).data) others.by_name[descriptor.name] = std::move(other);
     }
   }

@@ -1,5 +1,6 @@
 #include "delegate/prims/points.h"
 
+#include <algorithm>
 #include <cmath>
 #include <map>
 #include <numeric>
@@ -58,20 +59,23 @@ support::InstancePoints arrays_of(Array<Vec3f> translations, const Array<Vec3f>&
 
 }  // namespace
 
+void keep_constant(const std::string& name, const std::string& where, const alabaster::DiagnosticSink& sink,
+                   PulledPrimvar* primvar) {
+  if (!primvar->present || primvar->value.empty()) return;
+  if (primvar->value.count() == 1 && primvar->indices.size() <= 1) primvar->interpolation = hd::Interpolation::constant;
+  if (primvar->interpolation == hd::Interpolation::constant) return;
+  alabaster::report(sink, alabaster::Severity::warning, "points.values", where,
+                    "primvar " + name + " has a value for each point, which is not read: give one for all");
+  *primvar = {};
+}
+
 void make_sphere_of(PulledMesh* points, const std::string& where, const alabaster::DiagnosticSink& sink) {
   static const Sphere sphere = make_sphere();
-  const auto keep_constant = [&](const std::string& name, PulledPrimvar* primvar) {
-    if (!primvar->present || primvar->value.empty()) return;
-    if (primvar->value.count() == 1 && primvar->indices.size() <= 1)
-      primvar->interpolation = hd::Interpolation::constant;
-    if (primvar->interpolation == hd::Interpolation::constant) return;
-    alabaster::report(sink, alabaster::Severity::warning, "points.values", where,
-                      "primvar " + name + " has a value for each point, which is not read: give one for all");
-    *primvar = {};
-  };
-  keep_constant("displayColor", &points->display_color);
-  keep_constant("displayOpacity", &points->display_opacity);
-  points->widths = {}, points->tangents = {}, points->uvs = {}, points->point_samples = {}, points->normal_samples = {};
+  keep_constant("displayColor", where, sink, &points->display_color);
+  keep_constant("displayOpacity", where, sink, &points->display_opacity);
+  for (auto& [name, uvs] : points->uvs) keep_constant(name.str(), where, sink, &uvs);
+  std::erase_if(points->uvs, [](const auto& named) { return !named.second.present; });
+  points->widths = {}, points->tangents = {}, points->point_samples = {}, points->normal_samples = {};
   points->topology = {};
   points->topology.faceVertexCounts = sphere.counts, points->topology.faceVertexIndices = sphere.corners;
   points->points = {true, hd::Interpolation::vertex, sphere.points, {}};
@@ -88,8 +92,12 @@ PlacedPoints place_points(const PulledMesh& pulled, const std::string& where, co
     warn("mesh.points.type", "points must be an array of three numbers each; nothing is drawn");
   const size_t count = points ? points->size() : 0;
   const auto* widths = pulled.widths.value.get<Array<float>>();
-  if (pulled.widths.present && !pulled.widths.value.empty() &&
-      (!widths || (widths->size() != 1 && widths->size() != count))) {
+  const Array<int32_t>& indices = pulled.widths.indices;
+  const size_t given = !widths ? 0 : indices.empty() ? widths->size() : indices.size();
+  const bool indices_fit = std::all_of(indices.begin(), indices.end(), [&](int32_t i) {
+    return i >= 0 && widths && static_cast<size_t>(i) < widths->size();
+  });
+  if (pulled.widths.present && !pulled.widths.value.empty() && ((given != 1 && given != count) || !indices_fit)) {
     warn("points.widths",
          "widths of points must be one number, or one for each of the " + std::to_string(count) + " points; 1 is used");
     widths = nullptr;
@@ -98,7 +106,8 @@ PlacedPoints place_points(const PulledMesh& pulled, const std::string& where, co
   std::vector<int32_t> drawn;
   size_t unusable = 0;
   for (size_t i = 0; i < count; ++i) {
-    const float width = !widths ? 1 : (*widths)[widths->size() == 1 ? 0 : i];
+    const size_t of_point = given == 1 ? 0 : i;
+    const float width = !widths ? 1 : (*widths)[indices.empty() ? of_point : static_cast<size_t>(indices[of_point])];
     const bool is_usable = is_finite((*points)[i]) && width >= 0 && std::isfinite(width);
     unusable += !is_usable;
     if (is_usable && width > 0) drawn.push_back(static_cast<int32_t>(i));

@@ -10,6 +10,10 @@ namespace alabaster::hd::prims {
 /// reported. Its volume is exact, and its outline within a thousandth of the radius. All spheres share their arrays.
 void make_sphere_of(PulledMesh* points, const std::string& where, const alabaster::DiagnosticSink& sink);
 
+/// Of a primvar of points: one that is not constant is reported, and is gone then.
+void keep_constant(const std::string& name, const std::string& where, const alabaster::DiagnosticSink& sink,
+                   PulledPrimvar* primvar);
+
 struct PlacedPoints {
   support::InstancePoints points;
   TimeSamples<support::InstancePoints> moving;

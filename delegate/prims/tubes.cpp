@@ -150,10 +150,11 @@ class TubeMaker {
       const size_t segments = segments_of(vertices);
       const bool exists = vertex + vertices <= points_.size();
       vertex += vertices;
-      varyings_ += static_cast<uint32_t>(segments + (wrap_ == Wrap::periodic ? 0 : 1));
+      varyings_ += segments + (wrap_ == Wrap::periodic ? 0 : 1);
       segments_.push_back(exists ? static_cast<uint32_t>(segments) : 0);
       all_segments_ += segments_.back();
       if (exists && segments == 0) leave_out(curve, &too_short_);
+      if (exists && segments > 0 && has_loose_points(vertices)) leave_out(curve, &loose_);
       ++curve;
     }
     if (vertex != points_.size()) {
@@ -178,6 +179,9 @@ class TubeMaker {
     if (basis_ == Basis::linear || wrap_ == Wrap::pinned) return vertices >= 2 ? vertices - 1 : 0;
     return vertices >= 4 ? (vertices - 4) / step_of_basis() + 1 : 0;
   }
+  bool has_loose_points(size_t vertices) const {
+    return basis_ == Basis::bezier && (wrap_ == Wrap::periodic ? vertices : vertices - 1) % step_of_basis() != 0;
+  }
   size_t step_of_basis() const { return basis_ == Basis::bezier ? 3 : 1; }
 
   struct LeftOut {
@@ -193,6 +197,7 @@ class TubeMaker {
         warn(code, std::to_string(out.count) + " curves " + text + " (first: curve " + std::to_string(out.first) + ")");
     };
     tell(too_short_, "curves.short", "have too few points for a segment, and are not drawn");
+    tell(loose_, "curves.loose", "have points beyond their last segment, which are not used");
     tell(without_length_, "curves.length", "have all points in one place, and are not drawn");
     tell(not_finite_, "curves.points.nonfinite", "have points that are not finite or beyond 1e17, and are not drawn");
   }
@@ -256,7 +261,7 @@ class TubeMaker {
   }
 
   void reserve(const std::shared_ptr<MemoryBudget>& budget, size_t poses, MemoryReservation* memory) {
-    size_t rings = 0;
+    size_t rings = all_segments_;  // a sharp corner at the end of a segment has two
     for (uint32_t curve = 0; curve < segments_.size(); ++curve) {
       if (segments_[curve] > 0 && !is_finite_curve(curve)) leave_out(curve, &not_finite_), segments_[curve] = 0;
       for (size_t segment = 0; segment < segments_[curve]; ++segment) rings += pieces_of(curve, segment);
@@ -264,7 +269,7 @@ class TubeMaker {
     }
     const auto sides = static_cast<size_t>(sides_);
     const size_t of_ring =
-        sizeof(Ring) + 3 * sizeof(Vec3d) + sides * (2 * poses * sizeof(Vec3f) + 9 * sizeof(int32_t) + sizeof(int32_t));
+        sizeof(Ring) + 3 * sizeof(Vec3d) + sides * (2 * poses * sizeof(Vec3f) + 11 * sizeof(int32_t));
     const std::string what = "a mesh of the tubes of " + std::to_string(all_segments_) + " curve segments";
     *memory = MemoryReservation(budget, MemoryUse::meshes, rings * of_ring, what);
     if (rings * sides > size_t(std::numeric_limits<int32_t>::max()))
@@ -589,8 +594,9 @@ class TubeMaker {
   Basis basis_ = Basis::linear;
   Wrap wrap_ = Wrap::nonperiodic;
   Array<Vec3f> points_;
-  std::vector<uint32_t> segments_, first_vertex_, first_varying_;  // by curve
-  uint32_t varyings_ = 0;
+  std::vector<uint32_t> segments_, first_vertex_;  // by curve
+  std::vector<size_t> first_varying_;              // by curve
+  size_t varyings_ = 0;
   size_t all_segments_ = 0;
   int sides_ = 12;
   double widen_ = 1;
@@ -599,7 +605,7 @@ class TubeMaker {
   std::vector<Run> runs_;
   std::vector<int32_t> ring_of_point_, curve_of_face_;
   Array<int32_t> ring_indices_;
-  LeftOut too_short_, without_length_, not_finite_;
+  LeftOut too_short_, loose_, without_length_, not_finite_;
 };
 
 }  // namespace

@@ -71,7 +71,7 @@ def curve_fields(prim, time, notes):
     gprim = curves if prim.IsA(UsdGeom.BasisCurves) else UsdGeom.Points(prim)
     widths = gprim.GetWidthsAttr().Get(time)
     if widths:
-        fields["primvars:widths"] = V("float[]", widths)
+        fields["primvars:widths"] = value_of(widths)  # may be halves or doubles in a file
         fields["primvars:widths:interpolation"] = token(gprim.GetWidthsInterpolation())
     return fields
 
@@ -148,6 +148,8 @@ def add_by_instance(primvar, count, fields, time, notes):
     given = len(indices) if indices is not None else len(value.data) if value.type.endswith("[]") else 1
     if given < count:
         return notes.tell("primvars by instance with too few values are not read: %s has %d for %d points" % (name, given, count), prim.GetPath())
+    if indices is not None and not all(0 <= i < len(value.data) for i in indices[:count]):
+        return notes.tell("primvars by instance whose indices lie beyond their values are not read: " + name, prim.GetPath())
     data = type(value.data)([value.data[i] for i in indices[:count]]) if indices is not None else value.data if given == count else value.data[:count]
     fields["primvars:" + name] = V(value.type, data)
     if role and role != "textureCoordinate":
