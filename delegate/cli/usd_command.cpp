@@ -63,9 +63,10 @@ int run_usd(const UsdArguments& a) {
     console.error(target.string(), std::string("It cannot be written: ") + std::strerror(errno));
     return kOutput;
   }
-  std::vector<std::string> words = {
-      "python3",       "-m",    "pip",      "install", "--quiet", "--disable-pip-version-check", "--no-deps",
-      "--only-binary", ":all:", "--target", part};
+  std::vector<std::string> words = {"python3", "-m", "pip", "install", "--target", part};
+  for (const char* word : {"--quiet", "--disable-pip-version-check", "--root-user-action=ignore", "--retries=1",
+                           "--no-deps", "--only-binary=:all:"})
+    words.emplace_back(word);
   if (!a.from.empty())
     for (const std::string& word : {std::string("--no-index"), "--find-links=" + a.from}) words.push_back(word);
   words.insert(words.end(), std::begin(kPackages), std::end(kPackages));

@@ -188,6 +188,18 @@ double Child::used_seconds() const {
   return double(used.tv_sec) + 1e-9 * double(used.tv_nsec);
 }
 
+bool Child::is_runnable() const {
+  std::error_code error;
+  for (fs::directory_iterator at("/proc/" + std::to_string(pid_) + "/task", error), end; !error && at != end;
+       at.increment(error)) {
+    std::string text;
+    std::getline(std::ifstream(at->path() / "stat"), text);
+    const size_t name_end = text.rfind(") ");
+    if (name_end != std::string::npos && text[name_end + 2] == 'R') return true;
+  }
+  return false;
+}
+
 // A limit of what it has used and may use more: a long sequence does not use it up.
 void Child::allow_time() {
   const double used = used_seconds();
@@ -241,7 +253,8 @@ Child::Answer Child::ask(const json& request) {
     if (ready < 0 && errno != EINTR) fail_ended();
     if (ready == 0) {
       const double now = used_seconds();
-      idle = now < used + 0.02 ? idle + 1 : 0, used = now;  // OpenUSD's threads look now and then
+      // OpenUSD's threads look now and then. One that gets no processor does not wait for a file.
+      idle = now < used + 0.02 && !is_runnable() ? idle + 1 : 0, used = now;
       if (idle > options_.seconds)
         throw Fault("The stage was not read: OpenUSD waited more than " + seconds_text(options_.seconds) +
                     " for a file: a pipe, or a share that does not answer. Allow more with --usd-limit SECONDS.");

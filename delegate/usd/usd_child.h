@@ -71,6 +71,7 @@ class Child {
  private:
   void start(const Installation& found);
   double used_seconds() const;  // CPU time; below 0: it has ended
+  bool is_runnable() const;     // a thread of it runs, or would if it got a processor
   void allow_time();
   void drain();
   [[noreturn]] void fail_ended();
