@@ -49,6 +49,7 @@ class BasisCurves(TypedDict, total=False):
     visibleToCamera: Optional[bool]
     holdout: Optional[bool]
     subsurfaceSet: Optional[str]
+    lightGroup: Optional[str]
 
 class Points(TypedDict, total=False):
     transform: Optional[_Array]
@@ -62,6 +63,7 @@ class Points(TypedDict, total=False):
     visibleToCamera: Optional[bool]
     holdout: Optional[bool]
     subsurfaceSet: Optional[str]
+    lightGroup: Optional[str]
 
 class Instancer(TypedDict, total=False):
     transform: Optional[_Array]
