@@ -325,7 +325,7 @@ TEST_F(HostValues, WrongSizesAreReportedAndLeftOut) {
     mesh.primvars["displayColor"] = {interpolation, "color", Array<Vec3f>(std::vector<Vec3f>(count, {1, 0, 0})), {}};
     stage.scene.SetMesh("/m", mesh);
     EXPECT_EQ(picture("color", 4), plain) << int(interpolation);
-    EXPECT_EQ(stage.count("mesh.color.size"), 1u) << int(interpolation);
+    EXPECT_EQ(stage.count("mesh.primvar.size"), 1u) << int(interpolation);
     stage.take_diagnostics();
   }
   mesh.primvars["displayColor"] = {Interpolation::instance, "color", Array<Vec3f>{{1, 0, 0}}, {}};
