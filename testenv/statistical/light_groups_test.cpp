@@ -83,6 +83,10 @@ TEST_P(LightGroups, AddUpToTheColorOfEveryPixel) {
     RenderRequest request = request_of(kAll, 1);
     request.settings.subsurface = GetParam();
     request.camera.exposure = exposure;
+    constexpr Aov kKinds[] = {Aov::direct_diffuse,      Aov::indirect_diffuse, Aov::direct_subsurface,
+                              Aov::indirect_subsurface, Aov::direct_specular,  Aov::indirect_specular,
+                              Aov::transmission,        Aov::emission};
+    for (const Aov kind : kKinds) request.aovs |= aov_bit(kind);
     const auto film = testing::render(request);
     const std::vector<float> color = film->resolve_float(Aov::color);
     std::vector<std::vector<float>> groups;
@@ -92,6 +96,13 @@ TEST_P(LightGroups, AddUpToTheColorOfEveryPixel) {
       for (const auto& group : groups) sum += group[i], size += std::abs(group[i]);
       ASSERT_NEAR(sum, color[i / 3 * 4 + i % 3], 32 * 0x1p-24 * size) << i;
     }
+    std::vector<double> kinds(groups[0].size()), sizes(kinds.size());
+    for (const Aov kind : kKinds) {
+      const std::vector<float> light = film->resolve_float(kind);
+      for (size_t i = 0; i < light.size(); ++i) kinds[i] += double(light[i]), sizes[i] += std::abs(double(light[i]));
+    }
+    for (size_t i = 0; i < kinds.size(); ++i)
+      ASSERT_NEAR(kinds[i], color[i / 3 * 4 + i % 3], 32 * 0x1p-24 * sizes[i]) << "kinds at " << i;
     request.light_groups.clear();
     request.aovs = aov_bit(Aov::color);
     EXPECT_EQ(testing::render(request)->resolve_float(Aov::color), color) << "groups change no sample";

@@ -75,6 +75,13 @@ TEST_F(LightGroupsOfFiles, PartsMergeToTheFilesOfOneRender) {
   EXPECT_EQ(run({"merge", "a", "b", "-o", "sum.exr", "--aov", "lightGroup:kex"}), 3);
   EXPECT_TRUE(says("the checkpoints have no AOV 'lightGroup:kex'")) << said_;
 
+  // Parts without the light of no group have all of theirs.
+  ASSERT_EQ(run({"render", "scene.json", "--samples", "0:3", "--checkpoint", "d", "--aov", "lightGroup:key"}), 0);
+  ASSERT_EQ(run({"render", "scene.json", "--samples", "3:7", "--checkpoint", "e", "--aov", "lightGroup:key"}), 0);
+  ASSERT_EQ(run({"merge", "d", "e", "-o", "named.exr", "--aov", "lightGroup:*"}), 0) << said_;
+  EXPECT_EQ(channels("named.exr").at("lightGroup_key.G"), channels("whole.exr").at("lightGroup_key.G"));
+  EXPECT_EQ(channels("named.exr").count("lightGroup.G"), 0u);
+
   // Goes on to the same bytes, and not with other groups.
   ASSERT_EQ(run({"render", "scene.json", "--spp", "3", "--checkpoint", "c", "-o", "on.exr", "--aov", "lightGroup:*"}),
             0)

@@ -75,6 +75,24 @@ TEST_F(Lengths, AStageHasItsOwnUnit) {
   EXPECT_EQ(camera(file).parameters.at("focusDistance"), Value(100.0f));
   EXPECT_FLOAT_EQ(camera(file).parameters.at("focalLength").get_or(0.0f), 8) << "80 mm";
   EXPECT_FLOAT_EQ(camera(file).parameters.at("horizontalAperture").get_or(0.0f), 3.6f) << "36 mm by default";
+
+  info.metersPerUnit = 1e-300;
+  ASSERT_EQ(archive::WriteArchive(folder_ / "tiny.alab", prims, info), "");
+  for (const char* length : {R"({"m": 1e10})", R"("1e10m")", R"(["1m", "2m", "3m"])"}) {
+    EXPECT_FALSE(
+        describe(R"({"models": [{"file": "tiny.alab"}], "materials": [{"match": "*skin", "set": {"scatterDistance": )" +
+                 std::string(length) + "}}]}")
+            .ok);
+    EXPECT_NE(errors().find("A length is too large in the scene's unit"), std::string::npos) << errors();
+  }
+}
+
+TEST_F(Lengths, ModelsBehindOneThatFailsAreStillLookedAt) {
+  EXPECT_FALSE(
+      describe(
+          R"({"models": [{"file": "missing.gltf"}, {"file": "patch.gltf", "transform": {"translate": "[1, 2, 3]mm"}}]})")
+          .ok);
+  EXPECT_EQ(errors().find("json"), std::string::npos) << errors();
 }
 
 TEST_F(Lengths, WhatIsNoLengthIsRefusedWithTheUnits) {

@@ -379,6 +379,20 @@ TEST(Curves, BadInputIsNamedAndTheRestIsDrawn) {
   EXPECT_EQ(said(curves("cubic", "hermite", "pinned", line)),
             "/hair: basis 'hermite' of curves is not known; bezier is used\n"
             "/hair: 1 curves have too few points for a segment, and are not drawn (first: curve 0)\n");
+  EXPECT_EQ(said(curves("cubic", "bezier", "nonperiodic", {{0, 0, 0}, {1, 0, 0}, {2, 0, 0}, {3, 0, 0}, {4, 0, 0}})),
+            "/hair: 1 curves have points beyond their last segment, which are not used (first: curve 0)\n");
+  // Counts whose segments are more than 2^32 together.
+  host::MeshDescription endless =
+      curves("cubic", "bspline", "nonperiodic", std::vector<Vec3f>(103, {0, 0, 0}), {103, 2147483647, 2147483647});
+  endless.primvars["displayColor"] = {
+      Interpolation::varying, "color", Array<Vec3f>(std::vector<Vec3f>(95, {1, 0, 0})), {}};
+  EXPECT_NE(said(endless).find("displayColor has 95 values"), std::string::npos) << said(endless);
+  const float line_radius = 0.1f;
+  EXPECT_NEAR(measure(tube(with_widths(curves("linear", "bezier", "nonperiodic",
+                                              {{0, 0, 0}, {1, 0, 0}, {0, nan, 0}, {1, 0, 0}}, {2, 2}),
+                                       {2 * line_radius})))
+                  .volume,
+              kPi * line_radius * line_radius, 1e-4);
   host::MeshDescription ribbon = curves("linear", "bezier", "nonperiodic", line);
   ribbon.primvars["normals"].value = Array<Vec3f>{{0, 0, 1}, {0, 0, 1}, {0, 0, 1}};
   EXPECT_EQ(said(ribbon), "/hair: normals make ribbons of curves; they are drawn as tubes\n");
@@ -386,6 +400,14 @@ TEST(Curves, BadInputIsNamedAndTheRestIsDrawn) {
             "/hair: 1 points have no finite place, or a width that is negative or not finite; they are not drawn\n");
   EXPECT_EQ(said(points({{0, 0, 0}, {1, 0, 0}, {2, 0, 0}}, {1, 1})),
             "/hair: widths of points must be one number, or one for each of the 3 points; 1 is used\n");
+  host::MeshDescription indexed = points({{0, 0, 0}, {1, 0, 0}, {2, 0, 0}}, {1, 2});
+  indexed.primvars["widths"].indices = {1, 0, 1};
+  EXPECT_EQ(said(indexed), "");
+  indexed.primvars["widths"].indices = {1, 0, 2};
+  EXPECT_EQ(said(indexed), "/hair: widths of points must be one number, or one for each of the 3 points; 1 is used\n");
+  host::MeshDescription warm = points({{0, 0, 0}, {1, 0, 0}}, {1, 1});
+  warm.primvars["heat"] = {Interpolation::vertex, {}, Array<float>{1, 2}, {}};
+  EXPECT_EQ(said(warm), "/hair: primvar heat has a value for each point, which is not read: give one for all\n");
 }
 
 // promise: usd.curves.memory

@@ -251,6 +251,20 @@ TEST_F(PrimvarInputs, WhatDoesNotFitIsToldByItsName) {
   EXPECT_EQ(texts,
             (std::vector<std::string>{"/mesh: primvar tint has 3 values, 4 are needed (one per point); ignored",
                                       "/row: primvar tint has 2 values, 4 are needed (one per instance); ignored"}));
+
+  // Points that come later are asked for theirs, as in a fresh scene.
+  row.primvars["tint"] = kPlaces;
+  stage.scene.SetInstancer("/row", row);
+  stage.index->SyncAll();
+  EXPECT_TRUE(stage.take_diagnostics().empty());
+  std::vector<Vec3f> more(kPlaces.begin(), kPlaces.end());
+  more.push_back({0, 1, 0});
+  row.primvars["hydra:instanceTranslations"] = Array<Vec3f>(more);
+  stage.scene.SetInstancer("/row", row);
+  stage.index->SyncAll();
+  const std::vector<Diagnostic> later = stage.take_diagnostics();
+  ASSERT_EQ(later.size(), 1u);
+  EXPECT_EQ(later[0].text, "primvar tint has 4 values, 5 are needed (one per instance); ignored");
 }
 
 }  // namespace
