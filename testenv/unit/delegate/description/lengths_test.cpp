@@ -92,7 +92,7 @@ TEST_F(Lengths, ModelsBehindOneThatFailsAreStillLookedAt) {
       describe(
           R"({"models": [{"file": "missing.gltf"}, {"file": "patch.gltf", "transform": {"translate": "[1, 2, 3]mm"}}]})")
           .ok);
-  EXPECT_EQ(errors().find("json"), std::string::npos) << errors();
+  EXPECT_EQ(errors().find("json.exception"), std::string::npos) << errors();
 }
 
 TEST_F(Lengths, WhatIsNoLengthIsRefusedWithTheUnits) {
