@@ -44,10 +44,6 @@ DisneyBsdf::DisneyBsdf(const DisneyParameters& p, const Vec3f& wo, EnergyModel e
   if (p.least_roughness > 0) [[unlikely]]
     keep_albedos(p);
 
-  if (p.is_transparent() && p.metallic > 0) [[unlikely]] {
-    metal_ = specular_;
-    metal_.f0 = p.base_color * p.metallic, metal_.f90 = Rgb(p.metallic), metal_.film = {};
-  }
   if (is_bounded()) bound_energy(p);
 
   // Proportional to the estimated contribution. A walk also carries light straight through thin parts, even where the

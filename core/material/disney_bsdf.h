@@ -150,7 +150,6 @@ class DisneyBsdf {
   float safe_cosine_ = 2;
   float clear_ = 0;              // the share of a clear boundary, whose lobe is not here
   bool is_transparent_ = false;  // it lies below specular
-  DisneySpecular metal_;         // of transparent half-metals: the metal's part of specular
   Rgb beyond_{0.0f};             // the diffuse albedo of the other side, whose lobe is not here
   Rgb several_{0.0f};         // f of several_facets() per lost_among_facets() of both directions; black: there is none
   Rgb several_albedo_{0.0f};  // the directional albedo of several_facets() per lost_among_facets()

@@ -142,7 +142,9 @@ Rgb DisneyBsdf::specular_albedo(const Vec3f& w) const {
 Rgb DisneyBsdf::albedo_above_clear(const Vec3f& w) const {
   Rgb albedo = specular_albedo(w);
   if (!(nonmetal_ < 1)) return albedo;
-  const Rgb metal = albedo_of(metal_, w) + several_of_metal_ * lost_among_facets(w);
+  DisneySpecular bare = specular_;
+  bare.f0 = base_color_ * (1 - nonmetal_), bare.f90 = Rgb(1 - nonmetal_), bare.film = {};
+  const Rgb metal = albedo_of(bare, w) + several_of_metal_ * lost_among_facets(w);
   for (int c = 0; c < 3; ++c) albedo[c] = over(albedo[c] - metal[c], nonmetal_);
   return albedo;
 }
