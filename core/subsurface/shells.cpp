@@ -205,7 +205,9 @@ class ShellFinder {
   // The edge from p to q of triangle t. It must reach deeper than its own corners are rounded.
   bool goes_into_another(uint32_t t, const Vec3f& p, const Vec3f& q) const {
     constexpr float kBesideCorners = 0x1p-10f;  // where it meets its neighbours
-    Ray ray{p + (q - p) * kBesideCorners, q - p, 1 - 2 * kBesideCorners};
+    const float reach = length(q - p);
+    if (!(reach > 0)) return false;
+    Ray ray{p + (q - p) * kBesideCorners, (q - p) / reach, reach * (1 - 2 * kBesideCorners)};
     TriangleHit hit;
     for (int i = 0; i < kMaxCrossings && ray.tmax > 0 && object_.intersect(ray, &hit); ++i) {
       const Crossed crossed = cross_surface(mesh_, out_, hit, ray.dir);

@@ -1,10 +1,12 @@
 #include "testenv/support/failing_memory.h"
 
+#include <dlfcn.h>
 #include <malloc.h>
 
 #include <atomic>
 #include <cstdint>
 #include <cstdlib>
+#include <cstring>
 #include <new>
 
 namespace {
@@ -33,6 +35,35 @@ void count_live(void* memory, int64_t sign) {
   const int64_t now = live.fetch_add(bytes, kRelaxed) + bytes;
   for (int64_t seen = most_live.load(kRelaxed); now > seen && !most_live.compare_exchange_weak(seen, now, kRelaxed);) {
   }
+}
+
+/// Embree and TBB do not survive a refusal of their own small allocations. Where Embree cannot note a thread's
+/// allocator (FastAllocator::threadLocal2), it frees it and the thread keeps it.
+bool is_refusable(void* caller) {
+  Dl_info info;
+  return !dladdr(caller, &info) || !info.dli_fname ||
+         (!std::strstr(info.dli_fname, "libembree") && !std::strstr(info.dli_fname, "libtbb"));
+}
+
+bool refuses() {
+  if (is_elsewhere && refusals_elsewhere > 0 && granted_elsewhere-- <= 0 && refusals_elsewhere-- > 0) return true;
+  if (allowed_allocations == kUnlimited) return false;
+  if (allowed_allocations > 0) {
+    --allowed_allocations;
+    return false;
+  }
+  if (refusals_left == 0) return false;
+  if (refusals_left != kUnlimited) --refusals_left;
+  return refused = true;
+}
+
+void* give_out(size_t size, void* caller) {
+  note(size);
+  const bool is_failing = refusals_elsewhere > 0 || allowed_allocations != kUnlimited;
+  void* const memory = is_failing && is_refusable(caller) && refuses() ? nullptr : std::malloc(size ? size : 1);
+  if (!memory) throw std::bad_alloc();
+  count_live(memory, 1);
+  return memory;
 }
 
 void give_back(void* memory) {
@@ -90,34 +121,19 @@ size_t PeakMemory::bytes() const {
 }  // namespace alabaster::testing
 
 void* operator new(size_t size) {
-  note(size);
-  if (is_elsewhere && refusals_elsewhere > 0 && granted_elsewhere-- <= 0 && refusals_elsewhere-- > 0)
-    throw std::bad_alloc();
-  if (allowed_allocations != kUnlimited) {
-    if (allowed_allocations > 0) {
-      --allowed_allocations;
-    } else if (refusals_left > 0) {
-      if (refusals_left != kUnlimited) --refusals_left;
-      refused = true;
-      throw std::bad_alloc();
-    }
-  }
-  void* const memory = std::malloc(size ? size : 1);
-  if (!memory) throw std::bad_alloc();
-  count_live(memory, 1);
-  return memory;
+  return give_out(size, __builtin_return_address(0));
 }
 // Under the address sanitizer, the forms that are not replaced are the sanitizer's, and their memory is not
 // std::free's.
 void* operator new(size_t size, const std::nothrow_t&) noexcept {
   try {
-    return operator new(size);
+    return give_out(size, __builtin_return_address(0));
   } catch (const std::bad_alloc&) {
     return nullptr;
   }
 }
 void* operator new[](size_t size) {
-  return operator new(size);
+  return give_out(size, __builtin_return_address(0));
 }
 void* operator new[](size_t size, const std::nothrow_t& tag) noexcept {
   return operator new(size, tag);

@@ -18,8 +18,7 @@ class FailingMemory {
   bool failed() const;
 };
 
-/// While it lives, operator new grants all other threads together `allowed` allocations, and refuses the next
-/// `refusals`.
+/// The same for all other threads together.
 class FailingMemoryElsewhere {
  public:
   explicit FailingMemoryElsewhere(int refusals, size_t allowed = 0);

@@ -226,6 +226,7 @@ TEST(Shells, OneSidedSurfacesAreOpen) {
 
 TEST(Shells, ScaleChangesNothing) {
   for (const int k : {-40, 40}) {
+    SCOPED_TRACE(k);
     const float s = std::ldexp(1.0f, k);
     const Found f = find(both(box({0, 0, 0}, 2 * s), box({0, 0, 0}, s, true)));
     EXPECT_TRUE(f.shells.triangle_flags.empty());

@@ -135,12 +135,12 @@ class RandomScene {
 
   /// A value of the row, near its default, so that there is something to see. Empty: the scene has a value of its own.
   Value value_of(const FieldRow& row) {
+    for (const char* cost : {"timeLimit", "targetError", "memoryLimit", "denoise"})
+      if (row.name == cost) return {};  // pictures depend on the machine then
     if (!row.words.empty()) return Token(pick(row.words));
     const TypeInfo& info = GetTypeInfo(row.type.type);
     if (row.type.type == ALABASTER_BOOL) return chance(0.5);
     if (row.type.is_array || info.bytes == 0 || (info.components > 1 && !row.is_color)) return {};
-    for (const char* cost : {"timeLimit", "targetError", "memoryLimit", "denoise"})
-      if (row.name == cost) return {};                    // pictures depend on the machine then
     if (row.name == "shutterOpen") return -number(0, 1);  // before it closes
     if (row.name == "refineLevel") return pick<int32_t>({0, 1, 2});
     const double fallback = row.fallback.number_or(0);
