@@ -2,7 +2,7 @@
 """Compares the cost per sample of two builds of the program on the bundled scenes; their pictures are compared by
 testenv/regression/pictures_of_base.py AFTER --base BEFORE.
 
-  compare_programs.py BEFORE AFTER --instructions [--size WxH] [--scene NAME ...]
+  compare_programs.py BEFORE AFTER --instructions [--size WxH] [--scene NAME ...] [--aov NAME ...]
 
 Instructions of one sample are counted with valgrind (callgrind): the difference of two renders, one with twice the samples of
 the other, so that loading and building are not counted. Those of core's functions alone, because what the program does while it
@@ -100,14 +100,16 @@ def main():
     parser.add_argument("after")
     parser.add_argument("--instructions", action="store_true", required=True)
     parser.add_argument("--scene", action="append", choices=BUNDLED, help="only this scene; may be repeated")
+    parser.add_argument("--aov", action="append", default=[], help="AFTER renders it, too (BEFORE and AFTER may be one program)")
     add_size(parser)
     arguments = parser.parse_args()
     require(arguments.before, arguments.after, "valgrind", "callgrind_annotate")
     with tempfile.TemporaryDirectory() as name:
         print("| scene | before: instructions a sample | after | after / before |\n|--|--|--|--|")
         for scene in arguments.scene or BUNDLED:
-            before, after = (instructions_per_sample(scene, program, pathlib.Path(name), arguments.size)
-                             for program in (arguments.before, arguments.after))
+            flags = [word for aov in arguments.aov for word in ("--aov", aov)]
+            before, after = (instructions_per_sample(scene, program, pathlib.Path(name), arguments.size, more)
+                             for program, more in ((arguments.before, ()), (arguments.after, flags)))
             print(f"| {scene} | {before:.0f} | {after:.0f} | {after / before:.3f} |", flush=True)
     return 0
 

@@ -37,9 +37,9 @@ class ViewerFurnace:
 
     @staticmethod
     def asks(scenery):
-        # Clear bodies that are cut show two indices beside others, and where they are hollow.
+        # Clear bodies that are cut show two indices beside others, and where they are hollow. An opaque ball that is cut is dark inside.
         hollow = scenery.kind != "opaque body" and scenery.any("inner shell")
-        return not (scenery.any("cut") and (hollow or len(scenery.kinds) > 1))
+        return not (scenery.any("cut") and (hollow or scenery.any("ball within") or len(scenery.kinds) > 1))
 
     @staticmethod
     def draw(scenery, mode="walk"):
