@@ -16,7 +16,8 @@ void update_by_instance(std::map<Token, PulledPrimvar> now, size_t points, const
     const auto is_number = [](float n) { return std::isfinite(n); };
     if (!numbers.data) return true;  // a text
     if (points > 0 && given != points)
-      fault = " has " + std::to_string(given) + " values, " + std::to_string(points) + " are needed (one per " + each + ")";
+      fault =
+          " has " + std::to_string(given) + " values, " + std::to_string(points) + " are needed (one per " + each + ")";
     else if (!std::all_of(numbers.data, numbers.data + numbers.count * numbers.width, is_number))
       fault = " has values that are not finite";
     if (!fault.empty())
