@@ -276,6 +276,12 @@ std::vector<UvSetName> DisneyMaterial::primvars() const {
   return all;
 }
 
+bool DisneyMaterial::reads(const UvSetName& primvar) const {
+  bool found = false;
+  for_each_lookup(*this, [&](const TextureLookup& one) { found = found || one.primvar == primvar; });
+  return found;
+}
+
 std::span<const MaterialParameter> material_parameters() {
   return kParameters;
 }

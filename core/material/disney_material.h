@@ -66,6 +66,8 @@ struct DisneyMaterial {
   std::vector<const Texture*> images() const;
   /// The primvars that are read without an image.
   std::vector<UvSetName> primvars() const;
+  /// True if it reads the primvar, also as coordinates of an image.
+  bool reads(const UvSetName& primvar) const;
   /// False only if no texel can scatter: a body of this material is no medium.
   bool scatters() const {
     const DisneyParameters& p = constants;

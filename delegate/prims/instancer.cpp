@@ -6,15 +6,9 @@
 
 namespace alabaster::hd::prims {
 
-// Those that say where instances stand have been pulled.
-void InstancerPrim::pull_primvars(SceneDelegate& scene, SceneParam& param, const support::InstancingReport& report) {
-  const std::vector<PrimvarDescriptor> descriptors = scene.GetPrimvarDescriptors(GetId());
-  OtherPrimvars now;
-  for (const PrimvarDescriptor& descriptor : descriptors)
-    if (descriptor.interpolation == Interpolation::instance && !descriptor.name.str().starts_with("hydra:"))
-      now.by_name[descriptor.name] = pull_primvar(scene, GetId(), descriptor, &param);
-  const size_t points = record_.points ? record_.points->size() : 0;  // 0: as many as are asked for
-  std::erase_if(now.by_name, [&](const auto& named) {
+void update_by_instance(std::map<Token, PulledPrimvar> now, size_t points, const char* each, const Path& where,
+                        SceneParam* param, std::shared_ptr<const OtherPrimvars>* held) {
+  std::erase_if(now, [&](const auto& named) {
     const auto& [name, primvar] = named;
     const NumberArray numbers = numbers_of(primvar.value);
     const size_t given = primvar.indices.empty() ? numbers.count : primvar.indices.size();
@@ -22,15 +16,19 @@ void InstancerPrim::pull_primvars(SceneDelegate& scene, SceneParam& param, const
     const auto is_number = [](float n) { return std::isfinite(n); };
     if (!numbers.data) return true;  // a text
     if (points > 0 && given != points)
-      fault = " has " + std::to_string(given) + " values, " + std::to_string(points) + " are needed (one per instance)";
+      fault =
+          " has " + std::to_string(given) + " values, " + std::to_string(points) + " are needed (one per " + each + ")";
     else if (!std::all_of(numbers.data, numbers.data + numbers.count * numbers.width, is_number))
       fault = " has values that are not finite";
-    if (!fault.empty()) report("instancer.primvar", GetId(), "primvar " + name.str() + fault + "; ignored");
+    if (!fault.empty())
+      alabaster::report(param->sink(), alabaster::Severity::warning, "instancer.primvar", where.str(),
+                        "primvar " + name.str() + fault + "; ignored");
     return !fault.empty();
   });
-  if (record_.primvars && record_.primvars->by_name == now.by_name) return;
-  hold_arrays(&now, &param.buffers(), GetId().str());
-  record_.primvars = now.by_name.empty() ? nullptr : std::make_shared<const OtherPrimvars>(std::move(now));
+  if (*held && (*held)->by_name == now) return;
+  OtherPrimvars all{std::move(now)};
+  hold_arrays(&all, &param->buffers(), where.str());
+  *held = all.by_name.empty() ? nullptr : std::make_shared<const OtherPrimvars>(std::move(all));
 }
 
 DirtyBits InstancerPrim::post_record(SceneDelegate& scene, SceneParam& param, DirtyBits bits) {
@@ -50,7 +48,12 @@ DirtyBits InstancerPrim::post_record(SceneDelegate& scene, SceneParam& param, Di
       record_.moving_points = {};
     }
     record_.points = std::move(points);
-    pull_primvars(scene, param, report);
+    std::map<Token, PulledPrimvar> primvars;  // but for those that say where instances stand
+    for (const PrimvarDescriptor& descriptor : scene.GetPrimvarDescriptors(GetId()))
+      if (descriptor.interpolation == Interpolation::instance && !descriptor.name.str().starts_with("hydra:"))
+        primvars[descriptor.name] = pull_primvar(scene, GetId(), descriptor, &param);
+    update_by_instance(std::move(primvars), record_.points ? record_.points->size() : 0, "instance", GetId(), &param,
+                       &record_.primvars);
   }
   if (bits & dirty::kInstancer) record_.parent = scene.GetInstancerId(GetId());
   if (bits & (dirty::kInstancer | dirty::kInstanceIndex))

@@ -152,7 +152,6 @@ void MeshPrim::pull_primvars(SceneDelegate& scene, SceneParam& param) {
       uvs[descriptor.name] = pull_primvar(scene, GetId(), descriptor.name, descriptors);
     } else if (!is_of_shape(descriptor.name)) {
       PulledPrimvar other = prims::pull_primvar(scene, GetId(), descriptor, &param);
-      if (!spheres_.empty()) keep_constant(descriptor.name.str(), GetId().str(), sink, &other);
       if (numbers_of(other.value).data) others.by_name[descriptor.name] = std::move(other);
     }
   }
@@ -196,6 +195,14 @@ void MeshPrim::update_slots(SceneParam& param) {
   record_.slots = std::make_shared<const FaceSlots>(std::move(slots));
 }
 
+// Leaves `shape` the constant ones.
+void MeshPrim::update_values_by_point(PulledMesh* shape, SceneParam& param) {
+  OtherPrimvars others = record_.other_primvars ? *record_.other_primvars : OtherPrimvars();
+  const size_t count = places_.points->size();
+  update_by_instance(take_values_by_point(shape, &others), count, "point", GetId(), &param, &by_point_);
+  of_sphere_ = others.by_name.empty() ? nullptr : std::make_shared<const OtherPrimvars>(std::move(others));
+}
+
 // The sphere of points stands in the places that an instancer of their own gives it, which the points' own instancer
 // places.
 void MeshPrim::post_points(SceneParam& param) {
@@ -203,7 +210,9 @@ void MeshPrim::post_points(SceneParam& param) {
   places.transform = record_.transform, places.motion = {record_.motion.times, record_.motion.values};
   places.points = places_.points, places.moving_points = places_.moving;
   places.parent = record_.instancer, places.indices_in_parent = record_.instance_indices;
+  places.primvars = by_point_;
   MeshRecord sphere = record_;
+  sphere.other_primvars = of_sphere_;
   sphere.transform = Matrix4d(), sphere.motion = {};
   sphere.instancer = spheres_, sphere.instance_indices = places_.drawn;
   param.post(sphere.instancer, std::move(places));
@@ -212,15 +221,14 @@ void MeshPrim::post_points(SceneParam& param) {
 
 DirtyBits MeshPrim::post_record(SceneDelegate& scene, SceneParam& param, DirtyBits bits) {
   pull(scene, param, bits);
-  if (shape_changed_) {
-    hold_arrays(&pulled_, &param.buffers(), GetId().str());
-    PulledMesh shape = pulled_;
-    if (!spheres_.empty()) {
-      places_ = place_points(pulled_, GetId().str(), param.sink());
-      make_sphere_of(&shape, GetId().str(), param.sink());
-    }
-    record_.source = std::make_shared<const PulledMesh>(std::move(shape));
+  if (shape_changed_) hold_arrays(&pulled_, &param.buffers(), GetId().str());
+  PulledMesh shape = pulled_;
+  if (!spheres_.empty()) {
+    if (shape_changed_) places_ = place_points(pulled_, GetId().str(), param.sink());
+    if (shape_changed_ || bits & kPrimvarBits) update_values_by_point(&shape, param);
+    make_sphere_of(&shape);
   }
+  if (shape_changed_) record_.source = std::make_shared<const PulledMesh>(std::move(shape));
   shape_changed_ = false;
   if (bits & dirty::kTopology) update_slots(param);
   record_.prim_id = GetPrimId();

@@ -65,7 +65,7 @@ struct FaceSlots {
   bool operator==(const FaceSlots&) const = default;
 };
 
-/// Primvars of other names, of a mesh or by instance.
+/// Primvars of other names of a mesh, or all by instance.
 struct OtherPrimvars {
   std::map<Token, PulledPrimvar> by_name;
   SharedReservations memory = {};

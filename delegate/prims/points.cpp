@@ -59,22 +59,23 @@ support::InstancePoints arrays_of(Array<Vec3f> translations, const Array<Vec3f>&
 
 }  // namespace
 
-void keep_constant(const std::string& name, const std::string& where, const alabaster::DiagnosticSink& sink,
-                   PulledPrimvar* primvar) {
-  if (!primvar->present || primvar->value.empty()) return;
-  if (primvar->value.count() == 1 && primvar->indices.size() <= 1) primvar->interpolation = hd::Interpolation::constant;
-  if (primvar->interpolation == hd::Interpolation::constant) return;
-  alabaster::report(sink, alabaster::Severity::warning, "points.values", where,
-                    "primvar " + name + " has a value for each point, which is not read: give one for all");
-  *primvar = {};
+std::map<Token, PulledPrimvar> take_values_by_point(PulledMesh* points, OtherPrimvars* others) {
+  std::map<Token, PulledPrimvar> taken;
+  const auto take = [&](const Token& name, PulledPrimvar* primvar) {
+    if (!primvar->present) return;
+    if (primvar->value.count() == 1 && primvar->indices.size() <= 1) primvar->interpolation = Interpolation::constant;
+    if (primvar->interpolation != Interpolation::constant) taken[name] = std::exchange(*primvar, {});
+  };
+  take(kDisplayColor, &points->display_color), take(kDisplayOpacity, &points->display_opacity);
+  for (auto* named : {&points->uvs, &others->by_name}) {
+    for (auto& [name, primvar] : *named) take(name, &primvar);
+    std::erase_if(*named, [](const auto& one) { return !one.second.present; });
+  }
+  return taken;
 }
 
-void make_sphere_of(PulledMesh* points, const std::string& where, const alabaster::DiagnosticSink& sink) {
+void make_sphere_of(PulledMesh* points) {
   static const Sphere sphere = make_sphere();
-  keep_constant("displayColor", where, sink, &points->display_color);
-  keep_constant("displayOpacity", where, sink, &points->display_opacity);
-  for (auto& [name, uvs] : points->uvs) keep_constant(name.str(), where, sink, &uvs);
-  std::erase_if(points->uvs, [](const auto& named) { return !named.second.present; });
   points->widths = {}, points->tangents = {}, points->point_samples = {}, points->normal_samples = {};
   points->topology = {};
   points->topology.faceVertexCounts = sphere.counts, points->topology.faceVertexIndices = sphere.corners;

@@ -6,13 +6,12 @@
 
 namespace alabaster::hd::prims {
 
-/// Gives points the shape of a sphere of radius 1 in place of their own values; constant ones stay, others are
-/// reported. Its volume is exact, and its outline within a thousandth of the radius. All spheres share their arrays.
-void make_sphere_of(PulledMesh* points, const std::string& where, const alabaster::DiagnosticSink& sink);
+/// Gives points the shape of a sphere of radius 1. Its volume is exact, and its outline within a thousandth of the
+/// radius. All spheres share their arrays.
+void make_sphere_of(PulledMesh* points);
 
-/// Of a primvar of points: one that is not constant is reported, and is gone then.
-void keep_constant(const std::string& name, const std::string& where, const alabaster::DiagnosticSink& sink,
-                   PulledPrimvar* primvar);
+/// The primvars that have a value for each point, which are values by instance of the sphere; the constant ones stay.
+std::map<Token, PulledPrimvar> take_values_by_point(PulledMesh* points, OtherPrimvars* others);
 
 struct PlacedPoints {
   support::InstancePoints points;

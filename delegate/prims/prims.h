@@ -43,6 +43,11 @@ class RecordedPrim : public Recorded<Base> {
 PulledPrimvar pull_primvar(SceneDelegate& scene, const Path& id, const PrimvarDescriptor& descriptor,
                            SceneParam* param);
 
+/// The primvars by instance of an instancer of so many points (0: as many as are asked for). Those that do not fit are
+/// reported. `held` is another object where they differ. `each`: of what they are in reports.
+void update_by_instance(std::map<Token, PulledPrimvar> now, size_t points, const char* each, const Path& where,
+                        SceneParam* param, std::shared_ptr<const OtherPrimvars>* held);
+
 /// Pulls only: the shape is built where it is first drawn (built_meshes.h), once for each edit of it. Curves and points
 /// are meshes from here on: their tubes are made with the shape (tubes.h), and points are one sphere in many places.
 class MeshPrim final : public RecordedPrim<Rprim> {
@@ -62,12 +67,14 @@ class MeshPrim final : public RecordedPrim<Rprim> {
   void pull_shape(SceneDelegate& scene, DirtyBits bits);
   void pull_primvars(SceneDelegate& scene, SceneParam& param);
   void update_slots(SceneParam& param);
+  void update_values_by_point(PulledMesh* shape, SceneParam& param);
   void post_points(SceneParam& param);
 
   const bool is_curves_;
   const Path spheres_;  // of points: the path of the record of their places
   PulledMesh pulled_;
-  PlacedPoints places_;  // of points
+  PlacedPoints places_;                                        // of points
+  std::shared_ptr<const OtherPrimvars> by_point_, of_sphere_;  // of points, by what has them; null: none
   bool shape_changed_ = false;
   std::vector<GeomSubset> subsets_;
   Path material_;
@@ -80,7 +87,6 @@ class InstancerPrim final : public Recorded<Instancer> {
 
  private:
   DirtyBits post_record(SceneDelegate& scene, SceneParam& param, DirtyBits bits) override;
-  void pull_primvars(SceneDelegate& scene, SceneParam& param, const support::InstancingReport& report);
   InstancerRecord record_;
 };
 

@@ -111,12 +111,14 @@ class PointValues final : public InstanceValues {
     Array<int32_t> points;
     std::shared_ptr<const OtherPrimvars> primvars;  // null: none
   };
-  explicit PointValues(std::vector<Level> levels) : levels_(std::move(levels)) {
+  /// Those of which is_read(name) says so.
+  template <class IsRead>
+  PointValues(std::vector<Level> levels, const IsRead& is_read) : levels_(std::move(levels)) {
     for (const Level& level : levels_) {
       columns_.emplace_back();
       if (!level.primvars) continue;
       for (const auto& [name, primvar] : level.primvars->by_name)
-        columns_.back().push_back({name.str(), numbers_of(primvar.value), &primvar});
+        if (is_read(name)) columns_.back().push_back({name.str(), numbers_of(primvar.value), &primvar});
     }
   }
 
@@ -140,8 +142,9 @@ class PointValues final : public InstanceValues {
   }
   bool are_alike(const InstanceValues& other) const override {
     const auto& values = static_cast<const PointValues&>(other);  // all are of this kind
-    const auto same = [](const Level& a, const Level& b) { return a.points == b.points && a.primvars == b.primvars; };
-    return std::equal(levels_.begin(), levels_.end(), values.levels_.begin(), values.levels_.end(), same);
+    const auto same = [](const Level& a, const Level& b) { return a.points == b.points; };
+    return columns_ == values.columns_ &&
+           std::equal(levels_.begin(), levels_.end(), values.levels_.begin(), values.levels_.end(), same);
   }
 
  private:
@@ -149,6 +152,9 @@ class PointValues final : public InstanceValues {
     UvSetName name;
     NumberArray numbers;
     const PulledPrimvar* primvar;
+    bool operator==(const Column& other) const {
+      return name == other.name && (primvar == other.primvar || *primvar == *other.primvar);
+    }
     int read(int32_t point, Vec4f* out) const {
       const Array<int32_t>& indices = primvar->indices;
       const auto is_in = [](int32_t i, size_t size) { return i >= 0 && static_cast<size_t>(i) < size; };
@@ -354,8 +360,8 @@ struct SceneTranslator::Run {
     }
   }
 
-  // Null: no instancer has any.
-  InstanceValuesPtr values_of(const MeshRecord& mesh) const {
+  // Null: no instancer has any that the mesh's materials or AOVs read.
+  InstanceValuesPtr values_of(const MeshRecord& mesh) {
     std::vector<PointValues::Level> levels;
     const Array<int32_t>* points = &mesh.instance_indices;
     bool any = false;
@@ -364,7 +370,18 @@ struct SceneTranslator::Run {
       points = &one->indices_in_parent;
       any = any || one->primvars;
     }
-    return any ? std::make_shared<const PointValues>(std::move(levels)) : nullptr;
+    if (!any) return nullptr;
+    const auto is_read = [&](const Token& name) {
+      const auto reads = [&](const Path& id) {
+        const MaterialRecord* const record = materials.find(id);
+        return record && record->material ? record->material->reads(name.str())
+                                          : name == Token(kDisplayColor) || name == Token(kDisplayOpacity);
+      };
+      return std::binary_search(parts.shown_primvars.begin(), parts.shown_primvars.end(), name) ||
+             std::any_of(mesh.materials.begin(), mesh.materials.end(), reads);
+    };
+    const auto values = std::make_shared<const PointValues>(std::move(levels), is_read);
+    return values->names().empty() ? nullptr : InstanceValuesPtr(values);
   }
 
   // The mesh's, and those of its instance at each level.

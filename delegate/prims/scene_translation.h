@@ -46,7 +46,8 @@ class SceneTranslator {
     const BuiltMeshes& meshes;
     const DeformedMeshes& deformed;  // in the place of those of `meshes` that deform in the shutter
     const std::shared_ptr<MemoryBudget>& memory;
-    const std::list<Edit>& unread;  // materials that wait for a mesh that uses them are among these
+    const std::vector<Token>& shown_primvars;  // by AOVs; sorted
+    const std::list<Edit>& unread;             // materials that wait for a mesh that uses them are among these
   };
   /// Throws std::bad_alloc.
   Translation translate(const Parts& parts);

@@ -276,8 +276,8 @@ void SnapshotBuilder::translate(const CancelToken& cancel) {
   const prims::DeformedMeshes deformed = deformations_.in(view_->shutter, meshes_, param_.get(), cancel);
   BuiltScene scene{view_->selection, view_->version, {}, nullptr, {}};
   param_->run([&] {
-    scene.translation = translator_.translate(
-        {records_, view_->selection, view_->shutter, meshes_, deformed, param_->memory(), edits_});
+    scene.translation = translator_.translate({records_, view_->selection, view_->shutter, meshes_, deformed,
+                                               param_->memory(), view_->meshes.primvars, edits_});
   });
   scene.faults = faults();
   scene.faults.insert(scene.translation.faults.begin(), scene.translation.faults.end());

@@ -113,11 +113,25 @@ class Hair(unittest.TestCase):
     def test_hair_curves_are_curves_with_their_radii(self):
         bpy.ops.object.curves_random_add()
         ob = bpy.context.object.evaluated_get(bpy.context.evaluated_depsgraph_get())
-        made = hair.extract(ob, self.notes.append)
+        made = hair.extract(ob, self.notes.append, materials.Wanted())
         self.assertEqual((made["kind"], made["basis"], made["wrap"], self.notes), ("basisCurves", "catmullRom", "pinned", []))
         self.assertEqual(sum(made["curve_vertex_counts"]), len(made["points"]))
         radii = [one.value for one in ob.data.attributes["radius"].data]
         numpy.testing.assert_allclose(made["widths"], 2 * numpy.array(radii, numpy.float32))
+
+
+    @unittest.skipIf(bpy.app.version < (4, 2, 0), "Blender has no operator that makes them")
+    def test_point_clouds_have_the_colours_that_materials_read(self):
+        bpy.ops.object.pointcloud_random_add()
+        data = bpy.context.object.data
+        tint = data.attributes.new("tint", "FLOAT_COLOR", "POINT")
+        tint.data.foreach_set("color", numpy.linspace(0, 1, 4 * len(data.points), dtype=numpy.float32))
+        ob = bpy.context.object.evaluated_get(bpy.context.evaluated_depsgraph_get())
+        self.assertEqual(hair.extract(ob, self.notes.append, materials.Wanted())["primvars"], {})
+        made = hair.extract(ob, self.notes.append, materials.Wanted(colors=frozenset({"tint"})))
+        color = made["primvars"]["displayColor"]
+        self.assertEqual((made["kind"], color.interpolation, self.notes), ("points", "vertex", []))
+        numpy.testing.assert_allclose(color.values, numpy.linspace(0, 1, 4 * len(made["points"])).reshape(-1, 4)[:, :3], rtol=1e-6)
 
 
 class HairEdits(SyncedScene):

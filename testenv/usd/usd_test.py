@@ -315,6 +315,25 @@ def test_primvars_of_a_point_instancer_are_values_by_instance():
     same(stage("nested.usda", outer), stage("tinted.usda", placed))
 
 
+def test_constant_primvars_of_a_point_instancer_are_inherited_by_its_prototypes():
+    """As UsdImaging has it: one that is uniform is not, and is told."""
+    many = """    def PointInstancer "p"
+    {
+        rel prototypes = [</World/p/a>, </World/p/b>]
+        int[] protoIndices = [0, 1, 0]
+        point3f[] positions = [(-1.4, 0, 0), (0, 0, 0), (1.4, 0, 0)]
+        color3f[] primvars:displayColor = [%s] ( interpolation = "%s" )
+        def Cube "a" { double size = 0.8 }
+%s    }
+""" % (RED, "%s", cube("b", 0, BLUE))
+    file = stage("constant.usda", many % "constant")
+    same(file, stage("tinted.usda", cube("a", -1.4) + cube("b", 0, BLUE) + cube("c", 1.4)))
+    _, said = picture(file)
+    assert "warning" not in said, said
+    _, said = picture(stage("uniform.usda", many % "uniform"))
+    assert said.count("that are uniform") == 1 and "/World/p" in said, said
+
+
 def test_native_instances_have_the_primvars_that_they_inherit():
     """As one array of instances, unless a mesh within has one of its own."""
     def body(word, own=""):
@@ -686,6 +705,12 @@ def test_points_are_spheres_that_move_by_their_velocities():
 """ % (spans([(x, y, 0) for x, y in places]), ", ".join(map(str, widths)), "%s")
     a, said = picture(stage("cloud.usda", cloud % ""))
     b, _ = picture(stage("balls.usda", "".join(ball % (i, w / 2, x, y) for i, ((x, y), w) in enumerate(zip(places, widths)))))
+    assert blocks_apart(a, b) < 0.03 and "warning" not in said, (blocks_apart(a, b), said)
+    tints = [(0.8, 0.1, 0.1), (0.1, 0.8, 0.1), (0.1, 0.1, 0.8)]
+    tinted = cloud.replace("[(0.8, 0.1, 0.1)]", '[%s] ( interpolation = "vertex" )' % spans(tints))
+    a, said = picture(stage("tinted_cloud.usda", tinted % ""))
+    b, _ = picture(stage("tinted_balls.usda", "".join((ball % (i, w / 2, x, y)).replace("(0.8, 0.1, 0.1)", spans([tint]))
+                                                      for i, ((x, y), w, tint) in enumerate(zip(places, widths, tints)))))
     assert blocks_apart(a, b) < 0.03 and "warning" not in said, (blocks_apart(a, b), said)
     camera = CAMERA.replace("float focalLength", "double shutter:open = 0\n        double shutter:close = 1\n        float focalLength")
     moving = "vector3f[] velocities = [(0, 0, 0), (24, 0, 0), (0, 0, 0)]"

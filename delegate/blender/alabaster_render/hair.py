@@ -8,8 +8,8 @@ RADIUS = {"CURVES": 0.005, "POINTCLOUD": 0.01}  # where the attribute is missing
 CATMULL_ROM, POLY = 0, 1  # of attribute curve_type
 
 
-def extract(ob, note):
-    """Fields of an evaluated object of these KINDS; None: it has no points."""
+def extract(ob, note, wanted):
+    """Fields of an evaluated object of these KINDS; None: it has no points. Point clouds have the colours that materials read."""
     attributes = ob.data.attributes
     points = meshes.array(attributes["position"].data, "vector", numpy.float32, 3) if "position" in attributes else ()
     if not len(points):
@@ -18,7 +18,7 @@ def extract(ob, note):
     radii = meshes.array(radius.data, "value", numpy.float32) if radius else numpy.full(len(points), RADIUS[ob.type], numpy.float32)
     made = {"kind": "points", "points": points, "widths": meshes.frozen(radii * 2)}
     if ob.type == "POINTCLOUD":
-        return made
+        return {**made, "primvars": meshes.colors(ob.data, wanted)}
     offsets = numpy.empty(len(ob.data.curves) + 1, numpy.int32)
     ob.data.curve_offset_data.foreach_get("value", offsets)
     kinds, closed = (numpy.unique(meshes.array(attributes[name].data, "value", kind)) if name in attributes else numpy.zeros(1)

@@ -186,7 +186,7 @@ def colors(mesh, wanted):
     if not wanted.colors or not len(mesh.color_attributes):
         return {}
     named = [a for a in mesh.color_attributes if a.name in wanted.colors]
-    index = max(mesh.color_attributes.render_color_index, 0)
+    index = max(getattr(mesh.color_attributes, "render_color_index", 0), 0)  # point clouds have none
     attribute = named[0] if named else mesh.color_attributes[index]
     values = array(attribute.data, "color", numpy.float32, 4)
     spread = "vertex" if attribute.domain == "POINT" else "faceVarying"

@@ -51,7 +51,7 @@ def shapes(depsgraph):
             continue
         key, is_own = sync.mesh_key(ob, depsgraph)
         if is_own and key not in made and ob.is_deform_modified(depsgraph.scene, "RENDER"):
-            read = hair.extract(ob, lambda text: None) if ob.type in hair.KINDS else meshes.extract(ob, depsgraph, True, False, materials.Wanted())
+            read = hair.extract(ob, lambda text: None, materials.Wanted()) if ob.type in hair.KINDS else meshes.extract(ob, depsgraph, True, False, materials.Wanted())
             made[key] = meshes.shape(read)
     return made
 

@@ -81,7 +81,7 @@ class SceneSync:
         ob = instance.object
         key, is_own = mesh_key(ob, depsgraph)
         if key not in self.meshes:
-            made = hair.extract(ob, self.note) if ob.type in hair.KINDS else meshes.extract(ob, depsgraph, is_own, self.viewport, self.wanted)
+            made = hair.extract(ob, self.note, self.wanted) if ob.type in hair.KINDS else meshes.extract(ob, depsgraph, is_own, self.viewport, self.wanted)
             self.meshes[key] = self.read(key, made)
             named = [one.name for one in getattr(ob.data, "color_attributes", ()) if one.name in self.wanted.colors]
             if len(named) > 1:
@@ -321,14 +321,15 @@ def instances(matrices, motions):
 def set_mesh(scene, group, mesh, placement):
     hdalabaster = library.load()
     arguments = dict(mesh)
+    primvars = {name: hdalabaster.Primvar(one.values, one.interpolation, role=one.role, motion=one.motion)
+                for name, one in arguments.pop("primvars", {}).items()}
     if "kind" in mesh:
+        arguments.update(("primvars:" + name, one) for name, one in primvars.items())
         roles = {"subsurfaceSet": group.role.body or None, "holdout": group.role.holdout or None, "visibleToCamera": None if group.role.seen else False}
         arguments["widths"] = hdalabaster.Primvar(arguments["widths"], "vertex")
         scene.set(group.path, arguments.pop("kind"), {**arguments, **roles, "material": group.slots[0], "categories": group.role.categories, **placement})
         return
     index = arguments.pop("material_index")
-    primvars = {name: hdalabaster.Primvar(one.values, one.interpolation, role=one.role, motion=one.motion)
-                for name, one in arguments.pop("primvars").items()}
     if group.role.body:
         primvars["subsurfaceSet"] = hdalabaster.Primvar(group.role.body, "constant")
     if group.role.holdout:

@@ -100,7 +100,7 @@ def _add_normals(mesh, fields, time):
         fields["primvars:normals:interpolation"] = token(mesh.GetNormalsInterpolation())
 
 
-def add_primvars(gprim, inherited, fields, time, notes, constant_only):
+def add_primvars(gprim, inherited, fields, time, notes, is_implicit):
     """Those of the prim, and the constant ones of its ancestors. A gprim's own displayColor is there and may be empty."""
     known = {p.GetPrimvarName(): p for p in inherited}
     known.update((p.GetPrimvarName(), p) for p in UsdGeom.PrimvarsAPI(gprim).GetPrimvarsWithAuthoredValues()
@@ -120,11 +120,11 @@ def add_primvars(gprim, inherited, fields, time, notes, constant_only):
         if made is None:
             continue
         value, interpolation, role, indices = made
-        if constant_only and interpolation != "constant" and name != "widths":
+        if is_implicit and interpolation != "constant" and name != "widths":
             if value.type.endswith("[]") and len(value.data) == 1:
                 interpolation = "constant"
             else:
-                notes.tell("primvars of implicit surfaces and of points are read where they are constant", gprim.GetPath())
+                notes.tell("primvars of implicit surfaces are read where they are constant", gprim.GetPath())
                 continue
         if name == "normals" and value.type != "float3[]":
             continue

@@ -376,7 +376,7 @@ class Reader:
             elif kind in geometry.IMPLICIT:
                 self._mesh(prim, place, geometry.implicit_fields(prim, self.time, self.shapes, self.notes), True)
             elif kind in geometry.KINDS:
-                self._mesh(prim, place, geometry.curve_fields(prim, self.time, self.notes), kind == "Points")
+                self._mesh(prim, place, geometry.curve_fields(prim, self.time, self.notes))
             elif kind == "TetMesh":
                 self._mesh(prim, place, geometry.tet_fields(prim, self.time, self.notes))
             elif kind in geometry.UNREAD:

@@ -241,4 +241,5 @@ def main():
     print("\nPEER " + json.dumps({"version": bpy.app.version_string, "cpuSeconds": seconds}), flush=True)
 
 
-main()
+if __name__ == "__main__":
+    main()

@@ -178,7 +178,7 @@ TEST(Curves, AClosedCurveInSpaceIsNoTwistedTube) {
 // promise: usd.curves.points
 TEST(Curves, PointsAreSpheresWithinAThousandthOfTheirRadius) {
   prims::PulledMesh shape;
-  prims::make_sphere_of(&shape, "/test", {});
+  prims::make_sphere_of(&shape);
   const Mesh sphere = build(shape);
   expect_solid(sphere, "sphere");
   EXPECT_NEAR(measure(sphere).volume, 4 * kPi / 3, 1e-5);
@@ -223,7 +223,7 @@ TEST(Curves, PointsStandWhereTheyAreUnderTheirInstancerToo) {
   stage.scene.Remove("/cloud");
   stage.scene.Remove("/pair");
   prims::PulledMesh shape;
-  prims::make_sphere_of(&shape, "/test", {});
+  prims::make_sphere_of(&shape);
   for (int i = 0; i < 4; ++i) {
     host::MeshDescription sphere;
     sphere.topology = shape.topology;
@@ -245,6 +245,62 @@ TEST(Curves, PointsStandWhereTheyAreUnderTheirInstancerToo) {
        at = dump.find("instance /cloud prim ", at + 1))
     ++named;
   EXPECT_EQ(named, 4u) << "two points in two places, by the name of their prim: " << dump;
+}
+
+// Beside instances of one sphere, which have the values by instance: to the bit.
+// promise: usd.curves.points_values
+TEST(Curves, PointsHaveValuesOfTheirOwn) {
+  Stage stage({{"samples", 4}});
+  stage.add_basic_scene();
+  stage.scene.Remove("/quad");
+  host::CameraDescription camera = stage.scene.GetCameras().at("/camera");
+  camera.parameters["shutterOpen"] = 0.0f, camera.parameters["shutterClose"] = 1.0f;
+  stage.scene.SetCamera("/camera", camera);
+  MaterialNetwork network;
+  network.nodes["/look/tint"] = {"AlabasterPrimvar", {{"varname", Token("tint")}}, {}};
+  network.nodes["/look/surface"] = {"AlabasterDisney", {}, {{"baseColor", {{"/look/tint", "rgb"}}}}};
+  network.terminals["surface"] = {"/look/surface", "out"};
+  stage.scene.SetMaterial("/look", network);
+  prims::PulledMesh shape;
+  prims::make_sphere_of(&shape);
+  host::MeshDescription sphere;
+  sphere.topology = shape.topology;
+  sphere.primvars["points"].value = shape.points.value, sphere.primvars["normals"].value = shape.normals.value;
+  sphere.instancer = "/row";
+
+  const Array<Vec3f> places{{-1, 0, 0}, {9, 9, 9}, {0, 0.3f, 0}, {1, -0.4f, 0}};
+  const Array<Vec3f> later{{-1, 0.8f, 0}, {9, 9, 9}, {0.5f, 0.3f, 0}, {1, -1, 0}};
+  std::vector<float> before;
+  for (const bool moves : {false, true})
+    for (const char* primvar : {"displayColor", "tint"})
+      for (const std::vector<float>& widths : {std::vector<float>{0.6f, 0, 0.9f, 1.2f}, {1.2f, 0, 0.5f, 0.3f}}) {
+        host::MeshDescription cloud = points({places.begin(), places.end()}, widths);
+        cloud.material = sphere.material = primvar == std::string("tint") ? Path("/look") : Path();
+        const Array<Vec3f> tints{{0.8f, 0.1f, 0.1f}, {0.1f, 0.7f, 0.2f}, {0.1f, 0.2f, 0.9f}};
+        cloud.primvars[primvar] = {Interpolation::vertex, "color", tints, {2, 0, 1, 0}};
+        host::InstancerDescription row;
+        std::vector<Vec3f> scales;
+        for (const float width : widths) scales.emplace_back(width / 2);
+        row.primvars["hydra:instanceTranslations"] = places;
+        row.primvars["hydra:instanceScales"] = Array<Vec3f>(std::move(scales));
+        row.primvars[primvar] = Array<Vec3f>{tints[2], tints[0], tints[1], tints[0]};
+        row.indices["/cloud"] = {0, 2, 3};
+        if (moves) {
+          cloud.primvarSamples["points"] = {{0, 1}, {places, later}};
+          row.primvarSamples["hydra:instanceTranslations"] = {{0, 1}, {places, later}};
+        }
+        const std::string which = primvar + std::string(moves ? " moves" : "") + std::to_string(widths[0]);
+        stage.scene.SetMesh("/cloud", cloud);
+        const std::vector<float> drawn = picture(stage, "color", 32);
+        EXPECT_EQ(stage.take_diagnostics().size(), 0u) << which;
+        EXPECT_NE(drawn, before) << which;
+        stage.scene.Remove("/cloud");
+        stage.scene.SetInstancer("/row", row);
+        stage.scene.SetMesh("/cloud", sphere);
+        EXPECT_EQ(drawn, picture(stage, "color", 32)) << which;
+        stage.scene.Remove("/cloud"), stage.scene.Remove("/row");
+        before = drawn;
+      }
 }
 
 TEST(Curves, PointsAreEditedAndRemoved) {
@@ -407,7 +463,9 @@ TEST(Curves, BadInputIsNamedAndTheRestIsDrawn) {
   EXPECT_EQ(said(indexed), "/hair: widths of points must be one number, or one for each of the 3 points; 1 is used\n");
   host::MeshDescription warm = points({{0, 0, 0}, {1, 0, 0}}, {1, 1});
   warm.primvars["heat"] = {Interpolation::vertex, {}, Array<float>{1, 2}, {}};
-  EXPECT_EQ(said(warm), "/hair: primvar heat has a value for each point, which is not read: give one for all\n");
+  EXPECT_EQ(said(warm), "");
+  warm.primvars["heat"].value = Array<float>{1, 2, 3};
+  EXPECT_EQ(said(warm), "/hair: primvar heat has 3 values, 2 are needed (one per point); ignored\n");
 }
 
 // promise: usd.curves.memory

@@ -204,6 +204,33 @@ TEST_F(PrimvarInputs, TheInnermostInstanceWithAValueHasIt) {
   EXPECT_EQ(at(picture("primvars:tint"), 0, -1), Vec3f(0, 1, 2));
 }
 
+// promise: artists.values_unread
+TEST_F(PrimvarInputs, AValueThatNothingReadsIsNoChange) {
+  connect({"baseColor"});
+  host::MeshDescription mesh = small(Stage::quad(), 0.25);
+  mesh.instancer = "/row";
+  stage.scene.SetMesh("/mesh", mesh);
+  host::InstancerDescription row = PrimvarInputs::row("/mesh");
+  row.primvars["tint"] = Array<Vec3f>{{1, 0, 0}, {0, 0, 0}, {0, 1, 0}, {0, 0, 1}};
+  row.primvars["age"] = Array<float>{1, 2, 3, 4};
+  stage.scene.SetInstancer("/row", row);
+  const auto seen = picture();
+  const double scene = stage.stat("sceneNumber");
+  row.primvars["age"] = Array<float>{5, 6, 7, 8};
+  row.primvars["displayColor"] = kPlaces;
+  stage.scene.SetInstancer("/row", row);
+  EXPECT_EQ(picture(), seen);
+  EXPECT_EQ(stage.stat("sceneNumber"), scene) << "no material reads them";
+  row.primvars["tint"] = Array<Vec3f>{{1, 0, 0}, {0, 0, 0}, {1, 1, 0}, {0, 0, 1}};
+  stage.scene.SetInstancer("/row", row);
+  EXPECT_NE(picture(), seen);
+  EXPECT_GT(stage.stat("sceneNumber"), scene);
+  EXPECT_EQ(at(picture("primvars:age"), 0, 0), Vec3f(7, 0, 0)) << "an AOV reads it";
+  row.primvars["age"] = Array<float>{5, 6, 9, 8};
+  stage.scene.SetInstancer("/row", row);
+  EXPECT_EQ(at(picture("primvars:age"), 0, 0), Vec3f(9, 0, 0));
+}
+
 // From 8192 instances on they are an array, unless lights take them apart.
 TEST_F(PrimvarInputs, AnArrayHasValuesToo) {
   constexpr int kCount = 10000, kColumns = 100;

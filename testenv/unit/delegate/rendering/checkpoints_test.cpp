@@ -134,6 +134,29 @@ TEST_F(Checkpoints, AnotherRenderIsRefusedByName) {
             "the data window was 0,0,20,10 and is 2,0,20,10");
 }
 
+// promise: artists.values_unread
+TEST_F(Checkpoints, ValuesByInstanceThatNothingReadsAreNoOtherRender) {
+  const auto place = [](Frame& frame, const char* primvar, float value) {
+    host::MeshDescription quad = Stage::quad();
+    quad.instancer = "/row";
+    host::InstancerDescription row;
+    row.primvars["hydra:instanceTranslations"] = Array<Vec3f>{{0, 0, 0}};
+    row.primvars[primvar] = Array<Vec3f>{Vec3f(value)};
+    row.indices["/quad"] = {0};
+    frame.stage.scene.SetInstancer("/row", row);
+    frame.stage.scene.SetMesh("/quad", quad);
+  };
+  for (const char* primvar : {"age", "displayColor"}) {
+    Frame first;
+    place(first, primvar, 0.25f);
+    const std::string file = written(first);
+    Frame next;
+    place(next, primvar, 0.5f);
+    const std::string refusal = next.refusal(file);
+    EXPECT_EQ(refusal.empty(), primvar == std::string("age")) << refusal;
+  }
+}
+
 TEST_F(Checkpoints, MoreSamplesThanAreAskedForAreRefused) {
   const std::string file = written();
   Frame fewer({{"samples", 2}});
