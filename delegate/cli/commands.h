@@ -40,6 +40,8 @@ struct RenderArguments : SceneArguments, PictureArguments {
   std::string checkpoint;                                // file
   std::optional<double> checkpoint_interval;             // seconds
   bool quiet = false, keep_going = false, resume = false, skip_existing = false, turntable_lights = false;
+
+  bool has_frames() const { return turntable || !frames.numbers.empty(); }
 };
 int run_render(RenderArguments arguments);
 
@@ -75,8 +77,9 @@ int run_convert(const ConvertArguments& arguments);
 
 struct FarmArguments {
   RenderArguments render;
-  uint32_t tasks = 0;
+  uint32_t tasks = 0;  // 0: one for each frame
   std::string engine = "script", folder;
+  bool force = false;                                    // replaces the jobs of the folder
   std::vector<std::string> task_options, merge_options;  // of each task and of the merge, a word each
 };
 int run_farm(const FarmArguments& arguments);

@@ -14,14 +14,16 @@ class Writer {
   explicit Writer(const FarmJobs& jobs) : jobs_(jobs) {}
 
   std::map<std::string, std::string> files() const {
-    std::map<std::string, std::string> all{
-        {"inputs.txt", jobs_.inputs},
-        {"task.sh", task()},
-        {"merge.sh", "#!/bin/sh\n# Adds up all parts and writes the frame: the bytes of one machine's.\n" + at_home() +
-                         all_parts() + "exec " + run("merge", jobs_.merge_options) + inputs() + " -- \"$@\"\n"},
-        {"status.sh",
-         "#!/bin/sh\n# Tells how far the parts are, and the noise so far. A task saves its part each minute.\n" +
-             at_home() + all_parts() + "exec " + run("merge", {}) + " -- \"$@\"\n"}};
+    std::map<std::string, std::string> all{{"inputs.txt", jobs_.inputs},
+                                           {"task.sh", jobs_.frames.empty() ? task() : task_of_frames()}};
+    if (jobs_.frames.empty())
+      all["merge.sh"] = "#!/bin/sh\n# Adds up all parts and writes the frame: the bytes of one machine's.\n" +
+                        at_home() + all_parts() + "exec " + run("merge", jobs_.merge_options) + inputs() +
+                        " -- \"$@\"\n";
+    if (jobs_.frames.empty())
+      all["status.sh"] =
+          "#!/bin/sh\n# Tells how far the parts are, and the noise so far. A task saves its part each minute.\n" +
+          at_home() + all_parts() + "exec " + run("merge", {}) + " -- \"$@\"\n";
     if (jobs_.engine == "slurm") {
       all["job.sbatch"] = slurm_array();
       all["submit.sh"] = slurm_submission();
@@ -68,6 +70,19 @@ class Writer {
            "\"$(printf %05d \"$1\")\".checkpoint -- " + shell_word(jobs_.scene) + "\n";
   }
 
+  std::string task_of_frames() const {
+    std::string text =
+        "#!/bin/sh\n# task.sh K: renders the frames of task K. Run again, it leaves out those that are "
+        "whole.\n" +
+        at_home() + "case \"${1:-}\" in\n";
+    for (size_t k = 0; k < jobs_.frames.size(); ++k)
+      text += std::to_string(k) + ") frames=" + jobs_.frames[k] + " ;;\n";
+    return text + "*) echo \"usage: task.sh K, from 0 to " + std::to_string(jobs_.tasks - 1) +
+           "\" >&2; exit 2 ;;\nesac\nexec " + run("render", jobs_.task_options) + inputs() +
+           " --quiet --frames=\"$frames\" --skip-existing --stats " + shell_word(in_folder(jobs_.stats)) + " -- " +
+           shell_word(jobs_.scene) + "\n";
+  }
+
   /// A line for each task, for engines that take commands.
   std::string commands() const {
     std::string lines;
@@ -91,6 +106,10 @@ class Writer {
   }
 
   std::string slurm_submission() const {
+    if (!jobs_.frames.empty())
+      return "#!/bin/sh\n# Submits the tasks with the options of sbatch that are given, such as --partition. Run again "
+             "after tasks were\n# lost: frames that are whole stay as they are.\nexec sbatch " +
+             slurm_log("task_%a.log") + " \"$@\" -- " + shell_word(in_folder("job.sbatch")) + "\n";
     return "#!/bin/sh\n# Submits the tasks, and the merge for when all are whole, with the options of sbatch that are "
            "given, such as\n# --partition. Run again after tasks were lost: parts that are whole stay as they are.\n"
            "set -eu\njob=$(sbatch --parsable " +
@@ -109,11 +128,12 @@ class Writer {
     ordered_json render = step("render", {in_folder("task.sh"), "{{Task.Param.Part}}"});
     const ordered_json part = {{"name", "Part"}, {"type", "INT"}, {"range", "0-" + std::to_string(jobs_.tasks - 1)}};
     render["parameterSpace"]["taskParameterDefinitions"] = ordered_json::array({part});
-    ordered_json merge = step("merge", {in_folder("merge.sh")});
-    merge["dependencies"] = ordered_json::array({ordered_json{{"dependsOn", "render"}}});
-    const ordered_json job = {{"specificationVersion", "jobtemplate-2023-09"},
-                              {"name", "alabaster"},
-                              {"steps", ordered_json::array({render, merge})}};
+    ordered_json steps = ordered_json::array({render});
+    if (jobs_.frames.empty()) {
+      steps.push_back(step("merge", {in_folder("merge.sh")}));
+      steps.back()["dependencies"] = ordered_json::array({ordered_json{{"dependsOn", "render"}}});
+    }
+    const ordered_json job = {{"specificationVersion", "jobtemplate-2023-09"}, {"name", "alabaster"}, {"steps", steps}};
     return job.dump(2, ' ', true) + "\n";
   }
 

@@ -21,6 +21,8 @@ struct FarmJobs {
   uint32_t samples = 1;                                              // per pixel, of the whole frame
   std::map<std::string, std::optional<std::string>> variables = {};  // of the environment; empty: not set
   std::string inputs = {};                                           // the text of inputs.txt
+  std::vector<std::string> frames = {};  // of each task, as --frames takes them; empty: a task is a part of a frame
+  std::string stats = {};                // name in the folder, of each frame's statistics
 };
 
 /// Why no job can hold these names, and the remedy; empty if one can.

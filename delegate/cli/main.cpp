@@ -194,18 +194,17 @@ CLI::App* add_render(CLI::App& app, RenderArguments* a) {
   return c;
 }
 
-constexpr const char* kNotOfFarm[] = {"--frames",        "--start-frame", "--turntable", "--turntable-lights",
-                                      "--skip-existing", "--pixel",       "--stats",     "--target-error",
-                                      "--time-limit"};
+constexpr const char* kNotOfFarm[] = {"--skip-existing", "--pixel", "--stats"};
 
 CLI::App* add_farm(CLI::App& app, FarmArguments* a) {
   CLI::App* c = app.add_subcommand(
       "farm",
       "Writes the jobs that render a frame on several machines, each a part of its samples, and merge the parts to the "
-      "bytes of one machine's frame. Takes the options of render; renders nothing itself.");
+      "bytes of one machine's frame; with --frames each renders some frames. Takes the options of render; renders "
+      "nothing itself.");
   add_render_options(c, &a->render);
-  add_parsed(c, "--tasks", &a->tasks, parse_tasks, "is not a whole number from 1 to 10000.", "N", "Number of parts");
-  c->get_option("--tasks")->required();
+  add_parsed(c, "--tasks", &a->tasks, parse_tasks, "is not a whole number from 1 to 10000.", "N",
+             "Number of tasks: parts of the frame, or ranges of --frames; default with --frames: one for each frame");
   // The command refuses them with a reason, so it does not list them.
   for (const char* refused : kNotOfFarm) c->get_option(refused)->group("");
   c->add_option(
@@ -216,6 +215,7 @@ CLI::App* add_farm(CLI::App& app, FarmArguments* a) {
   c->add_option("--folder", a->folder,
                 "Folder for the jobs and the parts, which all machines must see; default: SCENE_farm")
       ->type_name("DIR");
+  c->add_flag("--force", a->force, "Replace the jobs of an earlier farm in the folder, with their parts");
   return c;
 }
 
@@ -290,12 +290,14 @@ std::vector<std::string> given_options(const CLI::App* c, const std::set<std::st
   return words;
 }
 
-// A task renders without outputs, and the merge needs only what makes files of pixels.
+// A task that is a part renders without outputs, and the merge needs only what makes files of pixels.
 void split_options(const CLI::App* c, FarmArguments* a) {
-  const std::set<std::string> of_farm{"--tasks", "--engine", "--folder", "--quiet", "--spp"};
   const std::set<std::string> of_files{"--output", "--display", "--view", "--look", "--exposure"};
-  std::set<std::string> not_of_task = of_farm, not_of_merge;
-  not_of_task.insert(of_files.begin(), of_files.end());
+  std::set<std::string> not_of_task{"--tasks", "--engine", "--folder", "--force", "--quiet", "--frames"}, not_of_merge;
+  if (!a->render.has_frames()) {
+    not_of_task.insert(of_files.begin(), of_files.end());
+    not_of_task.insert("--spp");
+  }
   for (const CLI::Option* option : c->get_options())
     if (const std::string name = option_name(*option); !of_files.contains(name) && name != "--aov" && name != "--ocio")
       not_of_merge.insert(name);

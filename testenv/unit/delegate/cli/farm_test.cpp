@@ -59,7 +59,7 @@ TEST_F(Farm, TheMergedFrameIsThatOfOneMachineThoughATaskIsLost) {
   std::filesystem::rename(folder_ / "patch_farm/part.00002.checkpoint", folder_ / "lost");
   EXPECT_NE(shell("sh patch_farm/merge.sh"), 0) << "the last part is missing";
   std::filesystem::rename(folder_ / "lost", folder_ / "patch_farm/part.00002.checkpoint");
-  EXPECT_EQ(run(farm).code, 2) << "the folder holds parts";
+  EXPECT_EQ(run(farm).code, 2) << "the folder holds a farm";
   EXPECT_EQ(shell(lines[1]), 0) << "run again: " << read("shell.txt");
   EXPECT_EQ(shell("sh patch_farm/merge.sh"), 0) << read("shell.txt");
   EXPECT_EQ(pixels("a b.exr"), pixels("alone.exr"));
@@ -99,6 +99,52 @@ TEST_F(Farm, ATaskIsItsRenderAlsoWithKeepGoing) {
   ASSERT_EQ(farm("2", "short").code, 0);
   EXPECT_EQ(shell("sh short/task.sh 0"), 0) << read("shell.txt");
   EXPECT_EQ(shell("sh short/merge.sh") >> 8, 6) << read("shell.txt");
+}
+
+// A task whose frame fails leaves its statistics; run again it renders only what is missing.
+// promise: farm.frames, farm.frames.again, farm.force
+TEST_F(Farm, FramesOfTasksAreThoseOfOneMachine) {
+  write("scene.json", R"({"models": [{"file": "patch.gltf"}], "settings": {"samples": 2, "resolution": [16, 12]},
+    "camera": {"lookAt": {"eye": [0, 0, 3], "target": [0, 0, 0]}}})");
+  ASSERT_EQ(run({"render", "scene.json", "-o", "alone.####.exr", "--frames", "1:4,6"}).code, 0);
+  const std::vector<std::string> farm{"farm", "scene.json", "-o", "a b.####.exr", "--frames", "1:4,6", "--tasks", "2"};
+  const Outcome wrote = run(farm);
+  ASSERT_EQ(wrote.code, 0) << wrote.err;
+  EXPECT_FALSE(std::filesystem::exists(folder_ / "scene_farm/merge.sh"));
+  EXPECT_EQ(read("scene_farm/task.sh").find("--samples"), std::string::npos);
+  std::filesystem::create_directory(folder_ / "a b.0002.exr");
+  EXPECT_EQ(shell("sh scene_farm/task.sh 0") >> 8, 5) << read("shell.txt");
+  EXPECT_EQ(nlohmann::json::parse(read("scene_farm/stats.0002.json")).at("exitCode"), 5);
+  std::filesystem::remove(folder_ / "a b.0002.exr");
+  const auto first = std::filesystem::last_write_time(folder_ / "a b.0001.exr");
+  for (const char* task : {"0", "1"})
+    EXPECT_EQ(shell(std::string("sh scene_farm/task.sh ") + task), 0) << read("shell.txt");
+  EXPECT_EQ(std::filesystem::last_write_time(folder_ / "a b.0001.exr"), first) << "a frame that is whole stays";
+  for (const std::string frame : {"0001", "0002", "0003", "0004", "0006"})
+    EXPECT_EQ(pixels("a b." + frame + ".exr"), pixels("alone." + frame + ".exr")) << frame;
+  EXPECT_EQ(shell("sh scene_farm/task.sh 2") >> 8, 2);
+  EXPECT_EQ(run(farm).code, 2) << "the folder holds a farm";
+  std::vector<std::string> again = farm;
+  again.push_back("--force");
+  EXPECT_EQ(run(again).code, 0);
+  EXPECT_FALSE(std::filesystem::exists(folder_ / "scene_farm/stats.0002.json"));
+}
+
+TEST_F(Farm, AJobOfFramesHasNoMerge) {
+  write("scene.json", R"({"models": [{"file": "patch.gltf"}], "settings": {"samples": 2, "resolution": [16, 12]},
+    "camera": {"lookAt": {"eye": [0, 0, 3], "target": [0, 0, 0]}}})");
+  const auto farm = [&](const char* engine) {
+    return run({"farm", "scene.json", "-o", "a.####.exr", "--frames", "1:3", "--engine", engine, "--folder", engine});
+  };
+  ASSERT_EQ(farm("openjd").code, 0);
+  const auto job = nlohmann::json::parse(read("openjd/template.json"));
+  ASSERT_EQ(job.at("steps").size(), 1u);
+  EXPECT_EQ(job["steps"][0].at("parameterSpace").at("taskParameterDefinitions").at(0).at("range"), "0-2");
+  ASSERT_EQ(farm("slurm").code, 0);
+  EXPECT_NE(read("slurm/job.sbatch").find("#SBATCH --array=0-2\n"), std::string::npos);
+  for (const char* name : {"task.sh", "submit.sh", "job.sbatch"})
+    EXPECT_EQ(shell(std::string("sh -n slurm/") + name), 0) << name;
+  EXPECT_EQ(read("slurm/submit.sh").find("merge"), std::string::npos);
 }
 
 // promise: farm.engine.slurm
@@ -341,7 +387,7 @@ TEST_F(Farm, AFrameThatCannotBeWrittenIsRefusedBeforeItsTasks) {
 
 TEST_F(Farm, ItsHelpListsNoOptionThatItRefuses) {
   const std::string farm = run({"farm", "--help"}).out, render = run({"render", "--help"}).out;
-  for (const std::string option : {"--frames", "--pixel", "--stats", "--target-error", "--time-limit"}) {
+  for (const std::string option : {"--pixel", "--stats", "--skip-existing"}) {
     EXPECT_EQ(farm.find("\n  " + option + " "), std::string::npos) << option;
     EXPECT_NE(render.find("\n  " + option + " "), std::string::npos) << option;
   }
@@ -370,7 +416,11 @@ TEST_F(Farm, WrongArgumentsAreRefused) {
   refused({"-o", "a.exr", "--tasks", "5"}, "cannot be shared");
   refused({"--tasks", "2"}, "add -o");
   refused({"-o", "a.exr", "--tasks", "2", "--engine", "cloud"}, "choose from script, slurm, openjd");
-  refused({"-o", "a.exr", "--tasks", "2", "--frames", "1:4"}, "--frames");
+  refused({"-o", "a.exr"}, "--tasks is required");
+  refused({"-o", "a.exr", "--tasks", "2", "--frames", "1:4"}, "####");
+  refused({"-o", "a.####.exr", "--tasks", "5", "--frames", "1:4"}, "4 frames cannot be shared by 5 tasks");
+  refused({"-o", "a.####.exr", "--frames", "1:4", "--time", "1"}, "--frames");
+  refused({"-o", "a.####.exr", "--frames", "1:4"}, "it would jump");
   refused({"-o", "a.exr", "--tasks", "2", "--target-error", "0.1"}, "error: --tasks: The setting targetError decides");
   refused({"-o", "a.exr", "--tasks", "2", "--time", "noon"}, "--time");
   refused({"-o", "a.exr", "--tasks", "2", "--crop", "1,2"}, "--crop");
