@@ -96,6 +96,7 @@ struct ImageDescription {
   std::vector<ImageAttribute> attributes;
   std::optional<CodePoints> encoding;  // told by a PNG
   bool fast = false;                   // not compressed, where the format lets us choose
+  std::string compression = "zip";     // exr: OpenImageIO's name
 };
 
 /// Gives rows to an encoder. May throw; the exception passes through.

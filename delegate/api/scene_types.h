@@ -233,6 +233,7 @@ struct RenderProduct {
   std::string file;                 // .exr .png .tif .tiff .jpg .jpeg
   std::vector<RenderVar> vars;      // empty: color (with alpha)
   Token dataType;                   // exr: half (default) | float; png, tiff: uint8 (default) | uint16; jpeg: uint8
+  Token compression;                // exr: empty is zip
   std::string colorSpace;           // scene-referred output space; empty: the rendering space for EXR
   std::string display, view, look;  // display-referred output (default for png/tiff/jpeg)
   float exposure = 0;               // stops, with display output

@@ -17,7 +17,7 @@ inline constexpr int kMaxSamplesWithTargetError = 65536;
 /// The files of pictures, and how they show them. Empty: not given.
 struct PictureArguments {
   std::vector<std::string> outputs, aovs;
-  std::string display, view, look;
+  std::string display, view, look, compression;
   std::string color_space;  // of `outputs` but .exr, in the place of a display
   std::optional<float> exposure;
   bool denoise = false;

@@ -391,7 +391,8 @@ std::vector<std::string> text_lines(const std::string& text) {
 /// Gives the render that is listed the products of the options.
 void set_products(const PictureArguments& a, SceneSession* session, Console* console) {
   hd::RenderSettingsDescription settings = session->scene.GetAllRenderSettings().at(session->file.settings);
-  const bool asked = !a.outputs.empty() || !a.aovs.empty() || a.exposure || !(a.display + a.view + a.look).empty();
+  const bool asked =
+      !a.outputs.empty() || !a.aovs.empty() || a.exposure || !(a.display + a.view + a.look + a.compression).empty();
   if (!asked && settings.products.empty()) return;
   settings.products = make_products(a, settings.products, "info", *console);
   session->scene.SetRenderSettings(session->file.settings, std::move(settings));

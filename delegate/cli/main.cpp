@@ -94,6 +94,10 @@ void add_picture_options(CLI::App* c, PictureArguments* a, const char* aov_help)
   add_display(c, a);
   c->add_option("--look", a->look, "Look of the OCIO config")->type_name("NAME");
   add_repeated(c, "--aov", &a->aovs, "NAME[=LAYER]", aov_help);
+  c->add_option(
+       "--compression", a->compression,
+       "Compression of .exr: none, rle, zip (the default), zips, piz; pxr24, b44, b44a, dwaa and dwab lose bits")
+      ->type_name("NAME");
 }
 
 constexpr const char* kNoFrames =
@@ -292,7 +296,7 @@ std::vector<std::string> given_options(const CLI::App* c, const std::set<std::st
 
 // A task that is a part renders without outputs, and the merge needs only what makes files of pixels.
 void split_options(const CLI::App* c, FarmArguments* a) {
-  const std::set<std::string> of_files{"--output", "--display", "--view", "--look", "--exposure"};
+  const std::set<std::string> of_files{"--output", "--display", "--view", "--look", "--exposure", "--compression"};
   std::set<std::string> not_of_task{"--tasks", "--engine", "--folder", "--force", "--quiet", "--frames"}, not_of_merge;
   if (!a->render.has_frames()) {
     not_of_task.insert(of_files.begin(), of_files.end());

@@ -228,6 +228,7 @@ class MergeCommand {
       const hd::RenderProduct* const theirs = like(product, shown);
       if (!theirs) continue;
       if (product.dataType.empty()) product.dataType = theirs->dataType;
+      if (product.compression.empty()) product.compression = theirs->compression;
       if (a_.display.empty() && a_.view.empty()) {
         product.display = theirs->display, product.view = theirs->view;
         product.colorSpace = theirs->colorSpace;

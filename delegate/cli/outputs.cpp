@@ -67,10 +67,13 @@ std::vector<hd::RenderProduct> make_products(const PictureArguments& a, const st
     console.usage_error(command,
                         "--display, --view, --look and --exposure apply to .png, .tif and .jpg files, but none is "
                         "written; EXR stays scene-linear.");
+  if (!a.compression.empty() && !any_exr)
+    console.usage_error(command, "--compression applies to .exr files, but none is written: add -o FILE.exr.");
   for (hd::RenderProduct& product : products) {
     if (a.denoise) product.denoise = true;
     if (!a.color_space.empty() && !a.outputs.empty() && !is_exr(product)) product.colorSpace = a.color_space;
     if (is_exr(product)) {
+      if (!a.compression.empty()) product.compression = hd::Token(a.compression);
       if (!a.aovs.empty()) add_layers(a.aovs, &product);
       continue;
     }

@@ -299,7 +299,8 @@ class RenderCommand {
   // All renders of the frame are planned before the first begins.
   int render_frame(double number) {
     // An invalid product is a fault of the command line or of the description.
-    const bool named = !a_.outputs.empty() || !a_.display.empty() || !a_.view.empty() || !a_.look.empty();
+    const bool named =
+        !a_.outputs.empty() || !a_.display.empty() || !a_.view.empty() || !a_.look.empty() || !a_.compression.empty();
     std::vector<hd::host::RecordOptions> renders;
     for (const hd::Path& path : settings_paths()) {
       hd::host::RecordOptions& options = renders.emplace_back();

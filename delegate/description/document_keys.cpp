@@ -266,7 +266,8 @@ Key settings() {
 
 Key products() {
   Keys fields;
-  add_fields("product", {"dataType", "colorSpace", "display", "view", "look", "exposure", "denoise"}, &fields);
+  add_fields("product", {"dataType", "compression", "colorSpace", "display", "view", "look", "exposure", "denoise"},
+             &fields);
   Key aovs = word("aovs", host::ProductAovs(),
                   "AOVs to write, as layers of an EXR; color by default. primvars:NAME shows the primvar of that name, "
                   "lightGroup:NAME the light of that group, and lightGroup:* is all groups.");

@@ -15,7 +15,7 @@ namespace alabaster::hd::host {
 /// The values that a field takes.
 struct Limits {
   double low = -std::numeric_limits<double>::infinity(), high = std::numeric_limits<double>::infinity();
-  std::array<const char*, 9> words{};  // of a token or an enumeration, in its order; null: no more
+  std::array<const char*, 10> words{};  // of a token or an enumeration, in its order; null: no more
 };
 constexpr Limits range(double low, double high = std::numeric_limits<double>::infinity()) {
   return {low, high, {}};

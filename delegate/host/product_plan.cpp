@@ -94,6 +94,35 @@ bool check_var(const RenderVar& var, FileKind kind, std::string& error) {
   return false;
 }
 
+/// What lossy compression would break: ids, names, distances and places, of which all bits count.
+bool must_be_kept(const AovInfo& aov) {
+  return aov.is_integer() || needs_full_precision(aov);
+}
+
+bool plan_compression(const RenderProduct& product, ProductPlan& plan, std::string& error) {
+  const Token& wanted = product.compression;
+  plan.compression = wanted.empty() ? "zip" : wanted.str();
+  if (wanted.empty()) return true;
+  if (plan.kind != FileKind::exr) {
+    error = "compression '" + wanted.str() + "' is one of .exr files; leave it out for this file";
+    return false;
+  }
+  const auto is_among = [&](const auto& all) { return std::find(all.begin(), all.end(), wanted.str()) != all.end(); };
+  if (!is_among(kCompressions)) {
+    error = "there is no compression '" + wanted.str() + "'; use one of:";
+    for (const char* name : kCompressions) error += std::string(" ") + name;
+    return false;
+  }
+  if (!is_among(kLossyCompressions)) return true;
+  for (const RenderVar& var : WantedVars(product))
+    if (const AovInfo* aov = find_aov(var.aov.str()); aov && must_be_kept(*aov)) {
+      error = "AOV '" + var.aov.str() + "' needs all its bits, and compression '" + wanted.str() +
+              "' loses some; write it to a product of its own with compression zip, or choose zip for this file";
+      return false;
+    }
+  return true;
+}
+
 bool plan_channels(const RenderProduct& product, ChannelStore store, ProductPlan& plan, std::string& error) {
   const std::vector<RenderVar> vars = WantedVars(product);
   if (plan.kind != FileKind::exr && vars.size() > 1) {
@@ -191,7 +220,7 @@ bool PlanProduct(const RenderProduct& product, ProductPlan& plan, std::string& e
     return false;
   }
   plan.display_referred = wants_display || (plan.kind != FileKind::exr && product.colorSpace.empty());
-  return plan_channels(product, store, plan, error);
+  return plan_compression(product, plan, error) && plan_channels(product, store, plan, error);
 }
 
 }  // namespace alabaster::hd::host

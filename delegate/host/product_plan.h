@@ -1,6 +1,9 @@
 // Decides what a render product's file will hold, once for the check before rendering and for the writing.
 #pragma once
 
+#include <array>
+#include <span>
+
 #include "core/images/image_file.h"
 #include "delegate/api/scene_types.h"
 
@@ -24,8 +27,13 @@ struct PlannedChannel {
 struct ProductPlan {
   FileKind kind = FileKind::exr;
   bool display_referred = false;  // display and view, else a scene-referred space
+  std::string compression;        // of an EXR
   std::vector<PlannedChannel> channels;
 };
+
+/// Ways to compress an EXR. The last five lose bits of floats or halves.
+inline constexpr std::array kCompressions{"none", "rle", "zip", "zips", "piz", "pxr24", "b44", "b44a", "dwaa", "dwab"};
+inline constexpr std::span kLossyCompressions = std::span(kCompressions).last(5);
 
 /// The vars that the product's file holds. Color brings its own alpha, so an alpha beside it is left out. With
 /// `denoise` set, AOV denoised stands beside color in an EXR and in its place in other files.

@@ -141,6 +141,7 @@ ImageDescription describe(const ProductPlan& plan, const ProductImage& image, co
   add_names(plan, image.names, &file.attributes);
   if (has_color(plan) && out.encoding != kSrgbCodePoints) file.encoding = out.encoding;
   file.fast = image.incomplete;
+  file.compression = plan.compression;
   return file;
 }
 

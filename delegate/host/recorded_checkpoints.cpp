@@ -46,7 +46,7 @@ std::string RecordedCheckpoints::note(const RenderSettingsDescription& d) const 
       RenderProduct& shown = frame.products.emplace_back();
       shown.file = product.file, shown.dataType = product.dataType, shown.colorSpace = product.colorSpace;
       shown.display = product.display, shown.view = product.view, shown.look = product.look;
-      shown.exposure = product.exposure;
+      shown.exposure = product.exposure, shown.compression = product.compression;
     }
   frame.settings.clear();
   const Dictionary stats = delegate_->GetRenderStats();

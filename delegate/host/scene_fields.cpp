@@ -4,6 +4,7 @@
 #include <array>
 
 #include "delegate/host/open_fields.h"
+#include "delegate/host/product_plan.h"
 #include "delegate/support/lookup.h"
 #include "delegate/support/mesh_words.h"
 #include "delegate/support/nearest_name.h"
@@ -196,6 +197,11 @@ constexpr Field kProduct[] = {
         "dataType", dirty::kParams,
         "Type of the numbers. The default is half for .exr, else uint8; .jpg takes uint8 alone.",
         words("half", "float", "uint8", "uint16")),
+    field<&RenderProduct::compression>(
+        "compression", dirty::kParams,
+        "Compression of an .exr; zip by default. pxr24, b44, b44a, dwaa and dwab lose bits: a file with them holds no "
+        "ids, depths, places or Cryptomatte.",
+        words(kCompressions)),
     field<&RenderProduct::colorSpace>(
         "colorSpace", dirty::kParams,
         "Colour space of a file of scene-referred values. Without it, the rendering space for .exr."),

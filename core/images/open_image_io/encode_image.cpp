@@ -79,6 +79,8 @@ OIIO::TypeDesc type_of(ChannelStore store) {
 void set_compression(const ImageDescription& image, OIIO::ImageSpec& spec) {
   switch (image.kind) {
     case FileKind::exr:
+      spec.attribute("compression", image.fast ? "none" : image.compression);
+      break;
     case FileKind::tiff:
       spec.attribute("compression", image.fast ? "none" : "zip");
       break;

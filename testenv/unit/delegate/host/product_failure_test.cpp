@@ -30,6 +30,8 @@ TEST_F(ProductFile, CheckRefusesWhatCannotBeWrittenAndSaysWhy) {
       {with("folder.exr", nothing), "choose another name"},
       {with("a.exr", [](RenderProduct& p) { p.dataType = "uint8"; }), "half or float"},
       {with("a.jpg", [](RenderProduct& p) { p.dataType = "uint16"; }), "uint8 for .jpg"},
+      {with("a.png", [](RenderProduct& p) { p.compression = "zip"; }), "leave it out"},
+      {with("a.exr", [](RenderProduct& p) { p.compression = "lzw"; }), "none rle zip zips piz"},
       {with_vars("a.exr", {{"x", "shadow", "half"}}), "sampleCount"},
       {with_vars("a.exr", {{"x", "color", "int"}}), "does not hold integers"},
       {with_vars("a.exr", {{"x", "color", "double"}}), "half, float or int"},
@@ -52,6 +54,21 @@ TEST_F(ProductFile, CheckRefusesWhatCannotBeWrittenAndSaysWhy) {
   }
   EXPECT_FALSE(CheckProduct(product("a.exr"), {0, 0, kWidth, kHeight}, {"/none.ocio"}, sink_));
   EXPECT_EQ(listing(), (std::vector<std::string>{"file", "folder.exr"})) << "a check leaves nothing behind";
+}
+
+// promise: pipeline.format.compression
+TEST_F(ProductFile, LossyCompressionOfWhatNeedsItsBitsIsRefusedByName) {
+  for (const char* name : {"pxr24", "b44", "b44a", "dwaa", "dwab"})
+    for (const char* aov : {"depth", "cameraDepth", "Peye", "primId", "cryptoObject", "sampleCount", "primvars:st"}) {
+      RenderProduct p = product("a.exr");
+      p.compression = name, p.vars = {UsualRenderVar("color"), UsualRenderVar(aov)};
+      EXPECT_FALSE(check(p)) << name << aov;
+      EXPECT_NE(text().find("AOV '" + std::string(aov) + "' needs all its bits"), std::string::npos) << text();
+      p.vars.pop_back();
+      EXPECT_TRUE(check(p)) << name << text();
+      p.vars.push_back(UsualRenderVar(aov)), p.compression = "piz";
+      EXPECT_TRUE(check(p)) << aov << text();
+    }
 }
 
 TEST_F(ProductFile, WritingReportsWhatTheImageLacks) {

@@ -195,6 +195,22 @@ TEST_F(ProductFile, IncompleteImagesHoldTheSamePixelsUncompressed) {
   EXPECT_EQ(Read(hasty[0].file).spec.get_string_attribute("compression"), "none");
 }
 
+// promise: pipeline.format.compression
+TEST_F(ProductFile, AnExrIsCompressedAsItsProductSays) {
+  const ProductImage image = frame();
+  ASSERT_TRUE(write(product("a.exr"), image)) << text();
+  const Read usual(path("a.exr"));
+  for (const std::string name : {"none", "rle", "zip", "zips", "piz", "pxr24", "b44", "b44a", "dwaa", "dwab"}) {
+    RenderProduct p = product(name + ".exr");
+    p.compression = name;
+    ASSERT_TRUE(write(p, image)) << text();
+    const Read exr(p.file);
+    EXPECT_EQ(exr.spec.get_string_attribute("compression"), name);
+    const bool keeps_halves = name[0] != 'b' && name[0] != 'd';
+    EXPECT_TRUE(!keeps_halves || exr.pixels == usual.pixels) << name;
+  }
+}
+
 TEST_F(ProductFile, ValidProductsAreWrittenBesideInvalidOnes) {
   RenderProduct bad = product("none/b.exr");
   EXPECT_EQ(WriteProducts({product("a.exr"), bad, product("c.tif")}, frame(), colors_, sink_),

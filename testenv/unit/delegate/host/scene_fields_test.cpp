@@ -136,12 +136,14 @@ TEST(SceneFields, AreTheMembersOfSettingsAndProducts) {
                      {"samples", 3}};
   expect_members(Token("renderSettings"), settings, plain);
   RenderProduct& product = settings.products.emplace_back();
-  product.file = "b.exr", product.dataType = "float", product.colorSpace = "s", product.display = "d";
+  product.file = "b.exr", product.dataType = "float", product.compression = "piz", product.colorSpace = "s",
+  product.display = "d";
   product.view = "v", product.look = "l", product.exposure = 2, product.denoise = false, product.camera = "/other";
   product.width = 8, product.height = 9, product.disableMotionBlur = product.disableDepthOfField = true;
   product.vars = {{"a", "normal", "float"}};
   Fields fields{{"products:0:file", "b.exr"},
                 {"products:0:dataType", "float"},
+                {"products:0:compression", "piz"},
                 {"products:0:colorSpace", Token("s")},
                 {"products:0:display", Token("d")},
                 {"products:0:view", Token("v")},
