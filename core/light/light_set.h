@@ -23,11 +23,10 @@ enum class ConstantDomes { sampled, bsdf_sampling_only };
 /// How lights are sampled at a point. The pdf of a light that a ray from there intersects is computed with the
 /// same search.
 struct LightSampleContext {
-  LightSampleContext(ConstantDomes how = ConstantDomes::sampled, const Vec3f& lobe = Vec3f(0, 0, 0),
-                     float when = 0)
+  LightSampleContext(ConstantDomes how = ConstantDomes::sampled, const Vec3f& lobe = Vec3f(0, 0, 0), float when = 0)
       : domes(how), n(lobe), time(when) {}
   ConstantDomes domes;
-  Vec3f n;  // unit: a lobe weighs light by the cosine to it; zero: none does
+  Vec3f n;     // unit: a lobe weighs light by the cosine to it; zero: none does
   float time;  // of the shutter, at which light is sampled; a ray has its own
 };
 

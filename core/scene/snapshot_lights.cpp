@@ -67,6 +67,7 @@ class LightCompiler {
         lights.push_back(make_light(d, snapshot_->origin, {images, sources_.cancel, memory_of(*sources_.device)}));
       });
       keep_image(lights.back());
+      snapshot_->features.motion |= std::holds_alternative<MovingLight>(lights.back());
       traits.visible_to_camera.push_back(d.visible_to_camera);
       traits.shadow_links.push_back(d.shadow_enable ? d.shadow_link : nothing);
       traits.scales.push_back({d.diffuse, d.specular});
