@@ -47,7 +47,8 @@ void sample_lights(const PathContext& context, const VertexBsdf& bsdf, Vertex* v
   ControlVariate* const control = vertex->control ? &*vertex->control : nullptr;
   PathRecord* const record = context.record;
   const LightSet& lights = context.scene.lights_of(*v.instance);
-  const LightSampleContext at = bsdf.light_context();
+  LightSampleContext at = bsdf.light_context();
+  at.time = context.time;
   const size_t draws = lights.draws(at);
   const auto branches = static_cast<float>(path->branches);
   const std::array<float, 4>& u = v.u.light;

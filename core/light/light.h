@@ -18,12 +18,8 @@
 #include <concepts>
 #include <variant>
 
-#include "core/light/cylinder_light.h"
-#include "core/light/distant_light.h"
-#include "core/light/dome_light.h"
 #include "core/light/mesh_light.h"
-#include "core/light/rect_disk_light.h"
-#include "core/light/sphere_light.h"
+#include "core/light/moving_light.h"
 
 namespace alabaster {
 
@@ -36,13 +32,13 @@ concept IsLight = requires(const T& light, const Vec3f& p, const Vec2f& u, const
   requires IsIntersected<T> || std::same_as<T, MeshLight>;
   { light.sample(p, u, n) } -> std::same_as<std::optional<LightSample>>;
   { light.importance(p) } -> std::same_as<double>;
-  { light.extent() } -> std::same_as<LightExtent>;
+  { light.extent() } -> std::convertible_to<LightExtent>;
   { light.is_below(p, n) } -> std::same_as<bool>;  // the plane through p with normal n hides it
   { light.image() } -> std::convertible_to<std::shared_ptr<const LightImage>>;  // null: it has none
 };
 template <IsLight... Lights>
 using LightOf = std::variant<Lights...>;
-using Light = LightOf<RectDiskLight, CylinderLight, SphereLight, DistantLight, DomeLight, MeshLight>;
+using Light = LightOf<RectDiskLight, CylinderLight, SphereLight, DistantLight, DomeLight, MeshLight, MovingLight>;
 
 /// The light of these parameters, placed in the render space whose origin this is in the world. It shares images where
 /// it can.

@@ -115,6 +115,7 @@ LightImage::Cell LightImage::cell(size_t column, size_t row) const {
 
 std::shared_ptr<const LightImage> share_light_image(const std::shared_ptr<const Texture>& texture, const Rgb& scale,
                                                     LightImage::Shape shape, const LightImages& images) {
+  if (images.same) return images.same;
   const Rgb tint = LightImage::tint_of(scale);
   for (const auto& image : images.known)
     if (image->is_of(texture.get(), tint, shape)) return image;

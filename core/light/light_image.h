@@ -87,6 +87,7 @@ struct LightImages {
   std::span<const std::shared_ptr<const LightImage>> known = {};
   CancelToken cancel = {};
   std::shared_ptr<MemoryBudget> memory = nullptr;
+  std::shared_ptr<const LightImage> same = nullptr;  // of the light elsewhere: taken whatever the rounding of its tint
 };
 
 /// The known one of that texture, tint and shape, or a new one: its density takes 0.2 s for 4096 x 2048 texels. Throws

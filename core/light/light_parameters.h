@@ -8,6 +8,7 @@
 #include <memory>
 #include <optional>
 #include <span>
+#include <vector>
 
 #include "core/color/rgb.h"
 #include "core/math/bounds.h"
@@ -82,7 +83,8 @@ enum class LightType { rect, sphere, distant, dome, disk, cylinder };
 /// Negative channels count as black. The sign of a size is ignored.
 struct LightParameters {
   LightType type = LightType::rect;
-  Matrix4d light_to_world;  // lights emit down their local -z (rect, disk, distant); scale applies to sizes
+  Matrix4d light_to_world;           // lights emit down their local -z (rect, disk, distant); scale applies to sizes
+  std::vector<Matrix4d> poses = {};  // of what moves: light_to_world over the shutter, even ones; empty: stands still
   Rgb color{1.0f};
   float intensity = 1;
   float exposure = 0;               // stops

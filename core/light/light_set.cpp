@@ -39,18 +39,27 @@ LightSet::LightSet(std::vector<Light> lights, Traits traits, size_t sample_all_u
   std::sort(mesh_light_of_instance_.begin(), mesh_light_of_instance_.end());
 }
 
-std::optional<LightSample> LightSet::sample(const Vec3f& p, float u_light, const Vec2f& u, const Vec3f& n) const {
+std::optional<LightSample> LightSet::sample(const Vec3f& p, float u_light, const Vec2f& u, const Vec3f& n,
+                                            float time) const {
   if (constant_domes_.size() == lights_.size()) return std::nullopt;
   const auto chosen =
       tree_.empty() ? LightChoice(lights_, scales_, p).choose(u_light) : tree_.choose(lights_, p, u_light);
   if (!chosen) return std::nullopt;
-  auto s = sample_light(chosen->index, p, u, n);
+  auto s = sample_light(chosen->index, p, u, n, time);
   if (s) s->pdf *= chosen->probability;
   return s;
 }
 
-std::optional<LightSample> LightSet::sample_light(size_t i, const Vec3f& p, const Vec2f& u, const Vec3f& n) const {
-  auto s = std::visit([&](const auto& light) { return light.sample(p, u, n); }, lights_[i]);
+std::optional<LightSample> LightSet::sample_light(size_t i, const Vec3f& p, const Vec2f& u, const Vec3f& n,
+                                                  float time) const {
+  auto s = std::visit(
+      [&](const auto& light) {
+        if constexpr (std::is_same_v<std::decay_t<decltype(light)>, MovingLight>)
+          return light.sample(p, u, n, time);
+        else
+          return light.sample(p, u, n);
+      },
+      lights_[i]);
   if (has_traits_ && s) [[unlikely]] {
     if (!shadow_links_.empty()) s->shadow_link = shadow_links_[i];
     if (!scales_.empty()) s->scales = &scales_[i];

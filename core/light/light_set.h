@@ -23,10 +23,11 @@ enum class ConstantDomes { sampled, bsdf_sampling_only };
 /// How lights are sampled at a point. The pdf of a light that a ray from there intersects is computed with the
 /// same search.
 struct LightSampleContext {
-  LightSampleContext(ConstantDomes how = ConstantDomes::sampled, const Vec3f& lobe = Vec3f(0, 0, 0))
-      : domes(how), n(lobe) {}
+  LightSampleContext(ConstantDomes how = ConstantDomes::sampled, const Vec3f& lobe = Vec3f(0, 0, 0), float when = 0)
+      : domes(how), n(lobe), time(when) {}
   ConstantDomes domes;
-  Vec3f n;  // unit: a lobe weighs light by the cosine to it; zero: none does
+  Vec3f n;     // unit: a lobe weighs light by the cosine to it; zero: none does
+  float time;  // of the shutter, at which light is sampled; a ray has its own
 };
 
 /// Unit normals of two planes through a point: of its surface and of its lobe. A light that lies wholly below either
@@ -66,16 +67,16 @@ class LightSet {
                                   const LightSampleContext& at) const {
     if (sample_all_) {
       if (is_left_out(at.domes, k) || is_below(k, p, horizon)) return std::nullopt;
-      return sample_light(k, p, shifted({u[1], u[2]}, k), at.n);
+      return sample_light(k, p, shifted({u[1], u[2]}, k), at.n, at.time);
     }
-    return k == 0 ? sample(p, u[0], {u[1], u[2]}, at.n)
-                  : sample_light(constant_domes_[k - 1], p, dome_numbers(k - 1, u), at.n);
+    return k == 0 ? sample(p, u[0], {u[1], u[2]}, at.n, at.time)
+                  : sample_light(constant_domes_[k - 1], p, dome_numbers(k - 1, u), at.n, at.time);
   }
 
   /// One direction of one chosen light, never of a constant dome. The pdf includes the choice of light, for a delta
   /// light too. Empty: no light arrives.
-  std::optional<LightSample> sample(const Vec3f& p, float u_light, const Vec2f& u,
-                                    const Vec3f& n = Vec3f(0, 0, 0)) const;
+  std::optional<LightSample> sample(const Vec3f& p, float u_light, const Vec2f& u, const Vec3f& n = Vec3f(0, 0, 0),
+                                    float time = 0) const;
 
   /// Calls take(light's index, Rgb) with what each light without geometry emits along the ray: finite ones from tmin to
   /// ray.tmax and, if the ray `escaped` from the scene, infinite ones (distant, dome). Lights do not block rays: all
@@ -152,7 +153,7 @@ class LightSet {
       return radiance;
     return radiance * (shares->diffuse * scales_[i].diffuse + shares->specular * scales_[i].specular);
   }
-  std::optional<LightSample> sample_light(size_t i, const Vec3f& p, const Vec2f& u, const Vec3f& n) const;
+  std::optional<LightSample> sample_light(size_t i, const Vec3f& p, const Vec2f& u, const Vec3f& n, float time) const;
   /// Another point of the unit square for each light, as well spread as u: shifted by Roberts' R2 lattice.
   static Vec2f shifted(const Vec2f& u, size_t i) {
     if (i == 0) return u;
@@ -167,6 +168,8 @@ class LightSet {
   static Vec2f dome_numbers(size_t k, const std::array<float, 4>& u) { return shifted({u[1], u[2]}, k + 1); }
   bool is_below(size_t i, const Vec3f& p, const Horizon& horizon) const;
   bool is_infinite(size_t i) const {
+    if (const auto* moving = std::get_if<MovingLight>(&lights_[i])) [[unlikely]]
+      return !moving->extent().finite;
     return std::holds_alternative<DistantLight>(lights_[i]) || std::holds_alternative<DomeLight>(lights_[i]);
   }
   /// The pdf that draw(., p, ...) has for a light i that a ray has met.

@@ -46,7 +46,7 @@ float irradiance_at(const SceneSnapshot& snapshot, const Instance& instance, con
   const Vec3f shift(rng.uniform(), rng.uniform(), rng.uniform());
   float sum = 0;
   const LightSet& lights = snapshot.lights_of(instance);
-  const LightSampleContext context{ConstantDomes::sampled, hit.ng};
+  const LightSampleContext context{ConstantDomes::sampled, hit.ng, kTime};
   for (int i = 0; i < kDirections; ++i)
     for (size_t k = 0; k < lights.draws(context); ++k) {
       const auto light = lights.draw(k, p, {hit.ng, hit.ng}, spread(i, shift), context);

@@ -103,7 +103,7 @@ struct SceneFeatures {
   bool clear_sheets = false;  // some material is a clear thin surface: light may go straight on through it
   bool textures = false;
   bool see_through = false;         // some instance is, and not only where rays begin behind it
-  bool motion = false;              // some instance moves or deforms: rays have a time
+  bool motion = false;              // an instance or a light moves, or a shape deforms: rays have a time
   bool visible_background = false;  // a dome that the camera sees: the background is opaque
   bool lobe_scales = false;         // a light has scales for lobes: rays keep the shares of those that they left by
 };

@@ -20,12 +20,15 @@ bool has_no_size(const LightParameters& d) {
 
 // True if the light can be placed. Says why one gives no light.
 bool is_usable(const LightParameters& d, const DiagnosticSink& sink, std::vector<std::string>* left_out) {
-  if (is_valid_affine(d.light_to_world) && is_within_reach(d.light_to_world)) {
+  const auto all_poses = [&](const auto& holds) {
+    return holds(d.light_to_world) && std::all_of(d.poses.begin(), d.poses.end(), holds);
+  };
+  const bool near = all_poses([](const Matrix4d& m) { return is_within_reach(m); });
+  if (near && all_poses([](const Matrix4d& m) { return is_valid_affine(m); })) {
     if (d.intensity != 0 && has_no_size(d))
       report(sink, Severity::warning, "light.size", d.name, "a light of size zero gives no light; give it a size");
     return true;
   }
-  const bool near = is_within_reach(d.light_to_world);
   report(sink, near ? Severity::warning : Severity::error, "light.transform", d.name,
          near ? "the transform is not invertible: the light is left out; check its scale"
               : "the transform is not finite, or goes beyond 1e17: the light is left out; move it nearer");
@@ -64,6 +67,7 @@ class LightCompiler {
         lights.push_back(make_light(d, snapshot_->origin, {images, sources_.cancel, memory_of(*sources_.device)}));
       });
       keep_image(lights.back());
+      snapshot_->features.motion |= std::holds_alternative<MovingLight>(lights.back());
       traits.visible_to_camera.push_back(d.visible_to_camera);
       traits.shadow_links.push_back(d.shadow_enable ? d.shadow_link : nothing);
       traits.scales.push_back({d.diffuse, d.specular});

@@ -29,6 +29,7 @@ void Turntable::turn(double degrees) {
   }
   for (auto [path, light] : lights_) {
     light.transform *= turned;
+    for (auto& sample : light.transformSamples.values) sample *= turned;
     session_.scene.SetLight(path, light);
   }
 }

@@ -59,7 +59,8 @@ struct LightDescription {
   Token type;
   Matrix4d transform;
   std::map<Token, Value> parameters;
-  bool visible = true;  // else it gives no light
+  bool visible = true;                          // else it gives no light
+  TimeSamples<Matrix4d> transformSamples = {};  // of what moves
   bool operator==(const LightDescription&) const = default;
 };
 

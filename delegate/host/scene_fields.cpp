@@ -132,7 +132,10 @@ Kind row_of(const MaterialNetwork& defaults) {
           defaults};
 }
 constexpr Field kLight[] = {
-    field<&LightDescription::transform>("transform", dirty::kTransform, "Light space to world space."),
+    field<&LightDescription::transform>("transform", dirty::kTransform,
+                                        "Light space to world space. Setting it takes away its samples."),
+    field<&LightDescription::transformSamples>("transform:samples", dirty::kTransform,
+                                               "Matrices at times, of what moves."),
     field<&LightDescription::visible>("visible", dirty::kVisibility, "False: the light is off."),
 };
 Kind row_of(const LightDescription& defaults) {

@@ -110,6 +110,7 @@ void SceneCapture::TakeLight(hd::SceneDelegate& scene, const hd::Path& id, const
   hd::host::LightDescription light{.type = type, .transform = scene.GetTransform(id), .parameters = {}};
   for (const std::string& name : hd::host::LightParameterNames())
     if (hd::Value value = scene.GetLightParamValue(id, name); !value.empty()) light.parameters[name] = std::move(value);
+  light.transformSamples = scene.SampleTransform(id);
   light.visible = scene.GetVisible(id);
   const std::lock_guard lock(mutex_);
   prims_[id] = std::move(light);

@@ -2,6 +2,7 @@
 #include "core/light/ies_profile.h"
 #include "core/subsurface/built_once.h"
 
+#include "delegate/prims/motion.h"
 #include "delegate/prims/parameters.h"
 #include "delegate/prims/prims.h"
 #include "delegate/support/color_space.h"
@@ -57,7 +58,10 @@ void LightPrim::reread(const std::string& file, SceneParam& param) {
 }
 
 DirtyBits LightPrim::post_record(SceneDelegate& scene, SceneParam& param, DirtyBits bits) {
-  if (bits & dirty::kTransform) record_.light.light_to_world = scene.GetTransform(GetId());
+  if (bits & dirty::kTransform) {
+    record_.light.light_to_world = scene.GetTransform(GetId());
+    record_.motion = checked_motion(scene.SampleTransform(GetId()), GetId(), param.sink());
+  }
   if (bits & dirty::kParams) {
     record_.light_link = scene.GetLightParamValue(GetId(), "lightLink").text_or("");
     record_.shadow_link = scene.GetLightParamValue(GetId(), "shadowLink").text_or("");

@@ -61,7 +61,8 @@ inline constexpr std::array<std::string_view, 6> kTextureOutputs{"rgb", "r", "g"
 static_assert(kTextureOutputs.size() == size_t(Channel::direction) + 1);
 
 struct LightRecord {
-  alabaster::LightParameters light;
+  alabaster::LightParameters light;         // without poses
+  alabaster::TimeSamples<Matrix4d> motion;  // of the transform; empty: stands still
   bool visible = true;            // else it gives no light
   Token light_link, shadow_link;  // categories; empty: everything
   std::string light_group = {};   // empty: none

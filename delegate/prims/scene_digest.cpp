@@ -121,6 +121,7 @@ class SceneDigest {
   std::string digest_light(const LightParameters& light) const {
     Digest digest;
     add(&digest, light.type, light.light_to_world);
+    if (!light.poses.empty()) digest.add(light.poses);
     add_parameters(light_parameters(), light, &digest);
     add(&digest, light.color_of_temperature, light.visible_to_camera);
     for (const uint32_t link : {light.light_link, light.shadow_link})

@@ -161,8 +161,8 @@ std::string dump_scene(const Translation& translation, const Records& cameras) {
   for (size_t i = 0; i < translation.scene.lights.size(); ++i) {
     const auto& light = translation.scene.lights[i];
     text += std::string(kLightTypes[static_cast<size_t>(light.type)]) + " " + translation.light_paths[i].str() + "\n" +
-            matrix_line(light.light_to_world) + parameter_lines(light_parameters(), light) + "  texture " +
-            texture_text(light.texture) + "\n";
+            matrix_line(light.light_to_world) + pose_lines(light.poses) + parameter_lines(light_parameters(), light) +
+            "  texture " + texture_text(light.texture) + "\n";
     if (light.ies) text += "  profile mean " + Value(static_cast<float>(light.ies->mean())).to_string() + "\n";
     if (light.light_link != 0) text += "  lightLink " + translation.categories[light.light_link - 1].str() + "\n";
     if (light.shadow_link != 0) text += "  shadowLink " + translation.categories[light.shadow_link - 1].str() + "\n";

@@ -78,10 +78,10 @@ std::vector<std::string> find_light_groups(const Records& records) {
 }
 
 // One pose stands still.
-void place(std::vector<Matrix4d> poses, InstanceDescription* instance) {
-  instance->object_to_world = poses.front();
-  instance->poses.clear();
-  if (poses.size() > 1) instance->poses = std::move(poses);
+void place(std::vector<Matrix4d> poses, Matrix4d* first, std::vector<Matrix4d>* all) {
+  *first = poses.front();
+  all->clear();
+  if (poses.size() > 1) *all = std::move(poses);
 }
 
 // The places that an instancer gives, behind the mesh's own transform.
@@ -304,7 +304,7 @@ struct SceneTranslator::Run {
       add_instances(path, mesh, moving.empty() ? std::vector{mesh.transform} : std::move(moving), std::move(instance));
     } else {
       instance.object_to_world = mesh.transform;
-      if (!moving.empty()) place(std::move(moving), &instance);
+      if (!moving.empty()) place(std::move(moving), &instance.object_to_world, &instance.poses);
       add(std::move(instance), mesh);
     }
     if (!mesh.display_name.empty()) out.display_names.emplace_back(path, mesh.display_name);
@@ -352,7 +352,8 @@ struct SceneTranslator::Run {
       if (!at.used) continue;
       std::vector<Matrix4d> moved = own;
       for (Matrix4d& pose : moved) pose = pose * at.matrix;
-      place(samples.times.empty() ? std::move(moved) : even_poses(samples.of(i), parts.shutter), &instance);
+      place(samples.times.empty() ? std::move(moved) : even_poses(samples.of(i), parts.shutter),
+            &instance.object_to_world, &instance.poses);
       hold(instance.poses.size() * sizeof(Matrix4d));
       instance.instance_id = static_cast<int32_t>(i);
       if (has_categories) instance.category_set = category_sets.of(categories_of(mesh, i));
@@ -406,10 +407,11 @@ struct SceneTranslator::Run {
   }
 
   void add_light(const Path& path, const LightRecord& light) {
-    out.scene.lights.push_back(light.light);
-    out.scene.lights.back().light_link = category_sets.number(light.light_link);
-    out.scene.lights.back().shadow_link = category_sets.number(light.shadow_link);
-    out.scene.lights.back().group = light_group(light.light_group);
+    LightParameters& made = out.scene.lights.emplace_back(light.light);
+    if (light.motion.moves()) place(even_poses(light.motion, parts.shutter), &made.light_to_world, &made.poses);
+    made.light_link = category_sets.number(light.light_link);
+    made.shadow_link = category_sets.number(light.shadow_link);
+    made.group = light_group(light.light_group);
     out.light_paths.push_back(path);
     check_link(path, "lightLink", light.light_link);
     check_link(path, "shadowLink", light.shadow_link);

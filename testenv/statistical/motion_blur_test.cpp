@@ -85,6 +85,26 @@ class MotionBlur : public ::testing::Test {
     builder_.add(shape, material);
     motions_.emplace_back(builder_.description.instances.size() - 1, motion);
   }
+  void add(const LightParameters& light, const Motion& motion) {
+    builder_.add(light);
+    light_motions_.emplace_back(builder_.description.lights.size() - 1, motion);
+  }
+  /// One of each kind that moves; the sphere is seen. `others`: point lights that stand still.
+  void add_moving_lights(int others) {
+    LightParameters lamp;
+    lamp.visible_to_camera = true;
+    lamp.intensity = 6, lamp.width = lamp.height = 0.5f, lamp.radius = 0.15f, lamp.angle = 8;
+    add(lamp, [](double t) { return turned({1, 0, 0}, 20 - 60 * t) * shifted(-1 + 2 * t, 1, 0.5); });
+    lamp.type = LightType::sphere;
+    add(lamp, [](double t) { return shifted(0.8 - t, 0.1 + 0.4 * t, 0.3); });
+    lamp.type = LightType::distant, lamp.intensity = 30;
+    add(lamp, [](double t) { return turned({0, 1, 0}, 80 * t - 40) * turned({1, 0, 0}, -50); });
+    lamp.type = LightType::sphere, lamp.treat_as_point = true, lamp.intensity = 0.1f;
+    for (int i = 0; i < others; ++i) {
+      lamp.light_to_world = shifted(-2 + 0.05 * i, 2, -1);
+      builder_.add(lamp);
+    }
+  }
   /// Names the set of the last object.
   void scatter_in(const char* set) { builder_.description.instances.back().subsurface_set = set; }
 
@@ -103,6 +123,7 @@ class MotionBlur : public ::testing::Test {
   BlockMeans still_picture(double time, uint32_t seed) {
     SceneBuilder still = builder_;
     for (const auto& [index, motion] : motions_) still.description.instances[index].object_to_world = motion(time);
+    for (const auto& [index, motion] : light_motions_) still.description.lights[index].light_to_world = motion(time);
     if (deform_) still.description.instances[deforming_].prototype = deform_(time);
     RenderRequest request = request_;
     request.scene = still.snapshot();
@@ -120,6 +141,11 @@ class MotionBlur : public ::testing::Test {
       for (const auto& [index, motion] : motions_) {
         moving.description.instances[index].poses = poses_of(motion);
         moving.description.instances[index].object_to_world = motion(0);
+      }
+      for (const auto& [index, motion] : light_motions_) {
+        LightParameters& light = moving.description.lights[index];
+        light.poses = poses_of(motion);
+        light.light_to_world = light.poses.front();
       }
       if (moving_shape_) moving.description.instances[deforming_].prototype = moving_shape_;
       if (camera_) blurred.camera.poses = poses_of(camera_);
@@ -149,7 +175,7 @@ class MotionBlur : public ::testing::Test {
   SceneBuilder builder_;
   std::shared_ptr<const DisneyMaterial> grey_, wax_, glass_, glow_;
   std::shared_ptr<const MeshPrototype> box_, sphere_;
-  std::vector<std::pair<size_t, Motion>> motions_;
+  std::vector<std::pair<size_t, Motion>> motions_, light_motions_;
   Motion camera_;
   size_t deforming_ = 0;
   std::function<std::shared_ptr<const MeshPrototype>(double)> deform_;
@@ -235,6 +261,28 @@ TEST_F(MotionBlur, GlassIsTheMeanOfStills) {
 // In the still pictures its triangles are sampled, in the blurred one lobes find them.
 TEST_F(MotionBlur, MeshLightIsTheMeanOfStills) {
   add(box_, glow_, [](double t) { return shifted(-0.6 + 1.2 * t, 0.2, 0); });
+  expect_mean_of_stills();
+}
+
+// All are sampled.
+TEST_F(MotionBlur, LightsAreTheMeanOfStills) {
+  builder_.description.lights.clear();
+  add_moving_lights(1);
+  builder_.add(sphere_, grey_);
+  expect_mean_of_stills();
+}
+
+// One is chosen, by its importance.
+TEST_F(MotionBlur, ChosenLightsAreTheMeanOfStills) {
+  add_moving_lights(5);
+  builder_.add(sphere_, grey_);
+  expect_mean_of_stills();
+}
+
+// By the tree.
+TEST_F(MotionBlur, LightsOfATreeAreTheMeanOfStills) {
+  add_moving_lights(130);
+  builder_.add(sphere_, wax_);
   expect_mean_of_stills();
 }
 

@@ -465,6 +465,26 @@ def test_a_shutter_blurs_what_moves():
     assert still[2] > 0.95 > blurred[2] > 0.2, (still, blurred)
 
 
+def test_a_light_moves_within_the_shutter():
+    """The mean of the pictures of lights that stand still on its way."""
+    camera = CAMERA.replace("float focalLength", "double shutter:open = -1\n        double shutter:close = 1\n        float focalLength")
+    camera = camera[:camera.index("    def DomeLight")]
+    lit = cube("floor", 0).replace("size = 0.8", "size = 3") + """    def SphereLight "lamp"
+    {
+        float inputs:radius = 0.2
+        float inputs:intensity = 100
+        double3 xformOp:translate%s
+        uniform token[] xformOpOrder = ["xformOp:translate"]
+    }
+"""
+    moving = picture(stage("lamp_moves.usda", lit % ".timeSamples = { 1: (-1.5, 0, 2.5), 3: (1.5, 0, 2.5),}", camera=camera), "--time", "2", "--spp", "256")[0]
+    stills = [picture(stage("lamp_at_%d.usda" % i, lit % (" = (%g, 0, 2.5)" % (-1.5 + 3 * (i + .5) / 12)), camera=camera), "--spp", "64")[0] for i in range(12)]
+    for cut in ("8x8+12+20", "8x8+20+20", "8x8+28+20"):
+        wanted = sum(mean(still, cut)[0] for still in stills) / len(stills)
+        assert abs(mean(moving, cut)[0] / wanted - 1) < .03, (cut, mean(moving, cut), wanted, [mean(s, cut)[0] for s in stills])
+    assert apart(moving, stills[5]) > .05, "as at its middle"
+
+
 def test_what_moves_by_splines_and_clips_moves():
     """Layers list no samples of either."""
     write("clip.usda", '#usda 1.0\ndef "World"\n{\n    def "c"\n    {\n        double3 xformOp:translate.timeSamples = {\n 0: (-1, 0, 0),\n 10: (1, 0, 0),\n}\n    }\n}\n')

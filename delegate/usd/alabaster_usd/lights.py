@@ -48,21 +48,26 @@ def light_fields(prim, world, visible, time, up, links, notes):
         fields["treatAsPoint"] = V("bool", True)
     if kind == "domeLight":
         fields["visibleToCamera"] = V("bool", True)
-        pole = prim.GetAttribute("poleAxis").Get() if prim.GetTypeName() == "DomeLight_1" else "Y"
-        if pole == "Z" or (pole == "scene" and up == "Z"):
-            world = Gf.Matrix4d().SetRotate(Gf.Rotation(Gf.Vec3d(1, 0, 0), 90)) * world
         shape = prim.GetAttribute("inputs:texture:format").Get(time)
         if shape and shape not in ("automatic", "latlong") and "texture:file" in fields:
             notes.tell("images of domes are read as latitude and longitude alone (texture:format)", prim.GetPath())
         if UsdLux.DomeLight(prim) and UsdLux.DomeLight(prim).GetPortalsRel().GetTargets():
             notes.tell("portals of domes are not read", prim.GetPath())
     fields.update(group_fields(prim, time))
-    fields["transform"] = matrix(world)
+    fields["transform"] = matrix(placed(prim, world, up))
     if not visible:
         fields["visible"] = V("bool", False)
     fields.update(links)
     _tell(prim, notes)
     return kind, fields
+
+
+def placed(prim, world, up):
+    """The transform, with the pole of a dome."""
+    pole = prim.GetAttribute("poleAxis").Get() if prim.GetTypeName() == "DomeLight_1" else "Y"
+    if pole == "Z" or (pole == "scene" and up == "Z"):
+        return Gf.Matrix4d().SetRotate(Gf.Rotation(Gf.Vec3d(1, 0, 0), 90)) * world
+    return world
 
 
 def group_fields(prim, time):

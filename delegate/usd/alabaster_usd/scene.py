@@ -193,6 +193,7 @@ class Reader:
                     fields["transform:samples"] = self._samples(moves)
             self._say(where, "camera", fields)
         known, of_points = {}, list(self._lights_of_points())
+        then = [(t, {}) for t in self.shutter_times] if self.shutter else ()
         gone = sorted(self.lit_points - {name for _, name, _ in of_points})
         for name in gone:
             self.said.pop(name, None)
@@ -200,6 +201,9 @@ class Reader:
         for light, name, instance in self.lights + of_points:
             place, visible = self._light_place(light, instance, self.time, known)
             kind, fields = lights.light_fields(light, place, visible, self.time, self.up, self.links.fields[str(light.GetPath())], self.notes)
+            moves = [self._light_place(light, instance, t, held)[0] for t, held in then]
+            if any(m != moves[0] for m in moves):
+                fields["transform:samples"] = self._samples([lights.placed(light, m, self.up) for m in moves])
             if (kind == "domeLight" and self.options.get("hides_domes")) or (
                     self.chosen and not all(self.chosen.is_seen(p.GetPath()) for p in (light, *(instance[:1] if instance else ())))):
                 fields["visibleToCamera"] = V("bool", False)
@@ -208,10 +212,6 @@ class Reader:
             return gone
         if self.main in self.cameras and any(self.cameras[self.main].GetAttribute(n).ValueMightBeTimeVarying() for n in views.LENS):
             self.notes.tell("a lens that changes within the shutter stands still", self.main)
-        for light, name, instance in self.lights + of_points:
-            ends = [self._light_place(light, instance, t, {})[0] for t in (self.shutter_times[0], self.shutter_times[-1])]
-            if ends[0] != ends[1]:
-                self.notes.tell("a light that moves within the shutter stands still", name)
         return gone
 
     def _say(self, where, kind, fields):
