@@ -63,9 +63,9 @@ static_assert(kTextureOutputs.size() == size_t(Channel::direction) + 1);
 struct LightRecord {
   alabaster::LightParameters light;         // without poses
   alabaster::TimeSamples<Matrix4d> motion;  // of the transform; empty: stands still
-  bool visible = true;            // else it gives no light
-  Token light_link, shadow_link;  // categories; empty: everything
-  std::string light_group = {};   // empty: none
+  bool visible = true;                      // else it gives no light
+  Token light_link, shadow_link;            // categories; empty: everything
+  std::string light_group = {};             // empty: none
   std::optional<std::string> fault = {};
   bool operator==(const LightRecord&) const = default;
 };

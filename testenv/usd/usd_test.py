@@ -80,9 +80,9 @@ def run(*words, environment=None, timeout=120):
     return done.returncode, done.stdout + done.stderr
 
 
-def picture(file, *words, code=0):
-    out = os.path.join(FOLDER, hashlib.md5(repr((file, words)).encode()).hexdigest()[:12] + ".exr")
-    got, said = run("render", file, "-o", out, "--size", "48x48", "--spp", "16", "--quiet", *words)
+def picture(file, *words, code=0, spp="16"):
+    out = os.path.join(FOLDER, hashlib.md5(repr((file, words, spp)).encode()).hexdigest()[:12] + ".exr")
+    got, said = run("render", file, "-o", out, "--size", "48x48", "--spp", spp, "--quiet", *words)
     assert got == code, (got, said)
     return out, said
 
@@ -477,8 +477,8 @@ def test_a_light_moves_within_the_shutter():
         uniform token[] xformOpOrder = ["xformOp:translate"]
     }
 """
-    moving = picture(stage("lamp_moves.usda", lit % ".timeSamples = { 1: (-1.5, 0, 2.5), 3: (1.5, 0, 2.5),}", camera=camera), "--time", "2", "--spp", "256")[0]
-    stills = [picture(stage("lamp_at_%d.usda" % i, lit % (" = (%g, 0, 2.5)" % (-1.5 + 3 * (i + .5) / 12)), camera=camera), "--spp", "64")[0] for i in range(12)]
+    moving = picture(stage("lamp_moves.usda", lit % ".timeSamples = { 1: (-1.5, 0, 2.5), 3: (1.5, 0, 2.5),}", camera=camera), "--time", "2", spp="256")[0]
+    stills = [picture(stage("lamp_at_%d.usda" % i, lit % (" = (%g, 0, 2.5)" % (-1.5 + 3 * (i + .5) / 12)), camera=camera), spp="64")[0] for i in range(12)]
     for cut in ("8x8+12+20", "8x8+20+20", "8x8+28+20"):
         wanted = sum(mean(still, cut)[0] for still in stills) / len(stills)
         assert abs(mean(moving, cut)[0] / wanted - 1) < .03, (cut, mean(moving, cut), wanted, [mean(s, cut)[0] for s in stills])
