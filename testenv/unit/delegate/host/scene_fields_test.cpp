@@ -103,8 +103,11 @@ TEST(SceneFields, AreTheMembersOfInstancersLightsAndCameras) {
                   {"categories:near", Array<int32_t>{0}}});
   for (const char* type : kLightTypes) {
     LightDescription light{.type = type, .transform = kMoved, .parameters = {{"lightLink", Token("a")}}};
-    light.visible = false;
-    Fields fields{{"transform", kMoved}, {"visible", false}, {"lightLink", Token("a")}};
+    light.visible = false, light.transformSamples = {{0, 1}, {kMoved, Matrix4d()}};
+    Fields fields{{"transform", kMoved},
+                  {"transform:samples", samples(kMoved, Matrix4d())},
+                  {"visible", false},
+                  {"lightLink", Token("a")}};
     for (const FieldRow& row : ParameterRows("lights"))
       fields.emplace_back(row.name, light.parameters[row.name] = good_value(row));
     expect_members(Token(type), light, fields);
