@@ -144,8 +144,8 @@ Key models(const char* name = "models", const char* meaning = "Models, in the or
 Key materials() {
   return objects(
       "materials",
-      "Changes to materials, applied in order: either match with set or replace, or name with set; either with bump "
-      "and displacement. A match without a result is an error.",
+      "Changes to materials, applied in order: either match with set, replace or mtlx, or name with set or mtlx; either "
+      "with bump and displacement. A match without a result is an error.",
       {text("match", "Name or path of materials to change; * stands for any text, ? for any character."),
        text("name", "Makes a new material of this name, which meshes can use."),
        referred("disney_material.json",
@@ -154,6 +154,8 @@ Key materials() {
                 object("replace", "A new definition of the material; parameters not given take their defaults.",
                        material_parameters()),
                 true),
+       object("mtlx", "A material of MaterialX in the place of the definition; set changes what it gives.",
+              {text("file", ".mtlx file."), text("material", "Its material, where it has several.")}, {{"file"}}),
        object("bump", "Heights that tilt the normals and leave the surface where it is.",
               relief("Image of heights, in place of a normal map.",
                      {value("scale", ALABASTER_FLOAT, "Height where the image is 1, in the mesh's own units.", 1.0f,

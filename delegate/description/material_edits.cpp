@@ -1,6 +1,8 @@
 // Edits of materials as fields of their prims.
 #include "delegate/description/load_state.h"
 #include "delegate/looks/looks.h"
+#include "delegate/support/extension.h"
+#include "delegate/usd/usd_source.h"
 
 namespace alabaster::hd::description {
 namespace {
@@ -74,16 +76,64 @@ void set_displacement(LoadState& load, const std::string& pointer, const json& d
                                  {"displacement", Path("displacement.displacement")}});
 }
 
+using Looks = std::map<std::string, MaterialNetwork>;
+
+/// The materials of a file of MaterialX, which is read once.
+const Looks& looks_of(LoadState& load, const std::string& pointer, const AssetPath& file) {
+  const auto [known, is_new] = load.looks.try_emplace(file.resolved);
+  if (!is_new) return known->second;
+  host::SourceOptions options;
+  options.allow_outside = load.options.allow_outside, options.within = file.within;
+  options.memory_limit = std::max(load.memory->left(), size_t(1));
+  options.keep_going = load.options.keep_going;
+  options.stage.allowed_folders = load.options.stage.allowed_folders, options.stage.seconds = load.options.stage.seconds;
+  const auto source = usd::MakeStageSource();
+  host::SceneEdits edits;
+  host::SourceFault fault = source->Open(file.resolved, options, *load.sink);
+  if (fault == host::SourceFault::none) fault = source->Pose({}, *load.sink, &edits);
+  if (fault != host::SourceFault::none) {
+    load.note_cause(fault == host::SourceFault::out_of_memory ? LoadCause::out_of_memory : LoadCause::input);
+    throw LoadFailed();
+  }
+  for (auto& [path, prim] : edits.prims)
+    if (auto* network = std::get_if<MaterialNetwork>(&prim))
+      known->second[path.str().substr(path.str().rfind('/') + 1)] = std::move(*network);
+  if (known->second.empty()) load.fail(pointer, "'" + file.resolved + "' has no material with a surface.");
+  SceneFile::Model read{source->Facts(), {}, {}, {}};
+  read.timeCodesPerSecond = 0, read.range.reset();  // it is no stage
+  load.held.resize(load.held.bytes() + read.memory_bytes, file.resolved);
+  load.result->models.push_back(std::move(read));
+  return known->second;
+}
+
+const MaterialNetwork& find_look(LoadState& load, const std::string& pointer, const json& given) {
+  const AssetPath file = load.asset(pointer + "/file", given["file"]);
+  if (support::lower_extension(file.resolved) != ".mtlx")
+    load.fail(pointer + "/file", "'" + file.resolved + "' is no file of MaterialX: name one that ends in .mtlx.");
+  const Looks& looks = looks_of(load, pointer + "/file", file);
+  const auto name = given.value("material", "");
+  if (const auto found = looks.find(name); found != looks.end()) return found->second;
+  if (name.empty() && looks.size() == 1) return looks.begin()->second;
+  std::string all;
+  for (const auto& look : looks) all += (all.empty() ? "" : ", ") + look.first;
+  load.fail(pointer + (name.empty() ? "" : "/material"),
+            name.empty() ? "The file has several materials; name one by 'material': " + all + "."
+                         : "The file has no material '" + name + "'; it has " + all + ".");
+}
+
 }  // namespace
 
 void read_material(LoadState& load, PrimEdit* edit) {
   const std::string& pointer = edit->pointer;
   const json& entry = edit->entry;
   const Path& path = edit->path;
-  const bool set = entry.contains("set"), replace = entry.contains("replace"), keep = !replace && !edit->is_new;
+  const bool set = entry.contains("set"), replace = entry.contains("replace"), mtlx = entry.contains("mtlx");
+  const bool keep = mtlx || (!replace && !edit->is_new);
   if (set && replace) load.fail(pointer, "Give either set or replace, not both.");
-  if (!set && !replace && !entry.contains("bump") && !entry.contains("displacement"))
-    load.fail(pointer, "There is nothing to change: add 'set', 'replace', 'bump' or 'displacement'.");
+  if (mtlx && replace) load.fail(pointer, "Give either mtlx or replace, not both; set changes what mtlx gives.");
+  if (!set && !replace && !mtlx && !entry.contains("bump") && !entry.contains("displacement"))
+    load.fail(pointer, "There is nothing to change: add 'set', 'replace', 'mtlx', 'bump' or 'displacement'.");
+  if (mtlx) load.scene->SetMaterial(path, find_look(load, pointer + "/mtlx", entry["mtlx"]));
   std::string surface = "surface";
   if (keep) {  // a look of another kind is changed as the AlabasterDisney that it is drawn as
     const auto warn = [&](const char* code, const std::string& text) {

@@ -6,6 +6,7 @@
 #include "core/files/real_path.h"
 #include "delegate/archive/archive.h"
 #include "delegate/host/product_writer.h"
+#include "delegate/support/extension.h"
 #include "delegate/support/process_usage.h"
 #include "delegate/usd/usd_child.h"
 
@@ -141,6 +142,7 @@ class StageSource : public host::SceneSource {
     if (!stage.settings.empty()) request["settings"] = stage.settings;
     if (!stage.pass.empty()) request["pass"] = stage.pass;
     if (!stage.camera.empty()) request["camera"] = stage.camera;
+    if (support::lower_extension(file_) == ".mtlx") request["library"] = true;
     if (stage.hides_domes) request["hides_domes"] = true;
     if (stage.recorded_width) request["record"] = true, request["width"] = *stage.recorded_width;
     if (stage.shutter) request["shutter"] = *stage.shutter;

@@ -558,6 +558,41 @@ def emitting(name, color, more="", space="lin_rec709"):
     return out
 
 
+def test_a_description_takes_materials_from_files_of_materialx():
+    subprocess.run(["oiiotool", "--pattern", "constant:color=0,1,0", "4x4", "3", "-o", os.path.join(FOLDER, "green_tile.png")], check=True)
+    shader = """  <standard_surface name="s_%s" type="surfaceshader"> <input name="base" type="float" value="0"/> <input name="specular" type="float" value="0"/>
+    <input name="emission" type="float" value="1"/> <input name="emission_color" type="color3" %s/> </standard_surface>
+  <surfacematerial name="%s" type="material"> <input name="surfaceshader" type="surfaceshader" nodename="s_%s"/> </surfacematerial>
+"""
+    blue, green = 'value="0,0,1"', 'nodename="i"'
+    image = '  <image name="i" type="color3"> <input name="file" type="filename" value="green_tile.png"/> </image>\n'
+
+    def library(name, *materials, image=image):
+        write(name, '<?xml version="1.0"?>\n<materialx version="1.39">\n%s%s</materialx>\n' % (image, "".join(shader % (m, c, m, m) for m, c in materials)))
+    library("one.mtlx", ("lamp", blue)), library("two.mtlx", ("lamp", blue), ("leaf", green)), library("none.mtlx"), library("lost.mtlx", ("leaf", green), image=image.replace("green", "lost"))
+    stage("plain_quad.usda", (MTLX % ("ND_standard_surface_surfaceshader", "float inputs:base = 0\n float inputs:specular = 0")) + QUAD % "/World/m")
+
+    def of(given, more=""):
+        return write("looked.json", '{"models": [{"file": "plain_quad.usda"}], "materials": [{"match": "m", "mtlx": %s%s}]}' % (given, more))
+    for given, more, color in (('{"file": "one.mtlx"}', "", [0, 0, 1]), ('{"file": "two.mtlx", "material": "leaf"}', "", [0, 1, 0]),
+                               ('{"file": "one.mtlx"}', ', "set": {"emission": [1, 0, 0]}', [1, 0, 0])):
+        out, said = picture(of(given, more))
+        near(mean(out, MIDDLE), color)
+        assert not said, said
+    files = prims(of('{"file": "two.mtlx", "material": "lamp"}'))["models"][1]["files"]
+    assert os.path.join(FOLDER, "two.mtlx") in files, files
+    library("elsewhere/one.mtlx", ("lamp", blue))
+    for given, words in (('{"file": "two.mtlx"}', "name one by 'material': lamp, leaf"), ('{"file": "two.mtlx", "material": "stone"}', "no material 'stone'; it has lamp, leaf"),
+                         ('{"file": "none.mtlx"}', "no material with a surface"), ('{"file": "lost.mtlx"}', "which %s names" % os.path.join(FOLDER, "lost.mtlx")), ('{"file": "absent.mtlx"}', "There is no file"),
+                         ('{"file": "plain_quad.usda"}', "no file of MaterialX"), ('{"file": "elsewhere/one.mtlx"}', "")):
+        code, said = run("render", of(given), "-o", "looked.exr", "--spp", "1", "--size", "8x8", "--quiet")
+        assert (code == 3 and words in said) if words else code == 0, (given, code, said)
+    write("inner/looked.json", '{"models": [{"file": "plain_quad.usda"}], "materials": [{"match": "m", "mtlx": {"file": "../one.mtlx"}}]}')
+    write("inner/plain_quad.usda", open(os.path.join(FOLDER, "plain_quad.usda")).read())
+    code, said = run("render", "inner/looked.json", "-o", "looked.exr", "--spp", "1", "--size", "8x8", "--quiet")
+    assert code == 3 and "one.mtlx" in said, (code, said)
+
+
 MTLX = """    def Material "m"
     {
         token outputs:mtlx:surface.connect = </World/m/s.outputs:out>

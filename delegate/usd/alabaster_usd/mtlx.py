@@ -53,6 +53,7 @@ class Document:
     def layer(self):
         """Each material holds its node graphs: connections must not leave what a reference brings."""
         layer = Sdf.Layer.CreateAnonymous(os.path.basename(self.file) + ".usda")
+        layer.comment = self.file
         stage = Usd.Stage.Open(layer)
         stage.SetDefaultPrim(stage.DefinePrim("/MaterialX"))
         stage.DefinePrim("/MaterialX/Materials")

@@ -15,7 +15,9 @@ def open_stage(asked, folders, everywhere):
     file = asked["file"]
     if asked.get("search"):
         Ar.DefaultResolver.SetDefaultSearchPath(asked["search"])
-    root = _layer(file)
+    from . import mtlx
+    is_library = file.lower().endswith(".mtlx")
+    root = mtlx.Document(file).layer() if is_library else _layer(file)
     session = Sdf.Layer.CreateAnonymous("session.usda")
     if asked.get("session"):
         _layer(asked["session"])
@@ -39,9 +41,10 @@ def open_stage(asked, folders, everywhere):
     stage.SetEditTarget(stage.GetSessionLayer())
     for prim, name, choice in _variants(asked.get("variants", "")):
         _select(stage, prim, name, choice)
-    from . import mtlx
     more, files, held = mtlx.place_layers(stage)
     stage.held_layers = held  # as long as the stage
+    if is_library:
+        files.append(file)
     clips, missing = clips_of(stage, folders, everywhere)
     faults = damaged + more + faults_of(stage, folders, everywhere) + missing
     facts = facts_of(stage, faults)

@@ -52,7 +52,8 @@ class Instancer:
 
 
 class Reader:
-    """Reads a stage at a time. `options`, all optional: camera, settings, pass, purposes, shutter, refine, width, hides_domes; record: by usdrecord's rules."""
+    """Reads a stage at a time. `options`, all optional: camera, settings, pass, purposes, shutter, refine, width, hides_domes; record: by usdrecord's rules; library: also materials
+    that nothing is drawn with."""
 
     def __init__(self, stage, sink, notes, time=None, options=None):
         options = options or {}
@@ -88,6 +89,10 @@ class Reader:
         self._view_and_light()
         self._children(self.stage.GetPseudoRoot(), Place())
         self._bind()
+        if self.options.get("library"):
+            for prim in self.stage.Traverse():
+                if prim.IsA(UsdShade.Material):
+                    self.looks.bind(UsdShade.Material(prim))
         return {"settings": settings}
 
     def advance(self, time, sink, notes):

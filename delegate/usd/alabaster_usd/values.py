@@ -196,6 +196,11 @@ def layer_of(attribute, time):
     return stack[0].layer if stack else None
 
 
+def file_of(layer):
+    """A layer that was made of a file of MaterialX names it as its comment."""
+    return layer.realPath or layer.comment
+
+
 def asset_value(asset, attribute, time):
     """The value of an asset path; an image in a package is read, for there is no file of its name."""
     file, there = resolved_asset(asset, attribute, time)
@@ -205,7 +210,7 @@ def asset_value(asset, attribute, time):
     if file and not may_read(file):
         outside = file + " lies outside the folder of the stage: allow it with --allow FOLDER or --allow-outside"
         return V("asset", Asset(asset.path, "", fault=outside)), True
-    absent = "" if there else "there is no file %s, which %s names; correct the path or put the file there" % (file, layer_of(attribute, time).realPath)
+    absent = "" if there else "there is no file %s, which %s names; correct the path or put the file there" % (file, file_of(layer_of(attribute, time)))
     return V("asset", Asset(asset.path, file, fault=absent)), there
 
 
