@@ -144,7 +144,8 @@ Key models(const char* name = "models", const char* meaning = "Models, in the or
 Key materials() {
   return objects(
       "materials",
-      "Changes to materials, applied in order: either match with set, replace or mtlx, or name with set or mtlx; either "
+      "Changes to materials, applied in order: either match with set, replace or mtlx, or name with set or mtlx; "
+      "either "
       "with bump and displacement. A match without a result is an error.",
       {text("match", "Name or path of materials to change; * stands for any text, ? for any character."),
        text("name", "Makes a new material of this name, which meshes can use."),

@@ -86,7 +86,8 @@ const Looks& looks_of(LoadState& load, const std::string& pointer, const AssetPa
   options.allow_outside = load.options.allow_outside, options.within = file.within;
   options.memory_limit = std::max(load.memory->left(), size_t(1));
   options.keep_going = load.options.keep_going;
-  options.stage.allowed_folders = load.options.stage.allowed_folders, options.stage.seconds = load.options.stage.seconds;
+  options.stage.allowed_folders = load.options.stage.allowed_folders,
+  options.stage.seconds = load.options.stage.seconds;
   const auto source = usd::MakeStageSource();
   host::SceneEdits edits;
   host::SourceFault fault = source->Open(file.resolved, options, *load.sink);

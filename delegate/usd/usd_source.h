@@ -1,5 +1,5 @@
-// A stage of OpenUSD (.usd, .usda, .usdc, .usdz) as a source of prims: a child process reads it (usd_child.h). Of a file of
-// MaterialX (.mtlx), whose materials are below /MaterialX/Materials.
+// A stage of OpenUSD (.usd, .usda, .usdc, .usdz) as a source of prims: a child process reads it (usd_child.h). Of a
+// file of MaterialX (.mtlx), whose materials are below /MaterialX/Materials.
 #pragma once
 
 #include <memory>
