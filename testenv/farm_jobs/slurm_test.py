@@ -6,6 +6,7 @@ apt-get install slurm-wlm installs Debian's; the test starts its daemons itself,
 """
 import os
 import pathlib
+import re
 import signal
 import subprocess
 import sys
@@ -80,9 +81,9 @@ def main():
         run(program, "farm", SCENE, "-o", frame, *LOOK, "--tasks", TASKS, "--engine", "slurm", "--folder", folder)
         with SlurmCluster(pathlib.Path(place) / "slurm", os.cpu_count()) as cluster:
             lose_a_task(cluster, folder)
-            told = subprocess.run(["sh", folder / "status.sh"], capture_output=True, text=True)
-            told = told.stdout + told.stderr
-            check(f"part.{LOST:05}" in told and not frame.exists(), "the status names the part that is lost")
+            told = subprocess.run([program, "farm", "status", folder], capture_output=True, text=True)
+            check(told.returncode == 4 and re.search(rf"^task {LOST} +lost ", told.stdout, re.M) and not frame.exists(),
+                  "the status names the task that is lost")
             _, merge = submit(cluster, folder)
             cluster.wait(lambda: cluster.state(merge) in ENDED, 300, "the merge")
             check(cluster.state(merge) == "COMPLETED" and frame.exists(), "submitted again, the rest is rendered and merged")
