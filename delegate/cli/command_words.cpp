@@ -27,6 +27,7 @@ constexpr Example kExamples[] = {
     {"view", "alabaster view model.glb", "a window: look around, edit, save"},
     {"check", "alabaster check scene.json", "every fault that a render would report"},
     {"farm", "alabaster farm scene.json -o frame.exr --spp 256 --tasks 8", ""},
+    {"farm status", "alabaster farm status scene_farm", ""},
     {"merge", "alabaster merge scene_farm/*.checkpoint -o frame.exr", ""},
     {"convert", "alabaster convert scene.json -o scene.alab", ""},
     {"tradeoff", "alabaster tradeoff scene.json --budget 10", ""},
@@ -316,7 +317,10 @@ std::string command_fault(const CLI::App& command, const Words& words, const CLI
   if (!fault.empty() || error.get_name() != "RequiredError") return fault;
   std::string missing = error.what();
   if (missing.starts_with("file ")) missing.replace(0, 4, "SCENE");
-  return with_example("alabaster " + words[0] + ": " + missing + ". For example:", example_of(words[0]));
+  const bool is_below = missing.starts_with("folder ");  // of farm status
+  if (is_below) missing.replace(0, 6, "FOLDER");
+  const std::string name = words[0] + (is_below ? " status" : "");
+  return with_example("alabaster " + name + ": " + missing + ". For example:", example_of(name));
 }
 
 std::string with_near_choices(const CLI::App& app, const Words& words) {

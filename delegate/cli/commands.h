@@ -36,6 +36,7 @@ struct RenderArguments : SceneArguments, PictureArguments {
   Words words;  // of the whole command line
   std::string stats;
   std::string inputs;                                    // file: a farm's list of what decides its picture
+  std::string running;                                   // file: there while the command runs
   std::optional<std::pair<uint32_t, uint32_t>> samples;  // begin and end
   std::string checkpoint;                                // file
   std::optional<double> checkpoint_interval;             // seconds
@@ -81,8 +82,14 @@ struct FarmArguments {
   std::string engine = "script", folder;
   bool force = false;                                    // replaces the jobs of the folder
   std::vector<std::string> task_options, merge_options;  // of each task and of the merge, a word each
+  struct Status {
+    std::string folder;  // empty: not asked
+    bool json = false;
+  } status;
 };
+/// Writes jobs, or tells how far those of a folder are.
 int run_farm(const FarmArguments& arguments);
+int run_farm_status(const FarmArguments::Status& arguments);
 
 /// Without outputs, tells how far the parts are.
 struct MergeArguments : PictureArguments {

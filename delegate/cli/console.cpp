@@ -79,6 +79,11 @@ void Console::show(const hd::Diagnostic& d) {
   const std::lock_guard lock(mutex_);
   const bool error = d.severity == hd::Severity::error;
   if (quiet_ && d.severity == hd::Severity::info) return;
+  const auto shortened = [](const std::string& text, size_t longest) {
+    return text.size() > longest ? text.substr(0, longest) + "..." : text;
+  };
+  const std::string line = (d.where.empty() ? "" : shortened(d.where, 1000) + ": ") + shortened(d.text, 4000);
+  if (error) last_error_ = line;
   // The end of a run is told, whatever came before.
   const bool told = d.code == "cli" || d.code.starts_with("record.") || d.code.starts_with("product.") ||
                     d.code.starts_with("pass.") || d.code.ends_with(".more");
@@ -88,10 +93,7 @@ void Console::show(const hd::Diagnostic& d) {
     return;
   }
   const char* kind = error ? "error: " : d.severity == hd::Severity::warning ? "warning: " : "";
-  const auto shortened = [](const std::string& text, size_t longest) {
-    return text.size() > longest ? text.substr(0, longest) + "..." : text;
-  };
-  print_line(kind + (d.where.empty() ? "" : shortened(d.where, 1000) + ": ") + shortened(d.text, 4000));
+  print_line(kind + line);
 }
 
 // True of a warning that is like others which were shown.
@@ -191,6 +193,11 @@ void Console::progress(const RecordProgress& p, double noise) {
 size_t Console::warnings() const {
   const std::lock_guard lock(mutex_);
   return counts_[int(hd::Severity::warning)];
+}
+
+std::string Console::last_error() const {
+  const std::lock_guard lock(mutex_);
+  return last_error_;
 }
 
 void Console::end_progress() {

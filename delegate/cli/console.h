@@ -49,6 +49,8 @@ class Console {
   void end_progress();
   /// The number of warnings so far.
   size_t warnings() const;
+  /// The error that was told last, in a line; empty: none.
+  std::string last_error() const;
 
  private:
   void show(const hd::Diagnostic& diagnostic);
@@ -61,6 +63,7 @@ class Console {
   const bool quiet_, terminal_;
   const Like like_;
   mutable std::mutex mutex_;
+  std::string last_error_;
   bool bar_shown_ = false;
   size_t counts_[3] = {0, 0, 0}, unshown_[3] = {0, 0, 0};  // of messages, by severity
   std::map<std::string, size_t> like_counts_;              // of warnings, by their code and first words

@@ -6,8 +6,18 @@
 
 namespace alabaster::cli {
 
-/// kDegraded: with --keep-going, rendered and written without what the scene's faults left out.
-enum ExitCode { kDone = 0, kUsage = 2, kInput = 3, kRender = 4, kOutput = 5, kDegraded = 6, kInterrupted = 130 };
+/// kDegraded: with --keep-going, rendered and written without what the scene's faults left out. kToDo: of farm status,
+/// tasks run or have not begun.
+enum ExitCode {
+  kDone = 0,
+  kToDo = 1,
+  kUsage = 2,
+  kInput = 3,
+  kRender = 4,
+  kOutput = 5,
+  kDegraded = 6,
+  kInterrupted = 130
+};
 
 /// Thrown to end a command, after a report of why.
 struct Exit {

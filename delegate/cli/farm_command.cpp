@@ -124,7 +124,7 @@ class FarmCommand {
              a_.merge_options, a_.tasks, a_.tasks};
     jobs_.frames = frames_;
     const size_t digits = a_.render.frames.digits;
-    jobs_.stats = "stats.####" + (digits > 0 ? "." + std::string(digits, '#') : "") + ".json";
+    if (!frames_.empty()) jobs_.stats = "stats.####" + (digits > 0 ? "." + std::string(digits, '#') : "") + ".json";
     console_.require_usage("farm", farm_fault(jobs_));
   }
 
@@ -168,9 +168,10 @@ class FarmCommand {
   static bool is_of_farm(const fs::path& name) {
     const std::string file = name.string();
     for (const char* own :
-         {"inputs.txt", "task.sh", "merge.sh", "status.sh", "tasks.txt", "job.sbatch", "submit.sh", "template.json"})
+         {"inputs.txt", "farm.json", "task.sh", "merge.sh", "tasks.txt", "job.sbatch", "submit.sh", "template.json"})
       if (file == own) return true;
-    return name.extension() == ".checkpoint" || (file.starts_with("stats.") && name.extension() == ".json");
+    return name.extension() == ".checkpoint" || name.extension() == ".running" ||
+           (file.starts_with("stats.") && name.extension() == ".json");
   }
 
   void tell() {
@@ -189,7 +190,7 @@ class FarmCommand {
       console_.note("run each line of " + shell_path(folder_ + "/tasks.txt") +
                     ", on any machine that has these folders" +
                     (is_of_frames ? std::string() : "; then sh " + shell_path(folder_ + "/merge.sh")));
-    if (!is_of_frames) console_.note("how far they are: sh " + shell_path(folder_ + "/status.sh"));
+    console_.note("how far they are: alabaster farm status " + shell_path(folder_));
   }
 
   FarmArguments a_;
@@ -205,6 +206,7 @@ class FarmCommand {
 }  // namespace
 
 int run_farm(const FarmArguments& arguments) {
+  if (!arguments.status.folder.empty()) return run_farm_status(arguments.status);
   return FarmCommand(arguments).run();
 }
 

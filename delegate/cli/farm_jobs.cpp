@@ -1,5 +1,6 @@
 #include "delegate/cli/farm_jobs.h"
 
+#include <algorithm>
 #include <nlohmann/json.hpp>
 #include <utility>
 
@@ -20,10 +21,7 @@ class Writer {
       all["merge.sh"] = "#!/bin/sh\n# Adds up all parts and writes the frame: the bytes of one machine's.\n" +
                         at_home() + all_parts() + "exec " + run("merge", jobs_.merge_options) + inputs() +
                         " -- \"$@\"\n";
-    if (jobs_.frames.empty())
-      all["status.sh"] =
-          "#!/bin/sh\n# Tells how far the parts are, and the noise so far. A task saves its part each minute.\n" +
-          at_home() + all_parts() + "exec " + run("merge", {}) + " -- \"$@\"\n";
+    all["farm.json"] = farm_text();
     if (jobs_.engine == "slurm") {
       all["job.sbatch"] = slurm_array();
       all["submit.sh"] = slurm_submission();
@@ -53,6 +51,22 @@ class Writer {
     return text;
   }
 
+  /// What `alabaster farm status` needs to know.
+  std::string farm_text() const {
+    nlohmann::ordered_json farm = {{"home", jobs_.home}, {"tasks", jobs_.tasks}};
+    if (jobs_.frames.empty())
+      farm["samples"] = jobs_.samples;
+    else
+      farm["frames"] = jobs_.frames, farm["stats"] = jobs_.stats;
+    return farm.dump(1, ' ', true, nlohmann::ordered_json::error_handler_t::replace) + "\n";
+  }
+
+  /// What the task writes, in the words of its script.
+  std::string of_task(const std::string& kind, const std::string& extension) const {
+    return shell_word(in_folder(kind + ".")) + "\"$(printf %05d \"$1\")\"." + extension;
+  }
+  std::string running() const { return " --running " + of_task("task", "running"); }
+
   std::string all_parts() const {
     return "set --\nk=0\nwhile [ $k -lt " + std::to_string(jobs_.tasks) + " ]; do\n  set -- \"$@\" " +
            shell_word(in_folder("part.")) + "\"$(printf %05d $k)\".checkpoint\n  k=$((k + 1))\ndone\n";
@@ -66,8 +80,9 @@ class Writer {
            "[ \"${1:-}\" -ge 0 ] 2>/dev/null && [ \"$1\" -lt " + n + " ] || { echo \"usage: task.sh K, from 0 to " +
            std::to_string(jobs_.tasks - 1) + "\" >&2; exit 2; }\nfirst=$(($1 * " + spp + " / " + n +
            "))\nend=$((($1 + 1) * " + spp + " / " + n + "))\nexec " + run("render", jobs_.task_options) + inputs() +
-           " --quiet --samples \"$first:$end\" --resume --checkpoint " + shell_word(in_folder("part.")) +
-           "\"$(printf %05d \"$1\")\".checkpoint -- " + shell_word(jobs_.scene) + "\n";
+           " --quiet" + running() + " --stats " + of_task("stats", "json") +
+           " --samples \"$first:$end\" --resume --checkpoint " + of_task("part", "checkpoint") + " -- " +
+           shell_word(jobs_.scene) + "\n";
   }
 
   std::string task_of_frames() const {
@@ -78,8 +93,8 @@ class Writer {
     for (size_t k = 0; k < jobs_.frames.size(); ++k)
       text += std::to_string(k) + ") frames=" + jobs_.frames[k] + " ;;\n";
     return text + "*) echo \"usage: task.sh K, from 0 to " + std::to_string(jobs_.tasks - 1) +
-           "\" >&2; exit 2 ;;\nesac\nexec " + run("render", jobs_.task_options) + inputs() +
-           " --quiet --frames=\"$frames\" --skip-existing --stats " + shell_word(in_folder(jobs_.stats)) + " -- " +
+           "\" >&2; exit 2 ;;\nesac\nexec " + run("render", jobs_.task_options) + inputs() + " --quiet" + running() +
+           " --frames=\"$frames\" --skip-existing --stats " + shell_word(in_folder(jobs_.stats)) + " -- " +
            shell_word(jobs_.scene) + "\n";
   }
 
@@ -155,6 +170,12 @@ std::string template_fault(const std::string& folder) {
 }
 
 }  // namespace
+
+std::string task_file(const std::string& kind, uint32_t task, const std::string& extension) {
+  constexpr size_t kDigits = 5;
+  const std::string number = std::to_string(task);
+  return kind + "." + std::string(kDigits - std::min(kDigits, number.size()), '0') + number + "." + extension;
+}
 
 std::string farm_fault(const FarmJobs& jobs) {
   std::vector<std::pair<std::string, const std::string*>> names{{"The name of the scene", &jobs.scene},

@@ -22,8 +22,11 @@ struct FarmJobs {
   std::map<std::string, std::optional<std::string>> variables = {};  // of the environment; empty: not set
   std::string inputs = {};                                           // the text of inputs.txt
   std::vector<std::string> frames = {};  // of each task, as --frames takes them; empty: a task is a part of a frame
-  std::string stats = {};                // name in the folder, of each frame's statistics
+  std::string stats = {};                // name in the folder, of each frame's statistics; else those of the parts
 };
+
+/// The name in the folder of what task K writes: "part.00012.checkpoint".
+std::string task_file(const std::string& kind, uint32_t task, const std::string& extension);
 
 /// Why no job can hold these names, and the remedy; empty if one can.
 std::string farm_fault(const FarmJobs& jobs);

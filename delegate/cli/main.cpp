@@ -195,6 +195,10 @@ CLI::App* add_render(CLI::App& app, RenderArguments* a) {
   add_render_options(c, a);
   add_checkpoint(c, a);
   add_inputs(c, &a->inputs);
+  c->add_option("--running", a->running,
+                "File that is there while the command runs, by which 'alabaster farm status' tells tasks that run from "
+                "those that were killed")
+      ->type_name("FILE");
   return c;
 }
 
@@ -220,6 +224,19 @@ CLI::App* add_farm(CLI::App& app, FarmArguments* a) {
                 "Folder for the jobs and the parts, which all machines must see; default: SCENE_farm")
       ->type_name("DIR");
   c->add_flag("--force", a->force, "Replace the jobs of an earlier farm in the folder, with their parts");
+  CLI::App* status = c->add_subcommand(
+      "status", "Tells of each task of a farm if it is done, runs, failed and why, its noise and its time.");
+  status->add_option("folder", a->status.folder, "Folder of the jobs")->required()->type_name("FOLDER");
+  status->add_flag("--json", a->status.json, "Print one JSON document instead of text");
+  // CLI11 takes a required argument before it looks for a command.
+  c->get_option("file")->required(false);
+  c->callback([c, status] {
+    if (c->count("file") == 0 && !status->parsed()) throw CLI::RequiredError("file");
+  });
+  status->footer(
+      "Exit codes: 0 all tasks are done, 1 some run or have not begun, 2 bad usage, 3 the folder holds no farm, 4 a "
+      "task "
+      "failed or was killed, 6 done with --keep-going without all that the scene names.");
   return c;
 }
 

@@ -35,6 +35,24 @@ std::vector<Flag> flags_of(const CLI::App& command) {
   return flags;
 }
 
+/// Those of the commands below a command, too: shells complete them all after its name.
+std::vector<Flag> completed_flags(const CLI::App& command) {
+  std::vector<Flag> all = flags_of(command);
+  for (const CLI::App* below : listed_commands(command))
+    for (Flag& flag : flags_of(*below)) {
+      const bool is_new =
+          std::none_of(all.begin(), all.end(), [&](const Flag& one) { return one.names == flag.names; });
+      if (is_new && !flag.is_positional) all.push_back(std::move(flag));
+    }
+  return all;
+}
+
+/// "farm status" of a command below another.
+std::string whole_name(const CLI::App& command) {
+  const CLI::App* above = command.get_parent();
+  return above && above->get_parent() ? whole_name(*above) + " " + command.get_name() : command.get_name();
+}
+
 bool names_files(const Flag& flag) {
   for (const char* const word : {"FILE", "DIR", "FOLDER", "SCENE", "PART"})
     if (flag.type.starts_with(word)) return true;
@@ -86,7 +104,7 @@ void add_flags(const CLI::App& command, std::string* page) {
 }
 
 std::string synopsis(const CLI::App& command) {
-  std::string text = ".B alabaster " + command.get_name() + "\n";
+  std::string text = ".B alabaster " + whole_name(command) + "\n";
   for (const Flag& flag : flags_of(command))
     if (flag.is_positional) text += "\\fI" + roff(flag.type) + "\\fR\n";
   return text + "[\\fIoptions\\fR]\n";
@@ -96,7 +114,7 @@ std::string bash_script(const CLI::App& app) {
   std::string commands, cases;
   for (const CLI::App* command : listed_commands(app)) {
     std::vector<std::string> flags, files, values;
-    for (const Flag& flag : flags_of(*command)) {
+    for (const Flag& flag : completed_flags(*command)) {
       if (flag.is_positional) continue;
       flags.insert(flags.end(), flag.names.begin(), flag.names.end());
       auto& takers = names_files(flag) ? files : values;
@@ -133,7 +151,7 @@ std::string zsh_script(const CLI::App& app) {
   for (const CLI::App* command : listed_commands(app)) {
     commands += "    " + whole(quoted(command->get_name()) + ":" + first_sentence(command->get_description())) + "\n";
     cases += "    " + command->get_name() + ")\n      _arguments";
-    for (const Flag& flag : flags_of(*command)) {
+    for (const Flag& flag : completed_flags(*command)) {
       const std::string action = names_files(flag) ? "_files" : " ";
       if (flag.is_positional) cases += " \\\n        " + whole("*:" + quoted(flag.type) + ":" + action);
       for (const std::string& name : flag.names)
@@ -159,7 +177,7 @@ std::string fish_script(const CLI::App& app) {
     const std::string name = command->get_name();
     text += "complete -c alabaster -n __fish_use_subcommand -f -a " + name + " -d " +
             quoted(first_sentence(command->get_description())) + "\n";
-    for (const Flag& flag : flags_of(*command)) {
+    for (const Flag& flag : completed_flags(*command)) {
       if (flag.is_positional) continue;
       text += "complete -c alabaster -n '__fish_seen_subcommand_from " + name + "'";
       for (const std::string& one : flag.names)
@@ -179,12 +197,16 @@ int run_man(const CLI::App& app) {
   std::string page =
       ".\\\" Made by `alabaster man`, from the parser of the command line.\n.TH ALABASTER 1 \"\" \"Alabaster " +
       version + "\" \"User Commands\"\n.SH NAME\nalabaster \\- path tracer for translucent materials\n.SH SYNOPSIS\n";
-  const std::vector<const CLI::App*> commands = listed_commands(app);
+  std::vector<const CLI::App*> commands;
+  for (const CLI::App* command : listed_commands(app)) {
+    commands.push_back(command);
+    for (const CLI::App* below : listed_commands(*command)) commands.push_back(below);
+  }
   for (size_t i = 0; i < commands.size(); ++i) page += (i == 0 ? "" : ".br\n") + synopsis(*commands[i]);
   page += ".SH DESCRIPTION\n" + roff(app.get_description()) + "\n.SH OPTIONS\n";
   add_flags(app, &page);
   for (const CLI::App* command : commands) {
-    std::string title = command->get_name();
+    std::string title = whole_name(*command);
     std::transform(title.begin(), title.end(), title.begin(), [](char c) { return char(std::toupper(c)); });
     page += ".SH " + title + "\n" + roff(command->get_description()) + "\n";
     add_flags(*command, &page);

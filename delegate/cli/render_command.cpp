@@ -11,6 +11,7 @@
 #include "delegate/cli/picture_inputs.h"
 #include "delegate/cli/render_messages.h"
 #include "delegate/cli/render_options.h"
+#include "delegate/cli/running_mark.h"
 #include "delegate/cli/stats_file.h"
 #include "delegate/cli/stopwatch.h"
 #include "delegate/cli/turntable.h"
@@ -52,6 +53,7 @@ class RenderCommand {
     catch_interrupts();
     check_combinations();
     check_outputs();
+    if (!a_.running.empty()) console_.require(kOutput, a_.running, mark_.begin(a_.running));
     try {
       load();
       if (a_.stage.recorded_width) begin_record();
@@ -59,7 +61,9 @@ class RenderCommand {
       if (!a_.pixel) set_products();
       session_.start(console_.sink());
     } catch (const Exit& end) {
-      if (end.code != kUsage && may_be_statistics(stats_file())) write_stats(stats_, stats_file(), end.code);
+      // A command line's fault may be the name of this file; but tasks of a farm have names of their own.
+      const bool has_own_names = end.code != kUsage || !a_.running.empty();
+      if (has_own_names && may_be_statistics(stats_file())) write_stats(stats_, stats_file(), end.code);
       throw;
     }
     if (a_.pixel) return trace_pixel();
@@ -251,6 +255,7 @@ class RenderCommand {
       }
       if (a_.skip_existing && has_all_files()) {
         console_.note(formatted("frame %g is there (%zu of %zu)", frame, i + 1, frames.size()));
+        if (has_stats_of_frames()) tell_done(frame_file(a_.stats, frame));
         continue;
       }
       const double fps = a_.fps.value_or(codes > 0 ? codes : 24);
@@ -415,12 +420,22 @@ class RenderCommand {
         {failed ? hd::Severity::error : hd::Severity::warning, "render.sample", "", what + " To see its path, " + way});
   }
 
+  static nlohmann::json statistics_in(const std::string& file) {
+    std::ifstream in(file);
+    nlohmann::json found = nlohmann::json::parse(in, nullptr, false);
+    return found.contains("versions") && found.contains("phases") ? found : nlohmann::json();
+  }
+
   /// The inputs of a scene that cannot be read are not known: a file of something else may be one.
   static bool may_be_statistics(const std::string& file) {
-    if (!std::filesystem::is_regular_file(file)) return true;
-    std::ifstream in(file);
-    const auto found = nlohmann::json::parse(in, nullptr, false);
-    return found.contains("versions") && found.contains("phases");
+    return !std::filesystem::is_regular_file(file) || !statistics_in(file).is_null();
+  }
+
+  /// Of a frame that is there: its statistics may be those of an earlier failure, or may not have been written.
+  void tell_done(const std::string& file) {
+    const nlohmann::json found = statistics_in(file);
+    const auto code = found.is_null() ? found.end() : found.find("exitCode");
+    if (code == found.end() || (*code != kDone && *code != kDegraded)) write_stats({}, file, kDone);
   }
 
   void write_stats(const RunStats& stats, const std::string& file, int code) {
@@ -431,10 +446,11 @@ class RenderCommand {
         settings[descriptor.key.str()] = session_.delegate()->GetRenderSetting(descriptor.key);
     set_writing(true);
     try {
-      console_.write_file(
-          file,
-          stats.to_json(a_.scene, code, settings).dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + "\n",
-          "The statistics", code == kInterrupted ? hd::support::Flush::none : hd::support::Flush::disk);
+      console_.write_file(file,
+                          stats.to_json(a_.scene, code, console_.last_error(), settings)
+                                  .dump(2, ' ', false, nlohmann::json::error_handler_t::replace) +
+                              "\n",
+                          "The statistics", code == kInterrupted ? hd::support::Flush::none : hd::support::Flush::disk);
     } catch (const Exit&) {
       if (code == kDone || code == kDegraded) throw;  // else the command ends by what came before
     }
@@ -442,6 +458,7 @@ class RenderCommand {
 
   RenderArguments a_;
   Console console_;
+  RunningMark mark_;
   SceneSession session_{!a_.frames.numbers.empty()};
   RenderMessages messages_{a_, session_, &console_};
   RunStats stats_, of_frame_stats_;  // of the run, and of the present frame of --frames

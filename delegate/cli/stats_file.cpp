@@ -5,6 +5,7 @@
 #include <sstream>
 
 #include "delegate/cli/exit_codes.h"
+#include "delegate/cli/running_mark.h"
 #include "delegate/support/json_values.h"
 #include "delegate/support/lookup.h"
 #include "delegate/support/process_usage.h"
@@ -73,7 +74,8 @@ hd::Dictionary RunStats::noisiest() const {
   return found == stats_.end() ? hd::Dictionary() : *found;
 }
 
-json RunStats::to_json(const std::string& scene, int code, const hd::Dictionary& settings) const {
+json RunStats::to_json(const std::string& scene, int code, const std::string& reason,
+                       const hd::Dictionary& settings) const {
   const auto count = [&](const char* key) { return static_cast<uint64_t>(total(key)); };
   const auto phase = [&](const std::string& name) {
     return json{{"wall", total("phase." + name + ".wall")}, {"cpu", total("phase." + name + ".cpu")}};
@@ -86,6 +88,8 @@ json RunStats::to_json(const std::string& scene, int code, const hd::Dictionary&
                   : code == kDegraded    ? "degraded"
                                          : "failed";
   out["exitCode"] = code;
+  if (out["status"] == "failed" && !reason.empty()) out["reason"] = reason;
+  out["host"] = host_name();
   const hd::Dictionary first = stats_.empty() ? hd::Dictionary() : stats_.front();
   if (first.contains("scene.faults")) out["faults"] = lines_of(first.at("scene.faults").text_or(""));
   out["settings"] = dictionary_json(settings);

@@ -13,8 +13,9 @@ class RunStats {
  public:
   void add_load(double wall, double cpu);  // also of each pose
   void add_render(const hd::RenderSettingsDescription& settings, double frame, const hd::host::RecordResult& result);
-  /// `settings`: the effective values of every render setting.
-  nlohmann::json to_json(const std::string& scene, int code, const hd::Dictionary& settings) const;
+  /// `settings`: the effective values of every render setting. `reason`: of a run that failed.
+  nlohmann::json to_json(const std::string& scene, int code, const std::string& reason,
+                         const hd::Dictionary& settings) const;
 
   double load_wall() const { return load_wall_; }
   double total(const std::string& key) const;

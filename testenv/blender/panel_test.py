@@ -17,12 +17,14 @@ class Panels(unittest.TestCase):
         shown = []
 
         class Layout:
-            def prop(self, data, name, **_):
+            def prop(self, data, name, *_, **__):
                 shown.append((data, name))
+
+            prop_search = prop
 
             def __getattr__(self, _):
                 return lambda *_, **__: self
-        layout = types.SimpleNamespace(layout=Layout(), **{name: getattr(panel, name, None) for name in ("blocks", "properties", "owner", "socket")})
+        layout = types.SimpleNamespace(layout=Layout(), **{name: getattr(panel, name, None) for name in ("blocks", "properties", "owner", "socket", "bl_context")})
         panel.draw(layout, self.context())
         return shown
 
@@ -31,7 +33,7 @@ class Panels(unittest.TestCase):
         light.use_nodes = material.use_nodes = True
         return types.SimpleNamespace(
             scene=bpy.context.scene, view_layer=bpy.context.view_layer, collection=bpy.context.scene.collection, engine="ALABASTER",
-            object=bpy.data.objects.new("lamp", light), light=light, material=material)
+            object=bpy.data.objects.new("lamp", light), light=light, material=material, world=bpy.data.worlds.new("world"))
 
     def test_each_has_its_own_drawing(self):
         """Blender takes a class its drawing where a subclass of it is registered."""

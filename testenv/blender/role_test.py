@@ -1,8 +1,12 @@
 """Tests of what sees and what lights objects, and of meshes that deform. addon_test.py runs them."""
+import re
+import subprocess
+import tempfile
 import types
 import unittest
 
 import bpy
+import numpy
 
 import role_scenes
 import scenes
@@ -96,6 +100,115 @@ class Roles(SyncedScene):
         self.after(lambda: setattr(bpy.data.objects["place4"], "visible_camera", False))
         parts = [part for part in instances_of(self.watched.scene) if UNSEEN in part]
         self.assertEqual(sorted({part.split()[0] for part in parts}), ["/mesh/ball#2", "/mesh/cube#2"])
+
+
+@unittest.skipUnless("lightgroup" in bpy.types.Object.bl_rna.properties, "no light groups before Blender 3.2")
+class LightGroups(unittest.TestCase):
+    """A ball that a lamp, a glowing plane and the world light, each of a group, and a second lamp of none."""
+
+    def setUp(self):
+        fresh()
+        scene, layer = bpy.context.scene, bpy.context.view_layer
+        scenes.camera((0, -4, 1.5), (0, 0, 0.5))
+        scenes.floor(scenes.diffuse("floor"))
+        scenes.ball(scenes.diffuse("ball"), (0, 0, 0.6), name="ball")
+        lamps = [bpy.data.objects.new(name, bpy.data.lights.new(name, "POINT")) for name in ("warm lamp", "plain lamp")]
+        for lamp, place, power, color in zip(lamps, ((-1.5, -2, 2), (1.5, -2, 2.5)), (90, 60), ((1, 0.5, 0.1), (0.2, 1, 0.4))):
+            lamp.location, lamp.data.energy, lamp.data.color, lamp.data.shadow_soft_size = place, power, color, 0.3
+            scene.collection.objects.link(lamp)
+        bpy.ops.mesh.primitive_plane_add(size=1, location=(0, 1.5, 1.5), rotation=(1.2, 0, 0))
+        self.screen = bpy.context.object
+        glow = bpy.data.materials.new("glow")
+        glow.use_nodes = True
+        glow.node_tree.nodes.clear()
+        output, emission = (glow.node_tree.nodes.new("ShaderNode" + kind) for kind in ("OutputMaterial", "Emission"))
+        emission.inputs["Color"].default_value = (0.1, 0.3, 1, 1)
+        emission.inputs["Strength"].default_value = 4
+        glow.node_tree.links.new(emission.outputs[0], output.inputs["Surface"])
+        self.screen.data.materials.append(glow)
+        scene.world = bpy.data.worlds.new("sky")
+        scene.world.use_nodes = True
+        scene.world.node_tree.nodes["Background"].inputs["Strength"].default_value = 0.4
+        for name in ("warm", "screens", "sky of Überlingen"):
+            layer.lightgroups.add(name=name)
+        lamps[0].lightgroup, lamps[1].lightgroup, self.screen.lightgroup = "warm", "gone", "screens"
+        scene.world.lightgroup = "sky of Überlingen"
+        scene.render.resolution_x, scene.render.resolution_y, scene.render.resolution_percentage = 48, 32, 100
+
+    def passes(self, engine):
+        """The means of 8 x 8 pixels of each pass, by name."""
+        scene = bpy.context.scene
+        scene.render.engine = engine
+        held = scene.cycles if engine == "CYCLES" else scene.alabaster
+        held.samples = 64
+        if engine == "CYCLES":
+            held.use_denoising = held.use_adaptive_sampling = False
+        settings = scene.render.image_settings
+        if hasattr(settings, "media_type"):
+            settings.media_type = "MULTI_LAYER_IMAGE"  # Blender 5
+        settings.file_format, settings.color_depth = "OPEN_EXR_MULTILAYER", "32"
+        with tempfile.TemporaryDirectory() as folder:
+            scene.render.filepath = folder + "/layers.exr"
+            bpy.ops.render.render(write_still=True)
+            return blocks_of_layers(folder + "/layers.exr")
+
+    def test_passes_are_those_of_cycles(self):
+        theirs, ours = self.passes("CYCLES"), self.passes("ALABASTER")
+        groups = ["Combined_warm", "Combined_screens", "Combined_sky of Überlingen"]
+        self.assertEqual(sorted(name for name in ours if name.startswith("Combined_")), sorted(groups))
+        for name in groups:
+            self.assertGreater(theirs[name].mean(), 0.01, name)
+            self.assertLess(abs(ours[name].mean() / theirs[name].mean() - 1), 0.04, name)
+            off = numpy.sqrt(((ours[name] - theirs[name]) ** 2).mean()) / theirs[name].mean()
+            self.assertLess(off, 0.12, name)
+        for name, both in (("theirs", theirs), ("ours", ours)):
+            rest = both["Combined"] - sum(both[group] for group in groups)
+            self.assertGreater(rest.mean(), 0.01, f"{name}: the lamp whose group is gone is in no pass")
+            self.assertGreater(rest[..., 1].mean(), 2 * rest[..., 0].mean(), name)
+
+    def test_what_has_no_group_is_as_before(self):
+        watched, notes = Watched(), []
+        exporter = sync.SceneSync(watched, False, notes.append)
+        exporter.sync(bpy.context.evaluated_depsgraph_get())
+        text = dump(watched.scene)
+        self.assertEqual(sorted(line.strip() for line in text.splitlines() if "lightGroup" in line),
+                         ["lightGroup screens", "lightGroup sky of Überlingen", "lightGroup warm"])
+        while len(bpy.context.view_layer.lightgroups):
+            bpy.ops.scene.view_layer_remove_lightgroup()
+        exporter.sync(bpy.context.evaluated_depsgraph_get())
+        self.assertNotIn("lightGroup", dump(watched.scene))
+        self.assertEqual(notes, [])
+
+    def test_too_many_groups_are_noted(self):
+        for number in range(70):
+            bpy.context.view_layer.lightgroups.add(name=f"group {number}")
+        notes = []
+        sync.SceneSync(Watched(), False, notes.append).sync(bpy.context.evaluated_depsgraph_get())
+        self.assertEqual(notes, [f"of the light groups the first {roles.MOST_GROUPS} are translated"])
+        bpy.context.scene.alabaster.samples = 1
+        bpy.context.scene.render.engine = "ALABASTER"
+        bpy.context.scene.render.resolution_percentage = 25
+        bpy.ops.render.render()
+
+
+def blocks_of_layers(file, size=8):
+    """The red, green and blue of each layer as means of blocks. Blender's Python reads one layer, so oiiotool parts them."""
+    told = subprocess.run(["oiiotool", "--info", "-v", file], capture_output=True, text=True, check=True).stdout
+    names = re.search(r"channel list: (.*)", told).group(1).split(", ")
+    found = {}
+    for name in names:
+        layer = name.removesuffix(".R").removeprefix("ViewLayer.")
+        if layer == name or not name.endswith(".R"):
+            continue
+        part = f"{file}.{len(found)}.exr"
+        channels = ",".join(name[:-1] + letter for letter in "RGB")
+        subprocess.run(["oiiotool", file, "--ch", channels, "--chnames", "R,G,B", "-o", part], check=True)
+        image = bpy.data.images.load(part)
+        pixels = numpy.empty(image.size[0] * image.size[1] * 4, numpy.float32)
+        image.pixels.foreach_get(pixels)
+        pixels = pixels.reshape(image.size[1], image.size[0], 4)[..., :3]
+        found[layer] = pixels.reshape(image.size[1] // size, size, -1, size, 3).mean(axis=(1, 3))
+    return found
 
 
 @unittest.skipUnless(roles.LINKS_LIGHT, "lights have no links before Blender 4")

@@ -1,4 +1,4 @@
-"""A Slurm of one machine, for tests: a controller and a node in a folder of its own, on free ports."""
+"""A Slurm of one machine, for tests: a controller and its nodes in a folder of its own, on free ports."""
 import os
 import pathlib
 import shutil
@@ -30,35 +30,46 @@ def free_ports(count):
 
 
 class SlurmCluster:
-    """Runs from enter to exit. No cgroups, no accounting, no authentication: nothing of the machine is changed."""
+    """Runs from enter to exit. No cgroups, no accounting, no authentication: nothing of the machine is changed. `nodes`: each
+    with its own daemon and, where there are several, its own host name; by default one, this machine."""
 
-    def __init__(self, folder, cores):
+    def __init__(self, folder, cores, nodes=()):
         self.folder = pathlib.Path(folder)
         self.daemons = []
         for name in ("state", "spool"):
             (self.folder / name).mkdir(parents=True)
-        controller, node = free_ports(2)
         host = socket.gethostname().split(".")[0]
+        self.nodes = nodes or (host,)
+        controller, *ports = free_ports(1 + len(self.nodes))
         lines = [
-            "ClusterName=test", f"SlurmctldHost={host}(127.0.0.1)", f"SlurmctldPort={controller}", f"SlurmdPort={node}",
+            "ClusterName=test", f"SlurmctldHost={host}(127.0.0.1)", f"SlurmctldPort={controller}",
             "SlurmUser=root", "AuthType=auth/none", "CredType=cred/none", "ProctrackType=proctrack/linuxproc",
             "TaskPlugin=task/none", "JobAcctGatherType=jobacct_gather/none", "MpiDefault=none", "ReturnToService=2",
             "SelectType=select/cons_tres", "SelectTypeParameters=CR_Core", "SchedulerParameters=sched_interval=1", "MinJobAge=7200",
-            f"StateSaveLocation={self.folder}/state", f"SlurmdSpoolDir={self.folder}/spool",
-            f"SlurmctldPidFile={self.folder}/controller.pid", f"SlurmdPidFile={self.folder}/node.pid",
-            f"SlurmctldLogFile={self.folder}/controller.log", f"SlurmdLogFile={self.folder}/node.log",
-            f"NodeName={host} NodeAddr=127.0.0.1 CPUs={cores} State=UNKNOWN",
+            f"StateSaveLocation={self.folder}/state", f"SlurmdSpoolDir={self.folder}/spool/%n",
+            f"SlurmctldPidFile={self.folder}/controller.pid", f"SlurmdPidFile={self.folder}/%n.pid",
+            f"SlurmctldLogFile={self.folder}/controller.log", f"SlurmdLogFile={self.folder}/%n.log",
+            *(f"NodeName={node} NodeHostname={host} NodeAddr=127.0.0.1 Port={port} CPUs={cores} State=UNKNOWN"
+              for node, port in zip(self.nodes, ports)),
             "PartitionName=all Nodes=ALL Default=YES MaxTime=INFINITE State=UP",
         ]
         (self.folder / "slurm.conf").write_text("\n".join(lines) + "\n")
         self.environment = {**os.environ, "PATH": SEARCHED, "SLURM_CONF": str(self.folder / "slurm.conf")}
 
+    def daemon(self, program, *options):
+        path = shutil.which(program, path=SEARCHED)
+        words = [path, "-D", *options]
+        if len(self.nodes) > 1 and options:
+            words = ["unshare", "--uts", "sh", "-c", 'hostname "$1"; shift; exec "$@"', "sh", options[-1], *words]
+        self.daemons.append(subprocess.Popen(words, env=self.environment, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL))
+
     def __enter__(self):
         try:
-            for program in ("slurmctld", "slurmd"):
-                self.daemons.append(subprocess.Popen([shutil.which(program, path=SEARCHED), "-D"], env=self.environment,
-                                                     stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL))
-            self.wait(lambda: "idle" in self.ask("sinfo", "--noheader", "--format=%T"), 60, "the node to be idle")
+            self.daemon("slurmctld")
+            for node in self.nodes:
+                self.daemon("slurmd", "-N", node)
+            idle = ["idle"] * len(self.nodes)
+            self.wait(lambda: self.ask("sinfo", "--noheader", "--Node", "--format=%T").split() == idle, 60, "the nodes to be idle")
         except BaseException:
             self.__exit__()
             raise

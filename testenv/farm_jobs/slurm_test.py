@@ -6,6 +6,7 @@ apt-get install slurm-wlm installs Debian's; the test starts its daemons itself,
 """
 import os
 import pathlib
+import re
 import signal
 import subprocess
 import sys
@@ -58,7 +59,8 @@ def check(holds, what):
 def lose_a_task(cluster, folder):
     array, merge = submit(cluster, folder)
     part = folder / f"part.{LOST:05}.checkpoint"
-    cluster.wait(lambda: renders_of(part), 120, f"task {LOST} to render")
+    mark = folder / f"task.{LOST:05}.running"
+    cluster.wait(lambda: mark.exists() and renders_of(part), 120, f"task {LOST} to render")
     for process in renders_of(part):
         os.kill(process, signal.SIGKILL)
     tasks = [f"{array}_{k}" for k in range(TASKS)]
@@ -80,9 +82,10 @@ def main():
         run(program, "farm", SCENE, "-o", frame, *LOOK, "--tasks", TASKS, "--engine", "slurm", "--folder", folder)
         with SlurmCluster(pathlib.Path(place) / "slurm", os.cpu_count()) as cluster:
             lose_a_task(cluster, folder)
-            told = subprocess.run(["sh", folder / "status.sh"], capture_output=True, text=True)
-            told = told.stdout + told.stderr
-            check(f"part.{LOST:05}" in told and not frame.exists(), "the status names the part that is lost")
+            told = subprocess.run([program, "farm", "status", folder], capture_output=True, text=True)
+            print(told.stdout, end="")
+            check(told.returncode == 4 and re.search(rf"^task {LOST} +lost ", told.stdout, re.M) and not frame.exists(),
+                  "the status names the task that is lost")
             _, merge = submit(cluster, folder)
             cluster.wait(lambda: cluster.state(merge) in ENDED, 300, "the merge")
             check(cluster.state(merge) == "COMPLETED" and frame.exists(), "submitted again, the rest is rendered and merged")

@@ -93,18 +93,28 @@ Words joined(Words first, const Words& second, const Words& third) {
 void check_scripts(const cli::FarmJobs& jobs, const std::map<std::string, std::string>& files) {
   const Words task = lines_of(files.at("task.sh")), merge = lines_of(files.at("merge.sh"));
   const std::string part = jobs.folder + "/part.", number = "$(printf %05d ";
+  const auto of_task = [&](const std::string& kind) { return jobs.folder + "/" + kind + "." + number + "\x01$1)."; };
   expect(words_of(task.at(1)), {"cd", "--", jobs.home});
   const Words inputs = {"--inputs", jobs.folder + "/inputs.txt"};
-  const Words run = joined({"exec", jobs.program, "render"}, joined(jobs.task_options, inputs, {}),
-                           {"--quiet", "--samples", "$first:$end", "--resume", "--checkpoint",
-                            part + number + "\x01$1).checkpoint", "--", jobs.scene});
+  const Words run =
+      joined({"exec", jobs.program, "render"}, joined(jobs.task_options, inputs, {}),
+             {"--quiet", "--running", of_task("task") + "running", "--stats", of_task("stats") + "json", "--samples",
+              "$first:$end", "--resume", "--checkpoint", of_task("part") + "checkpoint", "--", jobs.scene});
   expect(words_of(task.at(5)), run);
   expect(words_of(merge.at(1)), {"cd", "--", jobs.home});
   expect(words_of(merge.at(5)), {"set", "--", "$@", part + number + "$k).checkpoint"});
   expect(words_of(merge.at(8)),
          joined({"exec", jobs.program, "merge"}, joined(jobs.merge_options, inputs, {}), {"--", "$@"}));
-  expect(words_of(lines_of(files.at("status.sh")).at(8)), {"exec", jobs.program, "merge", "--", "$@"});
   if (task.size() != 6 || merge.size() != 9) broken("a job has lines that are not its own");
+}
+
+/// What is UTF-8 stays as it is.
+void check_farm(const cli::FarmJobs& jobs, const std::string& text) {
+  const nlohmann::json farm = nlohmann::json::parse(text, nullptr, false);
+  if (farm.is_discarded() || farm.at("tasks") != jobs.tasks || farm.at("samples") != jobs.samples)
+    broken("farm.json does not tell the tasks");
+  const std::string home = nlohmann::json(jobs.home).dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
+  if (farm.at("home").dump() != home) broken("farm.json has another folder than it was given");
 }
 
 void check_slurm(const cli::FarmJobs& jobs, const std::map<std::string, std::string>& files) {
@@ -174,6 +184,7 @@ void run_job(Bytes input) {
   if (!fault.empty()) return;
   const std::map<std::string, std::string> files = cli::farm_files(jobs);
   check_scripts(jobs, files);
+  check_farm(jobs, files.at("farm.json"));
   if (jobs.engine == std::string("slurm"))
     check_slurm(jobs, files);
   else if (jobs.engine == std::string("openjd"))
@@ -184,7 +195,7 @@ void run_job(Bytes input) {
   static int since = 0;
   if (since++ % 50 == 0)
     for (const auto& [name, text] : files)
-      if (name != "template.json") check_syntax(text);
+      if (!name.ends_with(".json")) check_syntax(text);
 }
 
 }  // namespace alabaster::fuzz

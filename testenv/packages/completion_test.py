@@ -21,8 +21,8 @@ def commands():
     return re.findall(r"^  (\w+) {2,}", output("--help").split("Subcommands:")[1], re.M)
 
 
-def flags(command):
-    return sorted(set(re.findall(r"^  (?:-\w,)?(--[\w-]+)", output(command, "--help"), re.M)))
+def flags(*command):
+    return sorted(set(re.findall(r"^  (?:-\w,)?(--[\w-]+)", output(*command, "--help"), re.M)))
 
 
 def completed(*words):
@@ -39,6 +39,8 @@ class Completion(unittest.TestCase):
         for command in commands():
             if command != "view":  # has the flags of the window's program
                 self.assertLessEqual(set(flags(command)), set(completed("alabaster", command, "--")), command)
+        self.assertIn("--json", flags("farm", "status"))
+        self.assertIn("--json", completed("alabaster", "farm", "status", "--"))
 
     def test_bash_offers_files_where_a_flag_takes_one(self):
         self.assertIn("stdio.h", completed("alabaster", "render", "stdi"))
@@ -66,6 +68,7 @@ class Completion(unittest.TestCase):
             self.assertIn(f"\n.SH {command.upper()}\n", page)
             for flag in flags(command) if command != "view" else []:
                 self.assertIn(f"\\fB{flag}\\fR", plain)
+        self.assertIn("\n.SH FARM STATUS\n", page)
         if shutil.which("man"):
             ran = subprocess.run(["man", "--warnings", "-l", "-"], input=page, capture_output=True, text=True)
             self.assertEqual((ran.returncode, ran.stderr), (0, ""))

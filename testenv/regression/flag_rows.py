@@ -185,6 +185,9 @@ RENDER_ROWS = {
     # promise: farm.resume.not_overwritten, farm.resume.samples
     "--resume": [Row(("--resume",), like_the_whole, MORE, (CHECKPOINT,), (*MORE, "--checkpoint", "c.checkpoint", "--resume")),
                  Row(("--resume",), codes(2, 0), (*MORE, "--checkpoint", "c.checkpoint"), (CHECKPOINT,))],
+    # promise: farm.running
+    "--running": [Row(("--running", "r.running"), both(same_picture, lambda a, b: not b.file("r.running").exists())),
+                  Row(("--running", "absent/r.running"), codes(0, 5))],
     "--inputs": [Row(("--inputs", "model_farm/inputs.txt"), same_picture, RENDER, (FARM_OF_TWO,)),
                  Row(("--inputs", "model_farm/inputs.txt"), codes(0, 3), SHOWN, (FARM_OF_TWO,))],
     "--samples": [Row(("--samples", "1:3", "--checkpoint", "c.checkpoint"), both(picture, lambda a, b: b.stats["samples"]["total"] == 24 * 16 * 2),

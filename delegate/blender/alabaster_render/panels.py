@@ -142,6 +142,47 @@ class ALABASTER_PT_passes(AlabasterPanel, bpy.types.Panel):
             column.prop(layer.alabaster, aov)
 
 
+class LightGroupPanel(AlabasterPanel):
+    """The light group of what the context names: one of the view layer's."""
+    bl_label = "Light Group"
+    bl_options = {"DEFAULT_CLOSED"}
+
+    @classmethod
+    def poll(cls, context):
+        return super().poll(context) and has(getattr(context, cls.bl_context), "lightgroup")
+
+    def draw(self, context):
+        self.layout.use_property_split = True
+        self.layout.prop_search(getattr(context, self.bl_context), "lightgroup", context.view_layer, "lightgroups", text="Light Group")
+
+
+class ALABASTER_PT_object_light_group(LightGroupPanel, bpy.types.Panel):
+    bl_context = "object"
+
+
+class ALABASTER_PT_world_light_group(LightGroupPanel, bpy.types.Panel):
+    bl_context = "world"
+
+
+class ALABASTER_PT_light_groups(AlabasterPanel, bpy.types.Panel):
+    """Those of the view layer: each is a pass."""
+    bl_label = "Light Groups"
+    bl_context = "view_layer"
+    bl_parent_id = "ALABASTER_PT_passes"
+    bl_options = {"DEFAULT_CLOSED"}
+
+    @classmethod
+    def poll(cls, context):
+        return super().poll(context) and has(context.view_layer, "lightgroups")
+
+    def draw(self, context):
+        row, layer = self.layout.row(), context.view_layer
+        row.template_list("UI_UL_list", "lightgroups", layer, "lightgroups", layer, "active_lightgroup_index", rows=3)
+        column = row.column(align=True)
+        column.operator("scene.view_layer_add_lightgroup", icon="ADD", text="")
+        column.operator("scene.view_layer_remove_lightgroup", icon="REMOVE", text="")
+
+
 class ALABASTER_PT_collection(AlabasterPanel, bpy.types.Panel):
     bl_label = "Alabaster"
     bl_context = "collection"
@@ -159,6 +200,7 @@ class ALABASTER_PT_material(AlabasterPanel, bpy.types.Panel):
 
 
 CLASSES = [disney_group.NODE_OT_alabaster_material, *(settings_panel(*one) for one in SETTINGS_PANELS), ALABASTER_PT_motion,
-           ALABASTER_PT_passes, ALABASTER_PT_collection, ALABASTER_PT_material, *(property_panel(*one) for one in PROPERTY_PANELS),
+           ALABASTER_PT_passes, ALABASTER_PT_light_groups, ALABASTER_PT_object_light_group, ALABASTER_PT_world_light_group,
+           ALABASTER_PT_collection, ALABASTER_PT_material, *(property_panel(*one) for one in PROPERTY_PANELS),
            ALABASTER_PT_light_nodes, ALABASTER_PT_material_volume, ALABASTER_PT_material_displacement]
 register, unregister = bpy.utils.register_classes_factory(CLASSES)

@@ -1,7 +1,7 @@
 """Passes of a view layer as AOVs."""
 import numpy
 
-from . import settings
+from . import roles, settings
 
 
 # Those that Blender has switches for: AOV, name of the pass, channels, type.
@@ -12,7 +12,8 @@ BLENDERS = {"use_pass_z": ("cameraDepth", "Depth", "Z", "VALUE"), "use_pass_norm
 def wanted(view_layer):
     """(AOV, name of the pass, channels, type) of each pass but Combined."""
     return [one for switch, one in BLENDERS.items() if getattr(view_layer, switch)] + [
-        (aov, *one) for aov, one in settings.PASSES.items() if getattr(view_layer.alabaster, aov)]
+        (aov, *one) for aov, one in settings.PASSES.items() if getattr(view_layer.alabaster, aov)] + [
+        ("lightGroup:" + name, "Combined_" + name, "RGB", "COLOR") for name in roles.light_groups(view_layer)[:roles.MOST_GROUPS]]
 
 
 FAR = 1e10  # where the camera sees nothing, as Cycles has it

@@ -1,9 +1,10 @@
-"""The roles of objects: in which subsurface set they are, whether they are hold-outs, what sees and what lights them."""
+"""The roles of objects: in which subsurface set and light group they are, whether they are hold-outs, what sees and what lights them."""
 from typing import NamedTuple
 
 import bpy
 
 LINKS_LIGHT = "light_linking" in bpy.types.Object.bl_rna.properties  # from Blender 4.0 on
+MOST_GROUPS = 63  # of one frame, and light of no group
 
 
 class Role(NamedTuple):
@@ -11,7 +12,13 @@ class Role(NamedTuple):
     body: str = ""  # the subsurface set; "": none
     holdout: bool = False
     seen: bool = True  # by the camera
+    group: str = ""  # of the light that it emits; "": none
     categories: tuple = ()  # that the parameters lightLink and shadowLink of lights name
+
+
+def light_groups(view_layer):
+    """The names of its light groups (from Blender 3.2 on): Cycles draws no others."""
+    return [group.name for group in getattr(view_layer, "lightgroups", ())]
 
 
 class Linked(NamedTuple):
@@ -31,7 +38,9 @@ class Roles:
 
     def __init__(self, depsgraph, note):
         self.layer, self.note = depsgraph.view_layer_eval, note
-        self.sets = subsurface_sets()
+        self.sets, self.groups = subsurface_sets(), set(light_groups(self.layer)[:MOST_GROUPS])
+        if len(light_groups(self.layer)) > MOST_GROUPS:
+            note(f"of the light groups the first {MOST_GROUPS} are translated")
         self.linked = light_links() if LINKS_LIGHT else {}
 
     def of(self, instance, shaders):
@@ -44,7 +53,12 @@ class Roles:
             self.note(f"object '{ob.name}': {text}")
         holdout = ob.is_holdout or parent.holdout_get(view_layer=self.layer)
         seen = ob.visible_camera and parent.visible_camera and (holdout or not parent.indirect_only_get(view_layer=self.layer))
-        return Role(self.sets.get(ob.name_full, ""), holdout or all(shaders), seen, self.categories(ob, parent))
+        return Role(self.sets.get(ob.name_full, ""), holdout or all(shaders), seen, self.group(ob), self.categories(ob, parent))
+
+    def group(self, owner):
+        """The light group of an object or a world. Blender tells the depsgraph of no edit of it."""
+        name = getattr(owner and owner.original, "lightgroup", "")
+        return name if name in self.groups else ""
 
     def categories(self, ob, parent):
         names = ob.original.name_full, parent.original.name_full
@@ -53,11 +67,12 @@ class Roles:
 
     def links(self, light):
         """Parameters of a light object."""
+        group = {"lightGroup": self.group(light)} if self.group(light) else {}
         if not LINKS_LIGHT:
-            return {}
+            return group
         linking = light.original.light_linking
         found = {"lightLink": linking.receiver_collection, "shadowLink": linking.blocker_collection}
-        return {name: category_of(one) for name, one in found.items() if one}
+        return {**group, **{name: category_of(one) for name, one in found.items() if one}}
 
 
 def left_out(ob):

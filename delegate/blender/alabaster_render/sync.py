@@ -191,6 +191,8 @@ class SceneSync:
         made = world.translate(scene, scene.world, self.note) if scene.world else None
         if made is None:
             made = None, {"intensity": 0.0, "visibleToCamera": not scene.render.film_transparent}
+        if made[1] and self.roles and self.roles.group(scene.world):
+            made[1]["lightGroup"] = self.roles.group(scene.world)
         if self.set_lights.get(DOME) != made:
             self.set_lights[DOME] = made
             self.scene.set_light(DOME, "domeLight", made[0], **made[1])
@@ -325,13 +327,16 @@ def set_mesh(scene, group, mesh, placement):
                 for name, one in arguments.pop("primvars", {}).items()}
     if "kind" in mesh:
         arguments.update(("primvars:" + name, one) for name, one in primvars.items())
-        roles = {"subsurfaceSet": group.role.body or None, "holdout": group.role.holdout or None, "visibleToCamera": None if group.role.seen else False}
+        roles = {"subsurfaceSet": group.role.body or None, "holdout": group.role.holdout or None, "visibleToCamera": None if group.role.seen else False,
+                 "lightGroup": group.role.group or None}
         arguments["widths"] = hdalabaster.Primvar(arguments["widths"], "vertex")
         scene.set(group.path, arguments.pop("kind"), {**arguments, **roles, "material": group.slots[0], "categories": group.role.categories, **placement})
         return
     index = arguments.pop("material_index")
     if group.role.body:
         primvars["subsurfaceSet"] = hdalabaster.Primvar(group.role.body, "constant")
+    if group.role.group:
+        primvars["lightGroup"] = hdalabaster.Primvar(group.role.group, "constant")
     if group.role.holdout:
         primvars["holdout"] = hdalabaster.Primvar(True, "constant")
     if not group.role.seen:

@@ -125,12 +125,11 @@ TEST_F(FarmJobFiles, ATaskAndTheMergeGetTheNamesThatWereGiven) {
     EXPECT_EQ(
         calls("sh \"$1\" 1", j.folder + "/task.sh"),
         std::vector<Words>({{"render", "--set=" + name, "--denoise", "--inputs", j.folder + "/inputs.txt", "--quiet",
+                             "--running", j.folder + "/task.00001.running", "--stats", j.folder + "/stats.00001.json",
                              "--samples", "3:6", "--resume", "--checkpoint", part(j, 1), "--", name + ".glb"}}));
     EXPECT_EQ(calls("sh \"$1\"", j.folder + "/merge.sh"),
               std::vector<Words>({{"merge", "--output=" + name + ".exr", "--inputs", j.folder + "/inputs.txt", "--",
                                    part(j, 0), part(j, 1), part(j, 2)}}));
-    EXPECT_EQ(calls("sh \"$1\"", j.folder + "/status.sh"),
-              std::vector<Words>({{"merge", "--", part(j, 0), part(j, 1), part(j, 2)}}));
     // As an engine does that takes a line for a command.
     EXPECT_EQ(
         calls("while IFS= read -r line; do sh -c \"$line\" || exit 1; done <\"$1\"", j.folder + "/tasks.txt").size(),

@@ -1,6 +1,7 @@
 // Frames in parts on several machines: the jobs that are written, run as an engine would run them.
 #include <OpenImageIO/imageio.h>
 
+#include <cmath>
 #include <nlohmann/json.hpp>
 
 #include "testenv/support/oidn.h"
@@ -9,6 +10,8 @@
 
 namespace alabaster::cli {
 namespace {
+
+using nlohmann::json;
 
 class Farm : public hd::description::SceneFiles {
  protected:
@@ -19,6 +22,15 @@ class Farm : public hd::description::SceneFiles {
   std::string read(const std::string& name) const {
     std::ifstream in(folder_ / name);
     return {std::istreambuf_iterator<char>(in), {}};
+  }
+  /// What `alabaster farm status` tells of a task, and with what exit code.
+  json task_of(const std::string& folder, size_t task, int code) const {
+    const Outcome told = run({"farm", "status", folder, "--json"});
+    EXPECT_EQ(told.code, code) << told.out << told.err;
+    const json all = json::parse(told.out, nullptr, false);
+    EXPECT_FALSE(all.is_discarded()) << told.out << told.err;
+    EXPECT_EQ(all.value("exitCode", -1), code);
+    return all.is_discarded() ? json() : all.at("tasks").at(task);
   }
   std::vector<float> pixels(const std::string& name) const {
     const auto image = OIIO::ImageInput::open(folder_ / name);
@@ -32,7 +44,7 @@ class Farm : public hd::description::SceneFiles {
   }
 };
 
-// promise: farm.engine.script, farm.files.merge, farm.files.status, farm.files.task
+// promise: farm.engine.script, farm.files.merge, farm.files.task
 TEST_F(Farm, TheMergedFrameIsThatOfOneMachineThoughATaskIsLost) {
   const std::vector<std::string> frame{"--size", "20x12", "--set", "samples=10", "--aov", "depth", "--set", "seed=7"};
   std::vector<std::string> alone{"render", "patch.gltf", "-o", "alone.exr"},
@@ -49,9 +61,6 @@ TEST_F(Farm, TheMergedFrameIsThatOfOneMachineThoughATaskIsLost) {
   ASSERT_EQ(lines.size(), 3u);
   EXPECT_EQ(shell(lines[0]), 0) << read("shell.txt");
   EXPECT_EQ(shell(lines[2]), 0) << read("shell.txt");
-  EXPECT_EQ(shell("sh patch_farm/status.sh"), 0) << read("shell.txt");
-  EXPECT_NE(read("shell.txt").find("2 of 3 parts are whole"), std::string::npos) << read("shell.txt");
-  EXPECT_NE(read("shell.txt").find("noise: "), std::string::npos) << read("shell.txt");
   EXPECT_NE(shell("sh patch_farm/merge.sh"), 0) << "the second part is missing";
   EXPECT_NE(read("shell.txt").find("parts missing: 1 of 3. First run its task: sh "), std::string::npos)
       << read("shell.txt");
@@ -96,13 +105,22 @@ TEST_F(Farm, ATaskIsItsRenderAlsoWithKeepGoing) {
   EXPECT_TRUE(WIFEXITED(status));
   EXPECT_EQ(WEXITSTATUS(status), 130);
   EXPECT_TRUE(std::filesystem::exists(checkpoint)) << "the render ended, and saved its samples";
+  const json stopped = task_of("long", 0, 4);
+  EXPECT_EQ(stopped.at("state"), "failed");
+  EXPECT_EQ(stopped.at("exitCode"), 130);
+  EXPECT_EQ(stopped.at("reason"), "it was told to end, by a signal");
+  EXPECT_GT(stopped.at("samplesSaved"), 0);
+  EXPECT_GT(stopped.at("noise"), 0);
   ASSERT_EQ(farm("2", "short").code, 0);
   EXPECT_EQ(shell("sh short/task.sh 0"), 0) << read("shell.txt");
+  const json degraded = task_of("short", 0, 6);
+  EXPECT_EQ(degraded.at("state"), "degraded");
+  EXPECT_NE(degraded.at("reason").get<std::string>().find("absent.png"), std::string::npos) << degraded;
   EXPECT_EQ(shell("sh short/merge.sh") >> 8, 6) << read("shell.txt");
 }
 
 // A task whose frame fails leaves its statistics; run again it renders only what is missing.
-// promise: farm.frames, farm.frames.again, farm.force
+// promise: farm.frames, farm.frames.again, farm.force, pipeline.stats.host, pipeline.stats.reason
 TEST_F(Farm, FramesOfTasksAreThoseOfOneMachine) {
   write("scene.json", R"({"models": [{"file": "patch.gltf"}], "settings": {"samples": 2, "resolution": [16, 12]},
     "camera": {"lookAt": {"eye": [0, 0, 3], "target": [0, 0, 0]}}})");
@@ -112,9 +130,19 @@ TEST_F(Farm, FramesOfTasksAreThoseOfOneMachine) {
   ASSERT_EQ(wrote.code, 0) << wrote.err;
   EXPECT_FALSE(std::filesystem::exists(folder_ / "scene_farm/merge.sh"));
   EXPECT_EQ(read("scene_farm/task.sh").find("--samples"), std::string::npos);
+  EXPECT_EQ(task_of("scene_farm", 0, 1).at("state"), "waiting");
   std::filesystem::create_directory(folder_ / "a b.0002.exr");
   EXPECT_EQ(shell("sh scene_farm/task.sh 0") >> 8, 5) << read("shell.txt");
-  EXPECT_EQ(nlohmann::json::parse(read("scene_farm/stats.0002.json")).at("exitCode"), 5);
+  const std::string reason = "a b.0002.exr: a folder has this name; choose another name";
+  const json stats = json::parse(read("scene_farm/stats.0002.json"));
+  EXPECT_EQ(stats.at("exitCode"), 5);
+  EXPECT_EQ(stats.at("reason"), reason);
+  const json failed = task_of("scene_farm", 0, 4);
+  EXPECT_EQ(failed.at("state"), "failed");
+  EXPECT_EQ(failed.at("reason"), reason);
+  EXPECT_EQ(failed.at("frames").at(0).at("state"), "done");
+  EXPECT_EQ(failed.at("frames").at(1).at("exitCode"), 5);
+  EXPECT_NE(run({"farm", "status", "scene_farm"}).out.find("exit code 5: " + reason + "\n"), std::string::npos);
   std::filesystem::remove(folder_ / "a b.0002.exr");
   const auto first = std::filesystem::last_write_time(folder_ / "a b.0001.exr");
   for (const char* task : {"0", "1"})
@@ -122,12 +150,102 @@ TEST_F(Farm, FramesOfTasksAreThoseOfOneMachine) {
   EXPECT_EQ(std::filesystem::last_write_time(folder_ / "a b.0001.exr"), first) << "a frame that is whole stays";
   for (const std::string frame : {"0001", "0002", "0003", "0004", "0006"})
     EXPECT_EQ(pixels("a b." + frame + ".exr"), pixels("alone." + frame + ".exr")) << frame;
+  const json done = task_of("scene_farm", 0, 0);
+  EXPECT_EQ(done.at("state"), "done") << done;
+  EXPECT_GT(done.at("seconds"), 0);
+  EXPECT_GT(done.at("noise"), 0);
+  EXPECT_FALSE(done.at("host").get<std::string>().empty());
   EXPECT_EQ(shell("sh scene_farm/task.sh 2") >> 8, 2);
   EXPECT_EQ(run(farm).code, 2) << "the folder holds a farm";
   std::vector<std::string> again = farm;
   again.push_back("--force");
   EXPECT_EQ(run(again).code, 0);
   EXPECT_FALSE(std::filesystem::exists(folder_ / "scene_farm/stats.0002.json"));
+}
+
+// A task that the kernel ends says nothing, so its mark stays; run again, it goes on.
+// promise: farm.files.farm, farm.status, farm.status.code, farm.status.running, pipeline.exit.to_do
+TEST_F(Farm, StatusTellsTasksThatWereKilledFromThoseThatRunAndThoseThatNeverBegan) {
+  ASSERT_EQ(run({"farm", "patch.gltf", "-o", "a.exr", "--size", "64x48", "--spp", "1000000", "--tasks", "3"}).code, 0);
+  EXPECT_EQ(task_of("patch_farm", 1, 1),
+            json({{"task", 1}, {"state", "waiting"}, {"samples", {333333, 666666}}, {"samplesSaved", 0}}));
+  const std::string script = folder_ / "patch_farm/task.sh", mark = folder_ / "patch_farm/task.00001.running";
+  const pid_t task = fork();
+  if (task == 0) {
+    execl("/bin/sh", "sh", script.c_str(), "1", nullptr);
+    _exit(99);
+  }
+  for (int i = 0; i < 600 && read("patch_farm/task.00001.running").empty(); ++i)
+    std::this_thread::sleep_for(std::chrono::milliseconds(100));
+  const std::string running = read("patch_farm/task.00001.running");
+  // A lock tells of this machine's tasks, however long ago they gave a sign.
+  const auto sign_was = [&](int seconds_ago) {
+    const auto now = std::filesystem::file_time_type::clock::now();
+    std::filesystem::last_write_time(mark, now - std::chrono::seconds(seconds_ago));
+  };
+  sign_was(3600);
+  const json lives = task_of("patch_farm", 1, 1);
+  EXPECT_EQ(lives.at("state"), "running") << running;
+  EXPECT_EQ(lives.at("host"), json::parse(running).at("host"));
+  ASSERT_EQ(kill(task, SIGKILL), 0);
+  int status = 0;
+  ASSERT_EQ(waitpid(task, &status, 0), task);
+  sign_was(0);
+  const json lost = task_of("patch_farm", 1, 4);
+  EXPECT_EQ(lost.at("state"), "lost");
+  EXPECT_EQ(lost.at("reason"), "it ended without a word: it was killed, or its machine failed");
+  EXPECT_EQ(task_of("patch_farm", 0, 4).at("state"), "waiting");
+  // The same of another machine, of which the time of its last sign is all that is known.
+  json other = json::parse(running);
+  other["boot"] = "another", other["host"] = "node7";
+  write("patch_farm/task.00001.running", other.dump());
+  EXPECT_EQ(task_of("patch_farm", 1, 1).at("state"), "running");
+  sign_was(600);
+  const json silent = task_of("patch_farm", 1, 4);
+  EXPECT_EQ(silent.at("state"), "lost");
+  EXPECT_NE(silent.at("reason").get<std::string>().find("it has given no sign for 10:0"), std::string::npos) << silent;
+  EXPECT_NE(run({"farm", "status", "patch_farm"}).out.find("3 tasks: 0 done, 2 waiting, 1 lost\n"), std::string::npos);
+}
+
+// promise: farm.status, farm.status.code
+TEST_F(Farm, StatusOfPartsHasTheNoiseOfTheirSum) {
+  const std::vector<std::string> frame{"--size", "48x32", "--dome", "0.2", "--set", "samples=96"};
+  std::vector<std::string> farm{"farm", "patch.gltf", "-o", "a.exr", "--tasks", "3"},
+      whole{"render", "patch.gltf", "-o", "b.exr", "--stats", "s.json"};
+  farm.insert(farm.end(), frame.begin(), frame.end());
+  whole.insert(whole.end(), frame.begin(), frame.end());
+  ASSERT_EQ(run(farm).code, 0);
+  for (const char* task : {"0", "1", "2"})
+    EXPECT_EQ(shell(std::string("sh patch_farm/task.sh ") + task), 0) << read("shell.txt");
+  const json part = task_of("patch_farm", 2, 0);
+  EXPECT_EQ(part.at("state"), "done");
+  EXPECT_EQ(part.at("samplesSaved"), 32);
+  ASSERT_EQ(run(whole).code, 0);
+  const double noise = json::parse(run({"farm", "status", "patch_farm", "--json"}).out).at("noise");
+  EXPECT_NEAR(noise / json::parse(read("s.json")).at("error").at("relativeRmse").get<double>(), 1, 0.3);
+  EXPECT_NEAR(noise / part.at("noise").get<double>(), 1 / std::sqrt(3.0), 0.15);
+  EXPECT_EQ(shell("sh patch_farm/task.sh 2"), 0) << "run again, a whole part keeps its time";
+  EXPECT_GE(task_of("patch_farm", 2, 0).at("seconds"), part.at("seconds"));
+  std::filesystem::remove(folder_ / "patch_farm/part.00002.checkpoint");
+  EXPECT_EQ(task_of("patch_farm", 2, 1).at("state"), "waiting");
+  write("patch_farm/part.00002.checkpoint", "x");
+  EXPECT_EQ(task_of("patch_farm", 2, 4).at("state"), "failed");
+  EXPECT_EQ(run({"farm", "status", "."}).code, 3);
+  const Outcome alone = run({"farm", "status"});
+  EXPECT_EQ(alone.code, 2);
+  EXPECT_NE(alone.err.find("FOLDER is required. For example:\n  alabaster farm status scene_farm\n"), std::string::npos)
+      << alone.err;
+}
+
+// Each task makes its mark without a word of whoever looks; what is no mark is not written over.
+TEST_F(Farm, AMarkReplacesNoOtherFile) {
+  write("mine.txt", "mine");
+  const Outcome refused =
+      run({"render", "patch.gltf", "-o", "a.exr", "--size", "8x6", "--spp", "1", "--running", "mine.txt"});
+  EXPECT_EQ(refused.code, 5) << refused.err;
+  EXPECT_EQ(read("mine.txt"), "mine");
+  ASSERT_EQ(run({"render", "patch.gltf", "-o", "a.exr", "--size", "8x6", "--spp", "1", "--running", "mark"}).code, 0);
+  EXPECT_FALSE(std::filesystem::exists(folder_ / "mark"));
 }
 
 TEST_F(Farm, AJobOfFramesHasNoMerge) {
@@ -155,7 +273,7 @@ TEST_F(Farm, JobsForSlurmAreAnArrayAndAMerge) {
       0);
   const std::string job = read("jobs/job.sbatch");
   EXPECT_NE(job.find("#SBATCH --array=0-3\n"), std::string::npos) << job;
-  for (const char* name : {"task.sh", "merge.sh", "status.sh", "submit.sh", "job.sbatch"})
+  for (const char* name : {"task.sh", "merge.sh", "submit.sh", "job.sbatch"})
     EXPECT_EQ(shell(std::string("sh -n jobs/") + name), 0) << name;
 }
 
