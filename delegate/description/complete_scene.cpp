@@ -52,7 +52,10 @@ host::CameraDescription planned_camera(const LoadState& state, const Path& base)
   } else {
     camera = state.scene->GetCameras().at(base);
   }
-  for (const auto& [name, value] : plan.parameters) camera.parameters[name] = value;
+  for (const auto& [name, value] : plan.parameters) {
+    camera.parameters[name] = value;
+    camera.parameters.erase(Token(name.str() + ":samples"));
+  }
   const Placement& placed = plan.placement;
   if (placed.transform) camera.transform = *placed.transform, camera.transformSamples = placed.motion;
   if (placed.target_distance > 0 && !plan.parameters.contains("focusDistance") &&

@@ -130,6 +130,7 @@ class MotionBlur : public ::testing::Test {
     request.settings.seed = seed;
     request.settings.samples = 1;
     if (camera_) request.camera.camera_to_world = camera_(time);
+    if (lens_) lens_(time, &request.camera);
     return block_means(*render(request));
   }
 
@@ -150,6 +151,18 @@ class MotionBlur : public ::testing::Test {
       if (moving_shape_) moving.description.instances[deforming_].prototype = moving_shape_;
       if (camera_) blurred.camera.poses = poses_of(camera_);
       blurred.camera.opens = 0, blurred.camera.closes = 1;
+      if (lens_) {
+        blurred.camera.shutter_close = 1;
+        for (const double time : {0.0, 1.0}) {
+          CameraParameters then = request_.camera;
+          lens_(time, &then);
+          for (const auto& [value, samples] : {std::pair(then.focal_length, &blurred.camera.focal_lengths),
+                                               std::pair(then.f_stop, &blurred.camera.f_stops),
+                                               std::pair(then.focus_distance, &blurred.camera.focus_distances)})
+            samples->times.push_back(time), samples->values.push_back(value);
+        }
+        open_lens(&blurred.camera);
+      }
       blurred.scene = moving.snapshot();
     }
     std::vector<RunningStatistics> with(BlockMeans().size()), without(BlockMeans().size());
@@ -177,6 +190,7 @@ class MotionBlur : public ::testing::Test {
   std::shared_ptr<const MeshPrototype> box_, sphere_;
   std::vector<std::pair<size_t, Motion>> motions_, light_motions_;
   Motion camera_;
+  std::function<void(double, CameraParameters*)> lens_;
   size_t deforming_ = 0;
   std::function<std::shared_ptr<const MeshPrototype>(double)> deform_;
   std::shared_ptr<const MeshPrototype> moving_shape_;
@@ -225,6 +239,19 @@ TEST_F(MotionBlur, CameraMotionIsTheMeanOfStills) {
   add(box_, grey_, [](double) { return Matrix4d(); });
   motions_.clear();
   camera_ = [](double t) { return look_at({1.5 * t - 0.5, 1 + t, 4 - t}, {0.3 * t, 0, 0}, 40).camera_to_world; };
+  expect_mean_of_stills();
+}
+
+// A zoom with an aperture that opens and a focus that goes from the front to the back.
+TEST_F(MotionBlur, ALensThatMovesIsTheMeanOfStills) {
+  add(box_, glow_, [](double) { return shifted(0.4, 0, 1); });
+  add(sphere_, grey_, [](double) { return shifted(-0.4, 0, -1); });
+  motions_.clear();
+  lens_ = [focal = request_.camera.focal_length](double t, CameraParameters* camera) {
+    const auto share = static_cast<float>(t);
+    camera->focal_length = focal * (0.8f + 0.8f * share);
+    camera->f_stop = focal * (4 - 3 * share), camera->focus_distance = 3 + 2.5f * share;
+  };
   expect_mean_of_stills();
 }
 

@@ -485,6 +485,30 @@ def test_a_light_moves_within_the_shutter():
     assert apart(moving, stills[5]) > .05, "as at its middle"
 
 
+def test_a_lens_moves_within_the_shutter():
+    """The mean of the pictures of lenses that stand still; so in the stage's archive. A film that changes is told."""
+    shutter = "double shutter:open = -1\n        double shutter:close = 1\n        float focalLength"
+    balls = "".join('    def Sphere "b%d" { double radius = 0.5\n color3f[] primvars:displayColor = [(0.9, %g, 0.05)]\n double3 xformOp:translate = (%g, %g, %g)\n'
+                    ' uniform token[] xformOpOrder = ["xformOp:translate"] }\n' % (i, .4 * i, i - 1, .6 * (i % 2), 2 - 2.5 * i) for i in range(3))
+    for name, first, last, others in (("focalLength", .35, .8, ""), ("focusDistance", 3, 11, "float fStop = 0.06"), ("fStop", .05, .5, "float focusDistance = 4")):
+        lens = CAMERA.replace("float focalLength = 0.5", "%s\n        %s" % (others, "" if name == "focalLength" else "float focalLength = 0.5"))
+        lens = lens.replace("float2 clippingRange", "float %s\n        float2 clippingRange" % (name + "%s"))
+        moves = stage("lens_moves.usda", balls, camera=(lens % (".timeSamples = { 0: %g, 1: %g, 3: %g, 9: 99,}" % (first, first, last))).replace(
+            "float2 clippingRange", shutter.replace("float focalLength", "float2 clippingRange")))
+        moving, said = picture(moves, "--time", "2", spp="512")
+        assert "warning" not in said, said
+        stills = [picture(stage("lens_%s_%d.usda" % (name, i), balls, camera=lens % (" = %g" % (first + (last - first) * (i + .5) / 12))), spp="64")[0] for i in range(12)]
+        wanted = os.path.join(FOLDER, "lens_%s.exr" % name)
+        subprocess.run(["oiiotool", stills[0], *(w for s in stills[1:] for w in (s, "--add")), "--mulc", str(1 / 12), "-o", wanted], check=True)
+        assert blocks_apart(moving, wanted) < .01 and blocks_apart(moving, stills[0]) > .03, (name, blocks_apart(moving, wanted), blocks_apart(moving, stills[0]))
+        code, said = run("convert", moves, "-o", os.path.join(FOLDER, "lens.alab"), "--time", "2")
+        assert code == 0, said
+        assert apart(picture(os.path.join(FOLDER, "lens.alab"), spp="64")[0], picture(moves, "--time", "2", spp="64")[0]) == 0, name
+    film = CAMERA.replace("float horizontalAperture = 0.36", "float horizontalAperture.timeSamples = { 1: 0.3, 3: 0.4,}").replace("float focalLength", shutter)
+    said = picture(stage("film.usda", balls, camera=film), "--time", "2")[1]
+    assert said.count("a film that changes within the shutter stands still") == 1 and "/World/cam" in said, said
+
+
 def test_what_moves_by_splines_and_clips_moves():
     """Layers list no samples of either."""
     write("clip.usda", '#usda 1.0\ndef "World"\n{\n    def "c"\n    {\n        double3 xformOp:translate.timeSamples = {\n 0: (-1, 0, 0),\n 10: (1, 0, 0),\n}\n    }\n}\n')

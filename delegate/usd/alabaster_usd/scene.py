@@ -185,8 +185,11 @@ class Reader:
         """Cameras and lights, if they differ from the last answer. Returns the names of lights that are gone."""
         for where, one in self.cameras.items():
             fields = views.camera_fields(one, self.world.GetLocalToWorldTransform(one), self.time)
+            if self.shutter:
+                fields.update(views.lens_samples(one, self.time, self.shutter, self.notes))
             if self.settings and views.all_disabled(self.settings, "disableDepthOfField"):
                 fields["fStop"] = V("float", 0.0)
+                fields.pop("fStop:samples", None)
             if self.shutter:
                 moves = [UsdGeom.Xformable(one).ComputeLocalToWorldTransform(t) for t in self.shutter_times]
                 if any(m != moves[0] for m in moves):
@@ -208,10 +211,6 @@ class Reader:
                     self.chosen and not all(self.chosen.is_seen(p.GetPath()) for p in (light, *(instance[:1] if instance else ())))):
                 fields["visibleToCamera"] = V("bool", False)
             self._say(name, kind, fields)
-        if not self.shutter:
-            return gone
-        if self.main in self.cameras and any(self.cameras[self.main].GetAttribute(n).ValueMightBeTimeVarying() for n in views.LENS):
-            self.notes.tell("a lens that changes within the shutter stands still", self.main)
         return gone
 
     def _say(self, where, kind, fields):
