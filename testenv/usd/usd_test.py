@@ -798,6 +798,59 @@ def test_a_mesh_is_a_light_by_its_front_and_its_area():
         assert "warning" not in said and abs(ratio - 1) < 0.01, (normalize, ratio, said)
 
 
+def test_instances_of_a_mesh_light_have_one_power():
+    """Instances of unlike scale give what rect lights of their sizes give. Within other instances they have one radiance, and a warning."""
+    places = ((-1.2, 1, 1), (1.2, 2.5, .5))  # x, scale across and along
+    floor = """    def Mesh "floor" { int[] faceVertexCounts = [4]
+        int[] faceVertexIndices = [0, 1, 2, 3]
+        point3f[] points = [(-9, -9, 0), (9, -9, 0), (9, 9, 0), (-9, 9, 0)]
+        uniform token subdivisionScheme = "none" }
+"""
+    glow = """        def Mesh "%s" ( prepend apiSchemas = ["MeshLightAPI"] ) { int[] faceVertexCounts = [4]
+            int[] faceVertexIndices = [0, 3, 2, 1]
+            point3f[] points = [(-0.2, %g, 0), (0.2, %g, 0), (0.2, %g, 0), (-0.2, %g, 0)]
+            uniform token subdivisionScheme = "none"
+            float3 xformOp:scale = (2, 2, 2)
+            uniform token[] xformOpOrder = ["xformOp:scale"]
+            float inputs:intensity = %g
+            bool inputs:normalize = true }
+"""
+    pair = glow % ("low", -.3, -.3, -.1, -.1, 4) + glow % ("high", .1, .1, .5, .5, 8)
+    rect = """    def RectLight "r%d%d" { float inputs:width = %g
+        float inputs:height = %g
+        float inputs:intensity = %g
+        bool inputs:normalize = true
+        double3 xformOp:translate = (%g, %g, 2)
+        uniform token[] xformOpOrder = ["xformOp:translate"] }
+"""
+    wanted = "".join(rect % (i, j, .8 * a, 2 * h * b, power, x, 2 * y * b) for i, (x, a, b) in enumerate(places) for j, (y, h, power) in enumerate(((-.2, .2, 4), (.3, .4, 8))))
+    native = "".join("""    def Xform "n%d" ( instanceable = true
+        references = </Light> ) { double3 xformOp:translate = (%g, 0, 2)
+        float3 xformOp:scale = (%g, %g, 1)
+        uniform token[] xformOpOrder = ["xformOp:translate", "xformOp:scale"] }
+""" % (i, x, a, b) for i, (x, a, b) in enumerate(places))
+    points = lambda path, where, scales, body: """    def PointInstancer "%s" { rel prototypes = <%s>
+        int[] protoIndices = [%s]
+        point3f[] positions = [%s]
+        float3[] scales = [%s]
+        %s
+    }
+""" % (path.split("/")[-2], path, ", ".join("0" for _ in where), ", ".join("(%g, 0, %g)" % (x, z) for x, z in where),
+       ", ".join("(%g, %g, 1)" % s for s in scales), body)
+    lamp, scales = 'def Xform "Light"\n{\n%s}' % pair, [(a, b) for _, a, b in places]
+    flat = points("/World/many/Light", [(x, 2) for x, _, _ in places], scales, lamp)
+    nested = points("/World/outer/inner", [(x, 2) for x, _, _ in places], scales, points("/World/outer/inner/Light", [(0, 0)], [(1, 1)], lamp))
+    no_sky = CAMERA[:CAMERA.index("    def DomeLight")]
+    light = 'class Xform "Light"\n{\n' + pair + "}\n"
+    rects, _ = picture(stage("one_power.usda", floor + wanted, camera=no_sky), spp="64")
+    for name, body in (("native", native), ("points", flat)):
+        got, said = picture(write("one_power_%s.usda" % name, open(stage("x.usda", floor + body, camera=no_sky)).read() + light), spp="64")
+        ratio = [mean(got, cut)[0] / mean(rects, cut)[0] for cut in ("12x8+0+4", "12x8+36+4", "12x8+0+36", "12x8+36+36")]
+        assert "warning" not in said and max(abs(r - 1) for r in ratio) < .02, (name, ratio, said)
+    got, said = picture(write("one_power_nested.usda", open(stage("x.usda", floor + nested, camera=no_sky)).read() + light), spp="4")
+    assert said.count("have the power of the first place") == 1 and "/Light/low" in said, said
+
+
 def test_light_groups_are_those_of_renderman_and_arnold():
     light = """    def SphereLight "%s" { float inputs:radius = 0.1
         float inputs:intensity = 40
