@@ -4,6 +4,7 @@
 
 #include <array>
 
+#include "testenv/support/memory_texture.h"
 #include "testenv/support/scene_builder.h"
 #include "testenv/support/z_test.h"
 
@@ -295,6 +296,26 @@ TEST_F(MotionBlur, MeshLightIsTheMeanOfStills) {
 TEST_F(MotionBlur, LightsAreTheMeanOfStills) {
   builder_.description.lights.clear();
   add_moving_lights(1);
+  builder_.add(sphere_, grey_);
+  expect_mean_of_stills();
+}
+
+// The types that add_moving_lights() has not: a disk and a cylinder that are seen, and a dome with an image that turns.
+TEST_F(MotionBlur, OtherLightsAreTheMeanOfStills) {
+  builder_.description.lights.clear();
+  LightParameters lamp;
+  lamp.visible_to_camera = true;
+  lamp.type = LightType::disk, lamp.intensity = 8, lamp.radius = 0.3f;
+  add(lamp, [](double t) { return turned({1, 0, 0}, 30 - 80 * t) * shifted(-0.9 + 0.6 * t, 0.7, -0.2); });
+  lamp.type = LightType::cylinder, lamp.intensity = 3, lamp.radius = 0.1f, lamp.length = 0.6f;
+  add(lamp, [](double t) { return turned({0, 0, 1}, 100 * t) * shifted(1 - 0.5 * t, 0.5, 0.2); });
+  LightParameters sky;
+  sky.type = LightType::dome;
+  sky.visible_to_camera = true;
+  std::vector<Rgb> texels(size_t{16} * 8, Rgb(0.1f));
+  for (size_t y = 1; y < 4; ++y) texels[16 * y + 5] = Rgb(6, 3, 1), texels[16 * y + 11] = Rgb(0.3f, 0.6f, 2);
+  sky.texture = std::make_shared<MemoryTexture>(16, texels);
+  add(sky, [](double t) { return turned({0, 1, 0}, 90 * t); });
   builder_.add(sphere_, grey_);
   expect_mean_of_stills();
 }
