@@ -1,5 +1,8 @@
 #include "core/camera/camera.h"
 
+#include <algorithm>
+#include <limits>
+
 #include "core/sampling/warp.h"
 
 namespace alabaster {
@@ -17,7 +20,71 @@ float representable(float x) {
   return std::clamp(x, -kLargest, kLargest);
 }
 
+// Linear between samples. 0 says that there is no lens, and leads nowhere: before and after it the earlier sample
+// holds.
+float value_at(const TimeSamples<float>& samples, double time) {
+  const auto after = std::upper_bound(samples.times.begin(), samples.times.end(), time);
+  const auto next = static_cast<size_t>(after - samples.times.begin());
+  if (next == 0) return samples.values.front();
+  const float a = samples.values[next - 1];
+  if (after == samples.times.end()) return a;
+  const float b = samples.values[next];
+  if (a == 0 || b == 0) return a;
+  const auto share = static_cast<float>((time - *(after - 1)) / (*after - *(after - 1)));
+  return a * (1 - share) + b * share;
+}
+
+float value_at(const TimeSamples<float>& samples, float without, double time) {
+  return samples.values.empty() ? without : value_at(samples, time);
+}
+
+Lens lens_at(const CameraParameters& camera, double time) {
+  return {value_at(camera.focal_lengths, camera.focal_length, time), value_at(camera.f_stops, camera.f_stop, time),
+          value_at(camera.focus_distances, camera.focus_distance, time)};
+}
+
+double opening_of(const CameraParameters& camera) {
+  return static_cast<double>(camera.shutter_open);
+}
+double close_of(const CameraParameters& camera) {
+  return static_cast<double>(camera.shutter_close);
+}
+
+// Calls visit(value) for values that all others over the shutter lie between.
+template <class Visit>
+void for_each_turn(const CameraParameters& camera, const TimeSamples<float>& samples, const Visit& visit) {
+  for (const double time : {opening_of(camera), close_of(camera)}) visit(value_at(samples, time));
+  for (size_t i = 0; i < samples.values.size(); ++i)
+    if (samples.times[i] > opening_of(camera) && samples.times[i] < close_of(camera)) visit(samples.values[i]);
+}
+
+// Over the shutter: the least value above 0, or the largest float if there is none, and the greatest one.
+std::pair<float, float> limits_of(const CameraParameters& camera, const TimeSamples<float>& samples, float without) {
+  std::pair<float, float> limits{std::numeric_limits<float>::max(), 0.0f};
+  const auto add = [&](float value) {
+    if (value > 0) limits.first = std::min(limits.first, value);
+    limits.second = std::max(limits.second, value);
+  };
+  if (samples.values.empty())
+    add(without);
+  else
+    for_each_turn(camera, samples, add);
+  return limits;
+}
+
 }  // namespace
+
+void open_lens(CameraParameters* camera) {
+  const Lens lens = lens_at(*camera, opening_of(*camera));
+  camera->focal_length = lens.focal_length, camera->f_stop = lens.f_stop, camera->focus_distance = lens.focus_distance;
+  for (TimeSamples<float>* samples : {&camera->focal_lengths, &camera->f_stops, &camera->focus_distances}) {
+    if (samples->values.empty()) continue;
+    bool moves = false;
+    const float first = value_at(*samples, opening_of(*camera));
+    for_each_turn(*camera, *samples, [&](float value) { moves = moves || value != first; });
+    if (!moves) *samples = {};
+  }
+}
 
 std::span<const Parameter<CameraParameters>> camera_parameters() {
   using P = CameraParameters;
@@ -59,7 +126,6 @@ Camera::Camera(const CameraParameters& p, int width, int height, const Vec3d& re
     : x_(axis(p.camera_to_world, 0)),
       y_(axis(p.camera_to_world, 1)),
       z_(axis(p.camera_to_world, 2)),
-      focus_distance_(p.focus_distance),
       clip_near_(p.clip_near),
       clip_far_(p.clip_far),
       orthographic_(p.orthographic),
@@ -69,15 +135,19 @@ Camera::Camera(const CameraParameters& p, int width, int height, const Vec3d& re
   if (!p.clip_planes.empty()) clip_planes_ = std::make_shared<const std::vector<Vec4f>>(p.clip_planes);
   const Matrix4d& m = p.camera_to_world;
   origin_ = Vec3f(Vec3d(m[3][0], m[3][1], m[3][2]) - render_origin);
+  set_lens({p.focal_length, p.f_stop, p.focus_distance}, p, width, height);
+}
+
+void Camera::set_lens(const Lens& lens, const CameraParameters& p, int width, int height) {
   // Aperture -> tangent plane at distance one; an orthographic aperture is the view's size itself.
-  const float unit = orthographic_ ? 1.0f : 1.0f / p.focal_length;
+  const float unit = orthographic_ ? 1.0f : 1.0f / lens.focal_length;
   const float w = representable(p.horizontal_aperture * unit), h = representable(p.vertical_aperture * unit);
   film_scale_ = {w / static_cast<float>(width), -h / static_cast<float>(height)};
   film_offset_ = {representable(p.horizontal_aperture_offset * unit) - 0.5f * w,
                   representable(p.vertical_aperture_offset * unit) + 0.5f * h};
-  const bool has_lens = p.f_stop > 0 && focus_distance_ > 0 && !orthographic_;
-  lens_radius_ = has_lens ? representable(p.focal_length / (2 * p.f_stop)) : 0;
-  focus_distance_ = std::clamp(focus_distance_, lens_radius_ / kLargest, kLargest);
+  const bool has_lens = lens.f_stop > 0 && lens.focus_distance > 0 && !orthographic_;
+  lens_radius_ = has_lens ? representable(lens.focal_length / (2 * lens.f_stop)) : 0;
+  focus_distance_ = std::clamp(lens.focus_distance, lens_radius_ / kLargest, kLargest);
 }
 
 // The radius of the circle that holds the aperture. A regular polygon is as large as the disk: another number of blades
@@ -203,6 +273,26 @@ MovingCamera::MovingCamera(const CameraParameters& parameters, int width, int he
     poses_.emplace_back(posed, width, height, render_origin);
   }
   if (poses_.empty()) poses_.emplace_back(parameters, width, height, render_origin);
+  const CameraParameters& p = parameters;
+  if (p.focal_lengths.values.empty() && p.f_stops.values.empty() && p.focus_distances.values.empty()) return;
+  posed.poses.clear(), posed.clip_planes.clear();
+  lens_ = std::make_shared<const MovingLens>(MovingLens{std::move(posed), width, height});
+}
+
+// With the shortest and the longest focal length and the nearest and the farthest focus, each with the widest aperture:
+// origins are affine in 1 / focal length, in 1 / focus distance and in the point on the aperture.
+std::vector<Camera> MovingCamera::at_limits_of_lens(const Camera& pose) const {
+  if (!lens_) return {pose};
+  const CameraParameters& p = lens_->parameters;
+  const auto [shortest, longest] = limits_of(p, p.focal_lengths, p.focal_length);
+  const float widest = limits_of(p, p.f_stops, p.f_stop).first;
+  const auto [nearest, farthest] = limits_of(p, p.focus_distances, p.focus_distance);
+  std::vector<Camera> all;
+  for (const float focal_length : {shortest, longest})
+    for (const float focus_distance : {nearest, farthest})
+      all.emplace_back(pose).set_lens({focal_length, widest * (focal_length / longest), focus_distance}, p,
+                                      lens_->width, lens_->height);
+  return all;
 }
 
 // Between poses the frame is not quite orthogonal: an origin is no farther from the camera's than the sum of its
@@ -211,7 +301,9 @@ Bounds MovingCamera::ray_origins(const Vec2f& film_begin, const Vec2f& film_end)
   if (!moves() || poses_.front().clip_planes_) return poses_.front().ray_origins(film_begin, film_end);
   Bounds bounds;
   for (const Camera& pose : poses_) {
-    const Bounds there = pose.ray_origins(film_begin, film_end);
+    Bounds there;
+    for (const Camera& limit : at_limits_of_lens(pose)) there.extend(limit.ray_origins(film_begin, film_end));
+    if (poses_.size() == 1) return there;
     float reach = 0;
     for (const Vec3f& corner : there.corners()) {
       const Vec3f eye = pose.to_eye(corner);
@@ -224,7 +316,16 @@ Bounds MovingCamera::ray_origins(const Vec2f& film_begin, const Vec2f& film_end)
 }
 
 Camera MovingCamera::at(float share) const {
-  if (!moves()) return poses_.front();
+  Camera camera = pose_at(share);
+  if (!lens_) return camera;
+  const CameraParameters& p = lens_->parameters;
+  const double time = opening_of(p) + (close_of(p) - opening_of(p)) * static_cast<double>(share);
+  camera.set_lens(lens_at(p, time), p, lens_->width, lens_->height);
+  return camera;
+}
+
+Camera MovingCamera::pose_at(float share) const {
+  if (poses_.size() == 1) return poses_.front();
   const PoseTime at(share, poses_.size());
   const Camera &a = poses_[at.first], &b = poses_[at.first + 1];
   Camera posed = a;

@@ -34,11 +34,20 @@ struct CameraParameters {
   float shutter_open = 0;        // frames, relative to the one that is drawn
   float shutter_close = 0;       // not before it opens; the same: nothing is blurred
   std::vector<Matrix4d> poses;   // camera_to_world over the camera's own shutter, even ones; empty: stands still
-  float opens = 0, closes = 0;   // the camera's shutter as a part of the scene's, which goes from 0 to 1
+  // Of a lens that moves: at times as those of the shutter, which they need not lie in. Empty: stands still.
+  TimeSamples<float> focal_lengths, f_stops, focus_distances;
+  float opens = 0, closes = 0;  // the camera's shutter as a part of the scene's, which goes from 0 to 1
   bool operator==(const CameraParameters&) const = default;
 };
+/// Sets the lens to what it is where the camera's shutter opens, and drops samples of what stands still in the shutter.
+void open_lens(CameraParameters* camera);
 /// schemas/camera.json, but for projection, clippingRange and clipPlanes.
 std::span<const Parameter<CameraParameters>> camera_parameters();
+
+/// Of CameraParameters, what may move within the shutter.
+struct Lens {
+  float focal_length, f_stop, focus_distance;
+};
 
 /// A pixel sees a part of a surface that is at least `width` + `spread` times the distance wide, in its narrowest
 /// direction.
@@ -76,6 +85,7 @@ class Camera {
 
  private:
   friend class MovingCamera;
+  void set_lens(const Lens& lens, const CameraParameters& film, int width, int height);
   Vec2f sample_aperture(const Vec2f& lens) const;
   float aperture_radius() const;
   void clip(Ray* ray) const;
@@ -98,7 +108,7 @@ class MovingCamera {
 
   /// Where the shutter opens.
   const Camera& first() const { return poses_.front(); }
-  bool moves() const { return poses_.size() > 1; }
+  bool moves() const { return poses_.size() > 1 || lens_; }
   /// At a share 0..1 of the shutter.
   Camera at(float share) const;
   /// Camera::ray_origins() over the shutter.
@@ -107,8 +117,16 @@ class MovingCamera {
   float time(float share) const { return opens_ + (closes_ - opens_) * share; }
 
  private:
+  struct MovingLens {
+    CameraParameters parameters;  // without poses and clipping planes
+    int width, height;
+  };
+  Camera pose_at(float share) const;
+  std::vector<Camera> at_limits_of_lens(const Camera& pose) const;
+
   std::vector<Camera> poses_;
   float opens_, closes_;
+  std::shared_ptr<const MovingLens> lens_;  // null: it stands still
 };
 
 }  // namespace alabaster

@@ -52,7 +52,10 @@ host::CameraDescription planned_camera(const LoadState& state, const Path& base)
   } else {
     camera = state.scene->GetCameras().at(base);
   }
-  for (const auto& [name, value] : plan.parameters) camera.parameters[name] = value;
+  for (const auto& [name, value] : plan.parameters) {
+    camera.parameters[name] = value;
+    camera.parameters.erase(Token(name.str() + ":samples"));
+  }
   const Placement& placed = plan.placement;
   if (placed.transform) camera.transform = *placed.transform, camera.transformSamples = placed.motion;
   if (placed.target_distance > 0 && !plan.parameters.contains("focusDistance") &&
@@ -91,12 +94,18 @@ void complete_camera(LoadState* state) {
 }
 
 // A texture of emission is a display or a label as a rule, and an unlit surface shows its own colour: nobody means
-// either to light a scene.
-bool is_light(const MaterialNode& node) {
+// either to light a scene. Numbers of a mesh or its instances are lamps.
+bool is_light(const MaterialNetwork& material, const MaterialNode& node) {
+  if (number_in(node.parameters, "specular", 1) == 0 && number_in(node.parameters, "ior", 1.5) == 1) return false;
+  if (const auto connected = node.inputConnections.find("emission"); connected != node.inputConnections.end()) {
+    const auto is_primvar = [&](const MaterialConnection& one) {
+      const auto upstream = material.nodes.find(one.upstreamNode);
+      return upstream != material.nodes.end() && upstream->second.nodeTypeId == Token("AlabasterPrimvar");
+    };
+    return std::any_of(connected->second.begin(), connected->second.end(), is_primvar);
+  }
   const auto emission = node.parameters.find("emission");
-  if (emission == node.parameters.end() || node.inputConnections.contains("emission")) return false;
-  const bool unlit = number_in(node.parameters, "specular", 1) == 0 && number_in(node.parameters, "ior", 1.5) == 1;
-  return !unlit && emission->second.get_or(Vec3f(0)).length() > 0;
+  return emission != node.parameters.end() && emission->second.get_or(Vec3f(0)).length() > 0;
 }
 
 bool any_emission(const host::RetainedSceneDelegate& scene) {
@@ -208,7 +217,7 @@ void complete_settings(LoadState* state) {
 
 bool gives_light(const MaterialNetwork& material) {
   return std::any_of(material.nodes.begin(), material.nodes.end(),
-                     [](const auto& node) { return is_light(node.second); });
+                     [&](const auto& node) { return is_light(material, node.second); });
 }
 
 // A camera that was framed stays where it is.

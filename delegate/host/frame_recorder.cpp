@@ -322,7 +322,7 @@ class Recording {
     if (found == scene_->GetCameras().end() || (request().motion_blur && request().depth_of_field)) return std::nullopt;
     CameraDescription camera = found->second;
     if (!request().motion_blur) camera.parameters["shutterOpen"] = camera.parameters["shutterClose"] = 0.0;
-    if (!request().depth_of_field) camera.parameters["fStop"] = 0.0f;
+    if (!request().depth_of_field) camera.parameters["fStop"] = 0.0f, camera.parameters.erase("fStop:samples");
     return camera;
   }
 

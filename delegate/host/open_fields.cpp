@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <charconv>
+#include <cmath>
 
 #include "delegate/support/color_space.h"
 #include "delegate/support/lookup.h"
@@ -54,6 +55,16 @@ template <class Samples>
 std::string set_samples(const std::string& name, const Value& value, const Token& key, Samples* samples) {
   if (value.empty()) return samples->erase(key), "";
   return read_into(name, value, {}, &(*samples)[key]);
+}
+
+/// "" if it may be the samples of a number.
+std::string check_numbers_at_times(const std::string& name, const Value& value) {
+  TimeSamples<Value> samples;
+  if (value.empty()) return {};
+  const bool are_samples = read(value, {}, &samples).empty();
+  const bool are_numbers = std::none_of(samples.values.begin(), samples.values.end(),
+                                        [](const Value& one) { return std::isnan(one.number_or(NAN)); });
+  return are_samples && are_numbers ? "" : fault_text(name, "samples: numbers at times", value);
 }
 
 // Parameters ----------------------------------------------------------------------------------------
@@ -305,6 +316,13 @@ constexpr Field kMaterials[] = {
          "The surface node. Without it, the node \"surface\", else the first AlabasterDisney or UsdPreviewSurface."),
     open("displacement", kPath, "The node that displaces the meshes of the material."),
 };
+constexpr Field kCameras[] = {
+    open("focalLength:samples", kSamples,
+         "Focal lengths at times, of a lens that zooms. Setting focalLength takes them away."),
+    open("fStop:samples", kSamples, "F-numbers at times. Setting fStop takes them away."),
+    open("focusDistance:samples", kSamples,
+         "Distances at times, of a focus that moves. Setting focusDistance takes them away."),
+};
 constexpr Field kOpenSettings[] = {
     open("products:N:FIELD", kAny, "A field of a file to write, N from 0: page product."),
     open("products:N:vars:LAYER", kWord, "The AOV of a layer of the file."),
@@ -476,7 +494,12 @@ FieldResult set_open(LightDescription* light, const Path&, const std::string& gi
 FieldResult set_open(CameraDescription* camera, const Path&, const std::string& name, const Value& value) {
   FieldResult checked = check(camera_parameters(), name, value);
   if (!checked) checked = check_other(kOfCameras, name, value);
-  if (checked && checked->empty()) store(&camera->parameters, Token(name), value);
+  if (!checked)
+    for (const Field& row : kCameras)
+      if (name == row.name) checked = check_numbers_at_times(name, value);
+  if (!checked || !checked->empty()) return checked;
+  store(&camera->parameters, Token(name), value);
+  camera->parameters.erase(Token(name + ":samples"));
   return checked;
 }
 
@@ -660,6 +683,7 @@ std::span<const Field> open_rows(const PrimDescription& prim) {
   if (std::holds_alternative<InstancerDescription>(prim)) return kInstancers;
   if (std::holds_alternative<MaterialNetwork>(prim)) return kMaterials;
   if (std::holds_alternative<RenderSettingsDescription>(prim)) return kOpenSettings;
+  if (std::holds_alternative<CameraDescription>(prim)) return kCameras;
   return {};
 }
 FieldResult set_open_field(PrimDescription* prim, const Path& id, const std::string& name, const Value& value) {

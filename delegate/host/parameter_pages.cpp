@@ -154,7 +154,7 @@ std::map<std::string, std::string> ParameterPages() {
       stub += stub_class("_SharedSettings", "TypedDict", {}, parameters);
       stub += stub_class(kind.name, "_SharedSettings", rows, {});
       stub += stub_class("settings", "_SharedSettings", {}, of_renderers);
-    } else if (!kind.fields.empty() && !kind.open.empty()) {
+    } else if (!kind.fields.empty() && !kind.open.empty() && kind.name != std::string_view("camera")) {
       stub += stub_class(kind.name, "TypedDict", rows, parameters);
     }
     add_fields(kind.open, &rows);

@@ -149,7 +149,7 @@ constexpr Field kCamera[] = {
                                                 "Matrices at times, of what moves."),
 };
 Kind row_of(const CameraDescription& defaults) {
-  return {"camera", kCamera, {}, "camera", dirty::kAll, &RenderIndex::InsertSprim, defaults};
+  return {"camera", kCamera, open_rows(defaults), "camera", dirty::kAll, &RenderIndex::InsertSprim, defaults};
 }
 using Settings = RenderSettingsDescription;
 constexpr Field kSettings[] = {

@@ -38,9 +38,53 @@ void pull_clipping(const GetParameter& get, const Path& id, const alabaster::Dia
                       "not clip");
 }
 
+// The samples of one row; empty where it stands still, and where they are faulty (reported).
+alabaster::TimeSamples<float> pull_samples(const GetParameter& get, const Parameter<CameraParameters>& row,
+                                           float CameraParameters::*member, const Path& id,
+                                           const alabaster::DiagnosticSink& sink) {
+  const std::string name = std::string(row.name) + ":samples";
+  const Value value = get(name);
+  if (value.empty()) return {};
+  const auto* given = value.get<std::shared_ptr<const hd::TimeSamples<Value>>>();
+  std::string fault = given ? times_fault((*given)->times, (*given)->values.size()) : "they are no values at times";
+  alabaster::TimeSamples<float> samples;
+  CameraParameters read;
+  auto worst = support::ParameterFault::none;
+  Value odd;
+  for (size_t i = 0; fault.empty() && i < (*given)->values.size(); ++i) {
+    const auto found = support::set_parameter(row, (*given)->values[i], &read);
+    if (found == support::ParameterFault::type) fault = "a value is no number";
+    if (found == support::ParameterFault::range) worst = found, odd = (*given)->values[i];
+    samples.times.push_back((*given)->times[i]), samples.values.push_back(read.*member);
+  }
+  if (!fault.empty()) {
+    alabaster::report(sink, alabaster::Severity::warning, "motion.lens", id.str(),
+                      name + " cannot be used: " + fault + "; the lens stands still");
+    return {};
+  }
+  report_fault(sink, id.str(), name, worst, odd);
+  return samples.moves() ? samples : alabaster::TimeSamples<float>();
+}
+
+void pull_lens(const GetParameter& get, const Path& id, const alabaster::DiagnosticSink& sink,
+               CameraParameters* camera) {
+  using P = CameraParameters;
+  struct Moving {
+    float P::*value;
+    alabaster::TimeSamples<float> P::*samples;
+  };
+  constexpr Moving kMoving[] = {
+      {&P::focal_length, &P::focal_lengths}, {&P::f_stop, &P::f_stops}, {&P::focus_distance, &P::focus_distances}};
+  for (const auto& row : camera_parameters())
+    for (const auto& [value, samples] : kMoving)
+      if (const auto* member = std::get_if<float P::*>(&row.member); member && *member == value)
+        camera->*samples = pull_samples(get, row, value, id, sink);
+}
+
 void pull_parameters(const GetParameter& get, const Path& id, const alabaster::DiagnosticSink& sink,
                      CameraParameters* camera) {
   read_parameters(camera_parameters(), get, id.str(), sink, camera);
+  pull_lens(get, id, sink, camera);
   const std::string projection = get("projection").text_or("perspective");
   camera->orthographic = projection == "orthographic";
   if (!camera->orthographic && projection != "perspective")

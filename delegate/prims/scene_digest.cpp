@@ -164,6 +164,11 @@ std::string digest_camera(const CameraParameters& camera) {
   add_parameters(camera_parameters(), camera, &digest);
   add(&digest, camera.camera_to_world, camera.clip_near, camera.clip_far, camera.clip_planes, camera.orthographic,
       camera.poses, camera.opens, camera.closes);
+  uint32_t member = 0;
+  for (const auto* samples : {&camera.focal_lengths, &camera.f_stops, &camera.focus_distances}) {
+    if (!samples->values.empty()) add(&digest, member, samples->times, samples->values);
+    ++member;
+  }
   return digest.text();
 }
 

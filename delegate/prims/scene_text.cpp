@@ -102,11 +102,20 @@ std::string instance_text(const InstanceDescription& instance, const Translation
   return text;
 }
 
+std::string sample_lines(const char* name, const alabaster::TimeSamples<float>& samples) {
+  std::string text;
+  for (size_t i = 0; i < samples.values.size(); ++i)
+    text += std::string("  ") + name + " " + Value(samples.values[i]).to_string() + " at " +
+            Value(samples.times[i]).to_string() + "\n";
+  return text;
+}
+
 std::string camera_text(const Path& path, const CameraParameters& camera) {
   return "camera " + path.str() + "\n" + matrix_line(camera.camera_to_world) + pose_lines(camera.poses) +
          "  projection " + (camera.orthographic ? "orthographic" : "perspective") + "\n" +
-         parameter_lines(camera_parameters(), camera) + "  clippingRange " +
-         Value(Vec2f(camera.clip_near, camera.clip_far)).to_string() + "\n" +
+         parameter_lines(camera_parameters(), camera) + sample_lines("focalLength", camera.focal_lengths) +
+         sample_lines("fStop", camera.f_stops) + sample_lines("focusDistance", camera.focus_distances) +
+         "  clippingRange " + Value(Vec2f(camera.clip_near, camera.clip_far)).to_string() + "\n" +
          (camera.clip_planes.empty() ? "" : "  clipPlanes " + std::to_string(camera.clip_planes.size()) + "\n");
 }
 

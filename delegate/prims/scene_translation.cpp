@@ -218,6 +218,7 @@ CameraParameters posed_camera(const CameraRecord& record, const Shutter& of_scen
     };
     camera.opens = share(record.shutter().open), camera.closes = share(record.shutter().close);
   }
+  open_lens(&camera);
   if (!record.motion.moves()) return camera;
   std::vector<Matrix4d> poses = even_poses(record.motion, record.shutter());
   camera.camera_to_world = poses.front();

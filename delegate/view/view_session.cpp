@@ -210,6 +210,7 @@ void ViewSession::pause(bool paused) {
 void ViewSession::set_camera(hd::CameraDescription camera) {
   const bool moved = camera.transform != camera_.transform;
   camera_ = std::move(camera);
+  std::erase_if(camera_.parameters, [](const auto& one) { return one.first.str().ends_with(":samples"); });
   if (moved) hold_camera();
   pause(false);
 }

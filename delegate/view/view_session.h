@@ -98,7 +98,8 @@ class ViewSession {
     changed();
   }
   const hd::CameraDescription& camera() const { return camera_; }
-  /// A camera that moves in the scene stands still once it is placed elsewhere. The first time a message says so.
+  /// A camera that moves in the scene stands still once it is placed elsewhere. The first time a message says so. Its
+  /// lens stands still from now on.
   void set_camera(hd::CameraDescription camera);
   /// The scene's camera moves while the shutter is open.
   bool camera_moves() const;

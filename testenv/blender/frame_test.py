@@ -73,6 +73,37 @@ class Frames(unittest.TestCase):
             image.pixels.foreach_get(pixels)
             return pixels.reshape(image.size[1], image.size[0], 4)
 
+    def test_lights_and_a_lens_that_move_are_the_mean_of_stills(self):
+        fresh()
+        scene, eye = bpy.context.scene, scenes.camera((0, -6, 3), (0, 0, 0.4))
+        scenes.floor()
+        scenes.ball(scenes.diffuse("ball", (0.8, 0.3, 0.1)))
+        eye.data.dof.use_dof, eye.data.dof.focus_distance = True, 6.5
+        lamps = (scenes.light("POINT", 300, (0, -1.5, 2.5), shadow_soft_size=0.2), scenes.light("AREA", 200, (0, 0, 3), size=0.8))
+        for frame, side in ((0, -1), (2, 1)):
+            eye.data.lens, eye.data.dof.aperture_fstop = 50 + 15 * side, 0.12 - 0.06 * side
+            lamps[0].location.x, lamps[1].location.x = 1.5 * side, -2 * side
+            for held, names in ((eye.data, ("lens", "dof.aperture_fstop")), (lamps[0], ("location",)), (lamps[1], ("location",))):
+                for name in names:
+                    held.keyframe_insert(name, frame=frame)
+        for held in (eye.data, *lamps):
+            scenes.linear(held)
+        scene.frame_set(1)
+        render = scene.render
+        render.resolution_x, render.resolution_y, render.resolution_percentage = 32, 24, 100
+        scene.alabaster.samples = 1024
+        render.use_motion_blur, render.motion_blur_shutter = True, 2.0
+        blurred = self.pixels()
+        render.use_motion_blur, scene.alabaster.samples = False, 128
+        stills = []
+        for i in range(8):
+            scene.frame_set(0, subframe=(i + 0.5) / 4) if i < 4 else scene.frame_set(1, subframe=(i - 3.5) / 4)
+            stills.append(self.pixels())
+        blocks = [picture.reshape(6, 4, 8, 4, 4).mean((1, 3))[..., :3] for picture in (blurred, sum(stills) / 8, stills[4])]
+        apart = [abs(blocks[0] - other).max() / other.mean() for other in blocks[1:]]
+        self.assertLess(apart[0], 0.03)
+        self.assertGreater(apart[1], 0.2)
+
     def test_borders_cut_where_blender_cuts(self):
         """The picture within a border is the full frame's, pixel by pixel."""
         render = bpy.context.scene.render

@@ -77,12 +77,16 @@ inline constexpr F kLightFields[] = {
     {"radius", ALABASTER_DOUBLE, false, F::numbers},   {"texture:file", ALABASTER_ASSET, false, F::words},
     {"lightLink", ALABASTER_TOKEN, false, F::words},   {"transform", ALABASTER_MATRIX, false, F::numbers},
     {"visible", ALABASTER_BOOL, false, F::few_ints}};
-inline constexpr F kCameraFields[] = {
-    {"focalLength", ALABASTER_FLOAT, false, F::numbers},        {"fStop", ALABASTER_FLOAT, false, F::numbers},
-    {"shutterOpen", ALABASTER_DOUBLE, false, F::numbers},       {"shutterClose", ALABASTER_DOUBLE, false, F::numbers},
-    {"projection", ALABASTER_TOKEN, false, F::words},           {"clipPlanes", ALABASTER_FLOAT4, true, F::numbers},
-    {"clippingRange", ALABASTER_FLOAT2, false, F::numbers},     {"transform", ALABASTER_MATRIX, false, F::numbers},
-    {"transform:samples", ALABASTER_SAMPLES, false, F::samples}};
+inline constexpr F kCameraFields[] = {{"focalLength", ALABASTER_FLOAT, false, F::numbers},
+                                      {"fStop", ALABASTER_FLOAT, false, F::numbers},
+                                      {"shutterOpen", ALABASTER_DOUBLE, false, F::numbers},
+                                      {"shutterClose", ALABASTER_DOUBLE, false, F::numbers},
+                                      {"projection", ALABASTER_TOKEN, false, F::words},
+                                      {"clipPlanes", ALABASTER_FLOAT4, true, F::numbers},
+                                      {"clippingRange", ALABASTER_FLOAT2, false, F::numbers},
+                                      {"transform", ALABASTER_MATRIX, false, F::numbers},
+                                      {"transform:samples", ALABASTER_SAMPLES, false, F::samples},
+                                      {"fStop:samples", ALABASTER_SAMPLES, false, F::samples}};
 inline constexpr F kSettingsFields[] = {{"camera", ALABASTER_PATH, false, F::words},
                                         {"width", ALABASTER_INT, false, F::few_ints},
                                         {"height", ALABASTER_INT, false, F::few_ints},

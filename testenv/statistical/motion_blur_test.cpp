@@ -4,6 +4,7 @@
 
 #include <array>
 
+#include "testenv/support/memory_texture.h"
 #include "testenv/support/scene_builder.h"
 #include "testenv/support/z_test.h"
 
@@ -130,6 +131,7 @@ class MotionBlur : public ::testing::Test {
     request.settings.seed = seed;
     request.settings.samples = 1;
     if (camera_) request.camera.camera_to_world = camera_(time);
+    if (lens_) lens_(time, &request.camera);
     return block_means(*render(request));
   }
 
@@ -150,6 +152,18 @@ class MotionBlur : public ::testing::Test {
       if (moving_shape_) moving.description.instances[deforming_].prototype = moving_shape_;
       if (camera_) blurred.camera.poses = poses_of(camera_);
       blurred.camera.opens = 0, blurred.camera.closes = 1;
+      if (lens_) {
+        blurred.camera.shutter_close = 1;
+        for (const double time : {0.0, 1.0}) {
+          CameraParameters then = request_.camera;
+          lens_(time, &then);
+          for (const auto& [value, samples] : {std::pair(then.focal_length, &blurred.camera.focal_lengths),
+                                               std::pair(then.f_stop, &blurred.camera.f_stops),
+                                               std::pair(then.focus_distance, &blurred.camera.focus_distances)})
+            samples->times.push_back(time), samples->values.push_back(value);
+        }
+        open_lens(&blurred.camera);
+      }
       blurred.scene = moving.snapshot();
     }
     std::vector<RunningStatistics> with(BlockMeans().size()), without(BlockMeans().size());
@@ -177,6 +191,7 @@ class MotionBlur : public ::testing::Test {
   std::shared_ptr<const MeshPrototype> box_, sphere_;
   std::vector<std::pair<size_t, Motion>> motions_, light_motions_;
   Motion camera_;
+  std::function<void(double, CameraParameters*)> lens_;
   size_t deforming_ = 0;
   std::function<std::shared_ptr<const MeshPrototype>(double)> deform_;
   std::shared_ptr<const MeshPrototype> moving_shape_;
@@ -228,6 +243,19 @@ TEST_F(MotionBlur, CameraMotionIsTheMeanOfStills) {
   expect_mean_of_stills();
 }
 
+// A zoom with an aperture that opens and a focus that goes from the front to the back.
+TEST_F(MotionBlur, ALensThatMovesIsTheMeanOfStills) {
+  add(box_, glow_, [](double) { return shifted(0.4, 0, 1); });
+  add(sphere_, grey_, [](double) { return shifted(-0.4, 0, -1); });
+  motions_.clear();
+  lens_ = [focal = request_.camera.focal_length](double t, CameraParameters* camera) {
+    const auto share = static_cast<float>(t);
+    camera->focal_length = focal * (0.8f + 0.8f * share);
+    camera->f_stop = focal * (4 - 3 * share), camera->focus_distance = 3 + 2.5f * share;
+  };
+  expect_mean_of_stills();
+}
+
 TEST_F(MotionBlur, ScatteringBodyIsTheMeanOfStills) {
   add(sphere_, wax_, [](double t) { return turned({0, 0, 1}, 60 * t) * shifted(-0.6 + 1.2 * t, 0, 0); });
   expect_mean_of_stills();
@@ -268,6 +296,26 @@ TEST_F(MotionBlur, MeshLightIsTheMeanOfStills) {
 TEST_F(MotionBlur, LightsAreTheMeanOfStills) {
   builder_.description.lights.clear();
   add_moving_lights(1);
+  builder_.add(sphere_, grey_);
+  expect_mean_of_stills();
+}
+
+// The types that add_moving_lights() has not: a disk and a cylinder that are seen, and a dome with an image that turns.
+TEST_F(MotionBlur, OtherLightsAreTheMeanOfStills) {
+  builder_.description.lights.clear();
+  LightParameters lamp;
+  lamp.visible_to_camera = true;
+  lamp.type = LightType::disk, lamp.intensity = 8, lamp.radius = 0.3f;
+  add(lamp, [](double t) { return turned({1, 0, 0}, 30 - 80 * t) * shifted(-0.9 + 0.6 * t, 0.7, -0.2); });
+  lamp.type = LightType::cylinder, lamp.intensity = 3, lamp.radius = 0.1f, lamp.length = 0.6f;
+  add(lamp, [](double t) { return turned({0, 0, 1}, 100 * t) * shifted(1 - 0.5 * t, 0.5, 0.2); });
+  LightParameters sky;
+  sky.type = LightType::dome;
+  sky.visible_to_camera = true;
+  std::vector<Rgb> texels(size_t{16} * 8, Rgb(0.1f));
+  for (size_t y = 1; y < 4; ++y) texels[16 * y + 5] = Rgb(6, 3, 1), texels[16 * y + 11] = Rgb(0.3f, 0.6f, 2);
+  sky.texture = std::make_shared<MemoryTexture>(16, texels);
+  add(sky, [](double t) { return turned({0, 1, 0}, 90 * t); });
   builder_.add(sphere_, grey_);
   expect_mean_of_stills();
 }

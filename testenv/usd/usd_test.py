@@ -485,6 +485,30 @@ def test_a_light_moves_within_the_shutter():
     assert apart(moving, stills[5]) > .05, "as at its middle"
 
 
+def test_a_lens_moves_within_the_shutter():
+    """The mean of the pictures of lenses that stand still; so in the stage's archive. A film that changes is told."""
+    shutter = "double shutter:open = -1\n        double shutter:close = 1\n        float focalLength"
+    balls = "".join('    def Sphere "b%d" { double radius = 0.5\n color3f[] primvars:displayColor = [(0.9, %g, 0.05)]\n double3 xformOp:translate = (%g, %g, %g)\n'
+                    ' uniform token[] xformOpOrder = ["xformOp:translate"] }\n' % (i, .4 * i, i - 1, .6 * (i % 2), 2 - 2.5 * i) for i in range(3))
+    for name, first, last, others in (("focalLength", .35, .8, ""), ("focusDistance", 3, 11, "float fStop = 0.06"), ("fStop", .05, .5, "float focusDistance = 4")):
+        lens = CAMERA.replace("float focalLength = 0.5", "%s\n        %s" % (others, "" if name == "focalLength" else "float focalLength = 0.5"))
+        lens = lens.replace("float2 clippingRange", "float %s\n        float2 clippingRange" % (name + "%s"))
+        moves = stage("lens_moves.usda", balls, camera=(lens % (".timeSamples = { 0: %g, 1: %g, 3: %g, 9: 99,}" % (first, first, last))).replace(
+            "float2 clippingRange", shutter.replace("float focalLength", "float2 clippingRange")))
+        moving, said = picture(moves, "--time", "2", spp="512")
+        assert "warning" not in said, said
+        stills = [picture(stage("lens_%s_%d.usda" % (name, i), balls, camera=lens % (" = %g" % (first + (last - first) * (i + .5) / 12))), spp="64")[0] for i in range(12)]
+        wanted = os.path.join(FOLDER, "lens_%s.exr" % name)
+        subprocess.run(["oiiotool", stills[0], *(w for s in stills[1:] for w in (s, "--add")), "--mulc", str(1 / 12), "-o", wanted], check=True)
+        assert blocks_apart(moving, wanted) < .01 and blocks_apart(moving, stills[0]) > .03, (name, blocks_apart(moving, wanted), blocks_apart(moving, stills[0]))
+        code, said = run("convert", moves, "-o", os.path.join(FOLDER, "lens.alab"), "--time", "2")
+        assert code == 0, said
+        assert apart(picture(os.path.join(FOLDER, "lens.alab"), spp="64")[0], picture(moves, "--time", "2", spp="64")[0]) == 0, name
+    film = CAMERA.replace("float horizontalAperture = 0.36", "float horizontalAperture.timeSamples = { 1: 0.3, 3: 0.4,}").replace("float focalLength", shutter)
+    said = picture(stage("film.usda", balls, camera=film), "--time", "2")[1]
+    assert said.count("a film that changes within the shutter stands still") == 1 and "/World/cam" in said, said
+
+
 def test_what_moves_by_splines_and_clips_moves():
     """Layers list no samples of either."""
     write("clip.usda", '#usda 1.0\ndef "World"\n{\n    def "c"\n    {\n        double3 xformOp:translate.timeSamples = {\n 0: (-1, 0, 0),\n 10: (1, 0, 0),\n}\n    }\n}\n')
@@ -807,6 +831,59 @@ def test_a_mesh_is_a_light_by_its_front_and_its_area():
         rect, _ = picture(stage("rect_%s.usda" % normalize, floor + '    def RectLight "glow" {' + placed % normalize, camera=no_sky))
         ratio = mean(glow, "48x24+0+24")[0] / mean(rect, "48x24+0+24")[0]
         assert "warning" not in said and abs(ratio - 1) < 0.01, (normalize, ratio, said)
+
+
+def test_instances_of_a_mesh_light_have_one_power():
+    """Instances of unlike scale give what rect lights of their sizes give. Within other instances they have one radiance, and a warning."""
+    places = ((-1.2, 1, 1), (1.2, 2.5, .5))  # x, scale across and along
+    floor = """    def Mesh "floor" { int[] faceVertexCounts = [4]
+        int[] faceVertexIndices = [0, 1, 2, 3]
+        point3f[] points = [(-9, -9, 0), (9, -9, 0), (9, 9, 0), (-9, 9, 0)]
+        uniform token subdivisionScheme = "none" }
+"""
+    glow = """        def Mesh "%s" ( prepend apiSchemas = ["MeshLightAPI"] ) { int[] faceVertexCounts = [4]
+            int[] faceVertexIndices = [0, 3, 2, 1]
+            point3f[] points = [(-0.2, %g, 0), (0.2, %g, 0), (0.2, %g, 0), (-0.2, %g, 0)]
+            uniform token subdivisionScheme = "none"
+            float3 xformOp:scale = (2, 2, 2)
+            uniform token[] xformOpOrder = ["xformOp:scale"]
+            float inputs:intensity = %g
+            bool inputs:normalize = true }
+"""
+    pair = glow % ("low", -.3, -.3, -.1, -.1, 4) + glow % ("high", .1, .1, .5, .5, 8)
+    rect = """    def RectLight "r%d%d" { float inputs:width = %g
+        float inputs:height = %g
+        float inputs:intensity = %g
+        bool inputs:normalize = true
+        double3 xformOp:translate = (%g, %g, 2)
+        uniform token[] xformOpOrder = ["xformOp:translate"] }
+"""
+    wanted = "".join(rect % (i, j, .8 * a, 2 * h * b, power, x, 2 * y * b) for i, (x, a, b) in enumerate(places) for j, (y, h, power) in enumerate(((-.2, .2, 4), (.3, .4, 8))))
+    native = "".join("""    def Xform "n%d" ( instanceable = true
+        references = </Light> ) { double3 xformOp:translate = (%g, 0, 2)
+        float3 xformOp:scale = (%g, %g, 1)
+        uniform token[] xformOpOrder = ["xformOp:translate", "xformOp:scale"] }
+""" % (i, x, a, b) for i, (x, a, b) in enumerate(places))
+    points = lambda path, where, scales, body: """    def PointInstancer "%s" { rel prototypes = <%s>
+        int[] protoIndices = [%s]
+        point3f[] positions = [%s]
+        float3[] scales = [%s]
+        %s
+    }
+""" % (path.split("/")[-2], path, ", ".join("0" for _ in where), ", ".join("(%g, 0, %g)" % (x, z) for x, z in where),
+       ", ".join("(%g, %g, 1)" % s for s in scales), body)
+    lamp, scales = 'def Xform "Light"\n{\n%s}' % pair, [(a, b) for _, a, b in places]
+    flat = points("/World/many/Light", [(x, 2) for x, _, _ in places], scales, lamp)
+    nested = points("/World/outer/inner", [(x, 2) for x, _, _ in places], scales, points("/World/outer/inner/Light", [(0, 0)], [(1, 1)], lamp))
+    no_sky = CAMERA[:CAMERA.index("    def DomeLight")]
+    light = 'class Xform "Light"\n{\n' + pair + "}\n"
+    rects, _ = picture(stage("one_power.usda", floor + wanted, camera=no_sky), spp="64")
+    for name, body in (("native", native), ("points", flat)):
+        got, said = picture(write("one_power_%s.usda" % name, open(stage("x.usda", floor + body, camera=no_sky)).read() + light), spp="64")
+        ratio = [mean(got, cut)[0] / mean(rects, cut)[0] for cut in ("12x8+0+4", "12x8+36+4", "12x8+0+36", "12x8+36+36")]
+        assert "warning" not in said and max(abs(r - 1) for r in ratio) < .02, (name, ratio, said)
+    got, said = picture(write("one_power_nested.usda", open(stage("x.usda", floor + nested, camera=no_sky)).read() + light), spp="4")
+    assert said.count("have the power of the first place") == 1 and "/Light/low" in said, said
 
 
 def test_light_groups_are_those_of_renderman_and_arnold():

@@ -27,6 +27,12 @@ def placement(camera):
     return camera.matrix_world.normalized()
 
 
+def lens(camera, depsgraph):
+    """Parameters that may change while the shutter is open."""
+    focus = {name: value for name, value in _lens(camera.data, depsgraph, camera.matrix_world).items() if name in ("fStop", "focusDistance")}
+    return focus if camera.data.type == "ORTHO" else {"focalLength": camera.data.lens * MILLIMETRE, **focus}
+
+
 def final(camera, depsgraph, width, height, aspect):
     """Parameters of a camera object for a picture of width x height pixels, whose shape is `aspect` (x : y)."""
     data = camera.data

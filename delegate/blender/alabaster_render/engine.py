@@ -182,7 +182,7 @@ class AlabasterRenderEngine(bpy.types.RenderEngine):
         if shutter.moves:
             parameters.update(shutterOpen=shutter.open, shutterClose=shutter.close)
         return {"width": width, "height": height, "window": window, "pixel_aspect": aspect,
-                "camera": {"transform": names.matrix(camera.placement(eye)), "motion": moved, **parameters}}
+                "camera": {"transform": names.matrix(camera.placement(eye)), "motion": moved, **parameters, **exporter.lens}}
 
     def refine(self, renderer, render, layer, wanted, window):
         """Shows pictures until the render is over or Escape is pressed. The picture so far stays."""

@@ -95,6 +95,12 @@ def _area(light, matrix):
 MAKERS = {"POINT": _point, "SPOT": _point, "SUN": _sun, "AREA": _area}
 
 
+def motion(light, poses):
+    """Transforms at times of a light whose size is that of the frame; None where it gives none. poses: [(time, rows)] of its object."""
+    placed = [(time, MAKERS[light.type](light, mathutils.Matrix(rows).transposed())) for time, rows in poses or ()]
+    return [(time, names.matrix(made[1])) for time, made in placed] if placed and all(made for _, made in placed) else None
+
+
 def _emission_node(light, note):
     """(colour, strength) of an Emission node, which multiply the light. Textures count by their mean."""
     if not light.use_nodes or not light.node_tree:

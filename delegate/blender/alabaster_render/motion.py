@@ -1,5 +1,5 @@
 """Motion blur: where things stand at times of the shutter."""
-from . import hair, materials, meshes, names, sync
+from . import camera, hair, materials, meshes, names, sync
 
 POSES = 5  # over the shutter; between them bodies turn and move evenly
 
@@ -20,10 +20,10 @@ class Shutter:
 
 
 def sample(engine, depsgraph, shutter, exporter):
-    """Fills exporter.motion and exporter.deformation. The depsgraph is that of the frame itself afterwards."""
+    """Fills exporter.motion, exporter.deformation and exporter.lens. The depsgraph is that of the frame itself afterwards."""
     scene = depsgraph.scene
     frame, part = scene.frame_current, scene.frame_subframe
-    seen, deformed = {}, {}
+    seen, deformed, lenses = {}, {}, {}
     for time in shutter.times():
         at = frame + part + time
         engine.frame_set(int(at // 1), at % 1)
@@ -31,9 +31,14 @@ def sample(engine, depsgraph, shutter, exporter):
             seen.setdefault(owner, []).append((time, matrix))
         for key, mesh in shapes(depsgraph).items():
             deformed.setdefault(key, []).append((time, mesh))
+        if scene.camera:
+            for name, value in camera.lens(scene.camera.evaluated_get(depsgraph), depsgraph).items():
+                lenses.setdefault(name, []).append((time, value))
     engine.frame_set(frame, part)
     exporter.motion = {owner: poses for owner, poses in seen.items()
                        if len(poses) == POSES and any(matrix != poses[0][1] for _, matrix in poses)}
+    exporter.lens = {name + ":samples": values for name, values in lenses.items()
+                     if len(values) == POSES and any(value != values[0][1] for _, value in values)}
     exporter.deformation = {key: poses for key, poses in deformed.items() if len(poses) == POSES and deforms(poses)}
 
 
@@ -58,7 +63,7 @@ def shapes(depsgraph):
 
 def places(depsgraph):
     for instance in depsgraph.object_instances:
-        if instance.object.type in meshes.KINDS or instance.object.type in hair.KINDS:
+        if instance.object.type in meshes.KINDS or instance.object.type in hair.KINDS or instance.object.type == "LIGHT":
             yield sync.owner_of(instance), names.matrix(instance.matrix_world)
     eye = depsgraph.scene.camera
     if eye:

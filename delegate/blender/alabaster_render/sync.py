@@ -48,6 +48,7 @@ class SceneSync:
         self.roles = None     # of the depsgraph, once it is read
         self.motion = {}      # by owner: [(time, matrix)]
         self.deformation = {}  # by key: [(time, shape)]
+        self.lens = {}        # of the camera: fields of samples
 
     # Everything -----------------------------------------------------------------------------------
     def sync(self, depsgraph, space=None):
@@ -183,7 +184,7 @@ class SceneSync:
         made[2].update(self.roles.links(ob))
         if self.set_lights.get(path) != made:
             kind, transform, parameters = self.set_lights[path] = made
-            self.scene.set_light(path, kind, transform, **parameters)
+            self.scene.set_light(path, kind, transform, motion=lights.motion(ob.data, self.motion.get(owner)), **parameters)
         return path
 
     def sync_world(self, scene):

@@ -83,8 +83,9 @@ def is_mesh_light(prim):
     return prim.HasAPI(UsdLux.MeshLightAPI)
 
 
-def glow_fields(prim, world, time, notes):
-    """The material of a mesh that is a light: its front emits, and nothing else is seen of it."""
+def glow_fields(prim, areas, primvar, time, notes):
+    """(the material of a mesh that is a light, its emission by instance or None): its front emits, and nothing else is seen of it.
+    areas() are those of its instances in the world. Where their emission differs, the material reads it from `primvar`."""
     get = lambda name, otherwise: prim.GetAttribute("inputs:" + name).Get(time) if prim.GetAttribute("inputs:" + name) else otherwise
     if UsdShade.MaterialBindingAPI(prim).ComputeBoundMaterial()[0]:
         notes.tell("the materials of meshes that are lights are not drawn", prim.GetPath())
@@ -94,22 +95,38 @@ def glow_fields(prim, world, time, notes):
     if any(c and is_authored(c) for c in (api.GetLightLinkCollectionAPI(), api.GetShadowLinkCollectionAPI())):
         notes.tell("links of meshes that are lights are not read", prim.GetPath())
     strength = get("intensity", 1.0) * 2.0 ** get("exposure", 0.0)
-    if get("normalize", False):
-        area = _area(UsdGeom.Mesh(prim), world, time)
-        strength = strength / area if area > 0 else 0.0
+    strengths = [strength / area if area > 0 else 0.0 for area in areas()] if get("normalize", False) else [strength]
     color = value_of(get("color", Gf.Vec3f(1)), "color3f")
     space = color_space_of(prim.GetAttribute("inputs:color")) if prim.GetAttribute("inputs:color") else ""
     color = (to_rec709(color, space) if space else None) or color
     tint = UsdLux.BlackbodyTemperatureAsRgb(get("colorTemperature", 6500.0)) if get("enableColorTemperature", False) else (1, 1, 1)
     _tell(prim, notes)
+    emissions = [[max(0.0, c * t * s) for c, t in zip(color.data, tint)] for s in strengths]
     black = V("float3", [0.0, 0.0, 0.0])
-    return {"surface.type": token("AlabasterDisney"), "surface.baseColor": black, "surface.specular": V("float", 0.0),
-            "surface.sides": token("front"), "surface.emission:colorSpace": token("lin_rec709"),
-            "surface.emission": V("float3", [max(0.0, c * t * strength) for c, t in zip(color.data, tint)]), "surface": path("surface.out")}
+    fields = {"surface.type": token("AlabasterDisney"), "surface.baseColor": black, "surface.specular": V("float", 0.0),
+              "surface.sides": token("front"), "surface": path("surface.out")}
+    if all(e == emissions[0] for e in emissions):
+        return {**fields, "surface.emission:colorSpace": token("lin_rec709"), "surface.emission": V("float3", emissions[0])}, None
+    reader = {"emission.type": token("AlabasterPrimvar"), "emission.varname": token(primvar), "surface.emission": path("emission.rgb")}
+    return {**fields, **reader}, emissions
+
+
+class Areas:
+    """Of the faces of a mesh as polygons; of maps that stretch alike only once."""
+
+    def __init__(self, mesh, time):
+        self.mesh, self.time, self.known = mesh, time, {}
+
+    def under(self, map):
+        linear = map.ExtractRotationMatrix()
+        stretch = linear * linear.GetTranspose()
+        key = tuple("%.5g" % stretch[i][j] for i in range(3) for j in range(i, 3))
+        if key not in self.known:
+            self.known[key] = _area(self.mesh, map, self.time)
+        return self.known[key]
 
 
 def _area(mesh, world, time):
-    """Of the faces as polygons, in the world."""
     points = [world.Transform(Gf.Vec3d(p)) for p in mesh.GetPointsAttr().Get(time) or ()]
     indices, area, at = mesh.GetFaceVertexIndicesAttr().Get(time) or (), 0.0, 0
     for count in mesh.GetFaceVertexCountsAttr().Get(time) or ():

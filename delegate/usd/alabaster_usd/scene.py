@@ -40,8 +40,10 @@ class Instancer:
     """One that is being read: native instances of a prototype, or a PointInstancer."""
 
     def __init__(self, name, transform, parent, fields):
-        self.name, self.fields, self.parent = name, fields, parent
+        self.name, self.fields, self.parent, self.transform = name, fields, parent, transform
         self.indices = None  # the instances of the prototype that is walked
+        self.drawn_by = parent.indices if parent else None  # the parent's
+        self.places = None   # gives the matrices of all instances
         fields["transform"] = matrix(transform)
         if parent:
             fields["parent"] = path(parent.name)
@@ -78,6 +80,7 @@ class Reader:
             time = self.stage.GetStartTimeCode()
         self.time = Usd.TimeCode.EarliestTime() if time is None else Usd.TimeCode.Default() if time == "default" else Usd.TimeCode(time)
         self.sink, self.notes, self.meshes = sink, notes, []
+        self.drawn_lights = {}  # meshes -> (to the space of the instancer, the instancer, its instances that draw them)
         self.world = UsdGeom.XformCache(self.time)
         self.looks.begin(sink, notes, self.time)
 
@@ -190,8 +193,11 @@ class Reader:
         """Cameras and lights, if they differ from the last answer. Returns the names of lights that are gone."""
         for where, one in self.cameras.items():
             fields = views.camera_fields(one, self.world.GetLocalToWorldTransform(one), self.time)
+            if self.shutter:
+                fields.update(views.lens_samples(one, self.time, self.shutter, self.notes))
             if self.settings and views.all_disabled(self.settings, "disableDepthOfField"):
                 fields["fStop"] = V("float", 0.0)
+                fields.pop("fStop:samples", None)
             if self.shutter:
                 moves = [UsdGeom.Xformable(one).ComputeLocalToWorldTransform(t) for t in self.shutter_times]
                 if any(m != moves[0] for m in moves):
@@ -213,10 +219,6 @@ class Reader:
                     self.chosen and not all(self.chosen.is_seen(p.GetPath()) for p in (light, *(instance[:1] if instance else ())))):
                 fields["visibleToCamera"] = V("bool", False)
             self._say(name, kind, fields)
-        if not self.shutter:
-            return gone
-        if self.main in self.cameras and any(self.cameras[self.main].GetAttribute(n).ValueMightBeTimeVarying() for n in views.LENS):
-            self.notes.tell("a lens that changes within the shutter stands still", self.main)
         return gone
 
     def _say(self, where, kind, fields):
@@ -416,6 +418,8 @@ class Reader:
         if self.chosen:
             fields.update({**self.chosen.options(prim.GetPath()), **place.options})
         name = place.name(prim)
+        if place.instancer and lights.is_mesh_light(prim):
+            self.drawn_lights[name] = xform, place.instancer, place.instancer.indices.data
         if place.instancer:
             fields["instancer"] = path(place.instancer.name)
             place.instancer.draws(name)
@@ -440,7 +444,7 @@ class Reader:
             if self._may_differ(primvar, first):
                 geometry.add_by_native_instance([of[name] for of in inherited], fields, self.time)
         instancer = Instancer(first_place.name(first), Gf.Matrix4d(1), place.instancer, fields)
-        instancer.indices = array("int", range(len(members)))
+        instancer.indices, instancer.places = array("int", range(len(members))), lambda: [m[1].xform for m in members]
         instancer.of_links = self._links_of([m[0].GetPath() for m in members], fields)
         instancer.origin = place.origin or str(first.GetPath())
         inner = first_place.below(xform=Gf.Matrix4d(1), moves=None, instancer=instancer, root=self.world.GetLocalToWorldTransform(first).GetInverse(),
@@ -479,6 +483,8 @@ class Reader:
             fields["primvars:hydra:instanceScales"] = V("float3[]", scales)
         shown = points.ComputeMaskAtTime(self.time)
         instancer = Instancer(place.name(prim), place.xform, place.instancer, fields)
+        instancer.places = lambda: points.ComputeInstanceTransformsAtTime(
+            self.time, self.time, UsdGeom.PointInstancer.ExcludeProtoXform, UsdGeom.PointInstancer.IgnoreMask)
         instancer.of_links, instancer.origin = False, place.origin or str(prim.GetPath())
         if place.moves:
             fields["transform:samples"] = self._samples(place.moves)
@@ -558,8 +564,11 @@ class Reader:
             name, prim, fields = self.meshes[number]
             if lights.is_mesh_light(prim):
                 if subset is None:
-                    glow = name + "/light"
-                    self.sink.set(glow, "material", lights.glow_fields(prim, self.world.GetLocalToWorldTransform(prim), self.time, self.notes))
+                    glow, primvar = name + "/light", "emission" + name.replace("/", "_")
+                    made, by_instance = lights.glow_fields(prim, lambda: self._areas(name, prim), primvar, self.time, self.notes)
+                    self.sink.set(glow, "material", made)
+                    if by_instance:
+                        self._emit_by_instance(name, primvar, by_instance)
                     fields["material"] = path(glow)
                     fields.update(lights.group_fields(prim, self.time))
                 continue
@@ -576,6 +585,25 @@ class Reader:
                 fields[where + ":material"] = value or kept[number]
         for name, prim, fields in self.meshes:
             self.sink.set(name, geometry.KINDS.get(prim.GetTypeName(), "mesh"), fields)
+
+    def _areas(self, name, prim):
+        """In the world: of each instance that draws the mesh, as its outer instancers place it first."""
+        areas = lights.Areas(UsdGeom.Mesh(prim), self.time)
+        if name not in self.drawn_lights:
+            return [areas.under(self.world.GetLocalToWorldTransform(prim))]
+        xform, instancer, indices = self.drawn_lights[name]
+        all, outer = instancer.places(), _outer_places(instancer)
+        placed = [xform * all[i] * instancer.transform for i in indices]
+        if any(abs(areas.under(placed[0] * o) / areas.under(placed[0] * outer[0]) - 1) > 1e-4 for o in outer[1:] if areas.under(placed[0] * outer[0]) > 0):
+            self.notes.tell("meshes that are lights have the power of the first place where instancers within instancers scale them unlike", prim.GetPath())
+        return [areas.under(p * outer[0]) for p in placed]
+
+    def _emit_by_instance(self, name, primvar, emissions):
+        _, instancer, indices = self.drawn_lights[name]
+        values = [0.0] * (3 * len(instancer.places()))
+        for i, emission in zip(indices, emissions):
+            values[3 * i:3 * i + 3] = emission
+        self.sink.edit(instancer.name, {"primvars:" + primvar: array("float3", values)})
 
     def _bound(self, prims, purposes):
         """The materials by the first purpose that has one."""
@@ -666,6 +694,16 @@ class Changes:
     def _differs(self, prototype, prototypes):
         return bool(prototype) and any(str(p.GetPath()) in self.whole or _varies(p) or (p.IsInstance() and p.GetPrototype().GetPath() in prototypes)
                                        for p in Usd.PrimRange(prototype, Usd.PrimAllPrimsPredicate))
+
+
+def _outer_places(instancer):
+    """From the instancer to the world, by all that draw it."""
+    outer = instancer.parent
+    if not outer:
+        return [Gf.Matrix4d(1)]
+    all = outer.places()
+    further = _outer_places(outer)
+    return [all[i] * outer.transform * o for i in instancer.drawn_by.data for o in further][:MOST_LIGHTS]
 
 
 def _varies(prim):

@@ -2,17 +2,18 @@
 import math
 import os
 
-from pxr import Sdf, Usd, UsdGeom, UsdRender
+from pxr import Gf, Sdf, Usd, UsdGeom, UsdRender
 
 from . import lights
 from .notes import Fault
-from .values import V, array, matrix, path, token, value_of
+from .values import Samples, V, array, matrix, path, token, value_of
 
 POLICIES = {"expandAperture": "fit", "cropAperture": "crop", "adjustApertureWidth": "matchVertically",
             "adjustApertureHeight": "matchHorizontally", "adjustPixelAspectRatio": "dontConform"}
 # The apertures and the focal length are tenths of a unit.
 LENS = {"focalLength": .1, "horizontalAperture": .1, "verticalAperture": .1, "horizontalApertureOffset": .1,
         "verticalApertureOffset": .1, "fStop": 1, "focusDistance": 1}
+MOVING = ("focalLength", "fStop", "focusDistance")
 
 
 def camera_fields(prim, world, time):
@@ -36,6 +37,26 @@ def camera_fields(prim, world, time):
     opens, closes = camera.GetShutterOpenAttr().Get(time), camera.GetShutterCloseAttr().Get(time)
     if opens or closes:
         fields["shutterOpen"], fields["shutterClose"] = V("double", opens), V("double", closes)
+    return fields
+
+
+def lens_samples(prim, time, shutter, notes):
+    """Fields of what changes within the shutter: samples of its own, with those around it. Splines are sampled evenly."""
+    now, fields = time.GetValue(), {}
+    ends = now + shutter[0], now + shutter[-1]
+    for name, unit in LENS.items():
+        attribute = prim.GetAttribute(name)
+        if not attribute.ValueMightBeTimeVarying() or prim.GetStage().GetInterpolationType() == Usd.InterpolationTypeHeld:
+            continue
+        if name not in MOVING:
+            if attribute.Get(ends[0]) != attribute.Get(ends[1]):
+                notes.tell("a film that changes within the shutter stands still", prim.GetPath())
+            continue
+        times = {*attribute.GetTimeSamplesInInterval(Gf.Interval(*ends)), *(t for end in ends for t in attribute.GetBracketingTimeSamples(end))}
+        times = sorted(times) or [ends[0] + (ends[1] - ends[0]) * i / 8 for i in range(9)]
+        values = [attribute.Get(t) for t in times]
+        if any(v != values[0] for v in values) and None not in values:
+            fields[name + ":samples"] = V("samples", Samples([t - now for t in times], [V("float", v * unit) for v in values]))
     return fields
 
 

@@ -185,6 +185,82 @@ TEST(Camera, MovesThroughItsShutter) {
   EXPECT_EQ(camera.time(1), 0.75f);
 }
 
+/// The tangent of half the view, of a lens that is as of `p` at a share of the shutter.
+float half_view(const MovingCamera& camera, float share) {
+  const Vec3f d = camera.at(share).generate_ray({300, 100}, {0.5f, 0.5f}).dir;
+  return d.x / -d.z;
+}
+/// The radius of the aperture.
+float aperture(const MovingCamera& camera, float share) {
+  const Camera then = camera.at(share);
+  return length(then.generate_ray({150, 100}, {1, 0.5f}).org - then.generate_ray({150, 100}, {0, 0.5f}).org) / 2;
+}
+
+TEST(Camera, ItsLensMovesBetweenSamples) {
+  CameraParameters p = at({0, 0, 0});
+  p.shutter_open = -1, p.shutter_close = 3, p.opens = 0, p.closes = 1;
+  p.f_stop = 2, p.focus_distance = 10;
+  p.focal_lengths = {{-2, 0, 4}, {40, 60, 100}};
+  open_lens(&p);
+  EXPECT_EQ(p.focal_length, 50) << "where the shutter opens";
+  const MovingCamera camera(p, 300, 200, {0, 0, 0});
+  EXPECT_TRUE(camera.moves());
+  EXPECT_NEAR(half_view(camera, 0), 18.0 / 50, 1e-6);
+  EXPECT_NEAR(half_view(camera, 0.25f), 18.0 / 60, 1e-6);
+  EXPECT_NEAR(half_view(camera, 1), 18.0 / 90, 1e-6);
+  EXPECT_NEAR(aperture(camera, 0.25f), 60 / 4.0, 1e-4);
+  EXPECT_NEAR(half_view(MovingCamera(p, 300, 200, {0, 0, 0}), 0.125f), 18.0 / 55, 1e-6);
+}
+
+TEST(Camera, BesideASampleWithoutALensTheEarlierOneHolds) {
+  CameraParameters p = at({0, 0, 0});
+  p.shutter_close = 4, p.focus_distance = 10;
+  p.f_stops = {{0, 1, 2, 3}, {2, 0, 5, 10}};
+  open_lens(&p);
+  const MovingCamera camera(p, 300, 200, {0, 0, 0});
+  EXPECT_NEAR(aperture(camera, 0.2f), 50 / 4.0, 1e-4);
+  EXPECT_EQ(aperture(camera, 0.4f), 0);
+  EXPECT_NEAR(aperture(camera, 0.625f), 50 / 15.0, 1e-4);
+  EXPECT_NEAR(aperture(camera, 1), 50 / 20.0, 1e-4);
+}
+
+TEST(Camera, ALensThatStandsStillWithinTheShutterDoesNotMove) {
+  CameraParameters p = at({0, 0, 0});
+  p.shutter_open = 1, p.shutter_close = 2;
+  const CameraParameters still = p;
+  p.focal_lengths = {{0, 1, 2, 3}, {40, 50, 50, 60}};
+  p.f_stops = {{0.5, 2.5}, {0, 8}};
+  open_lens(&p);
+  EXPECT_TRUE(p == still);
+  EXPECT_FALSE(MovingCamera(p, 300, 200, {0, 0, 0}).moves());
+}
+
+TEST(Camera, OriginsOfAMovingLensLieInTheirBounds) {
+  CameraParameters p = at({1, 2, 3});
+  p.horizontal_aperture_offset = 60;  // the axis is beside the film
+  p.clip_near = 4, p.shutter_close = 1;
+  p.focal_lengths = {{0, 0.5, 1}, {20, 80, 30}};
+  p.f_stops = {{0, 0.25, 1}, {0, 4, 1}};
+  p.focus_distances = {{0, 0.7, 1}, {2, 0.5f, 20}};
+  open_lens(&p);
+  for (const bool turns : {false, true}) {
+    if (turns) p.poses = {p.camera_to_world, Matrix4d().setAxisAngle(Vec3d(0, 1, 0), 1.0)};
+    const MovingCamera camera(p, 300, 200, {0, 0, 0});
+    const Bounds bounds = camera.ray_origins({0, 0}, {300, 200});
+    Bounds seen;
+    for (int i = 0; i <= 100; ++i)
+      for (int j = 0; j < 64; ++j) {
+        const Vec2f film(j & 1 ? 300 : 0, j & 2 ? 200 : 0), lens(static_cast<float>(j / 4) / 16, j & 4 ? 1 : 0.01f);
+        const Vec3f org = camera.at(static_cast<float>(i) / 100).generate_ray(film, lens).org;
+        seen.extend(org);
+        EXPECT_TRUE(bounds.contains(org + (bounds.center() - org) * 1e-5f)) << i << " " << j;
+      }
+    if (!turns) {
+      EXPECT_LT(length(bounds.extent()), 3 * length(seen.extent())) << "not far from tight";
+    }
+  }
+}
+
 // Rays begin at the first plane that lets them in and end at the first that cuts them off.
 TEST(Camera, ClippingPlanesCutItsRays) {
   for (const bool orthographic : {false, true}) {

@@ -48,6 +48,7 @@ const Refused kRefusedOfShapes[] = {
     {"/quad", {"creaseWeights", kIntArray}, "'creaseWeights' must be an array of float"},
     {"/quad", {"transform", number(kHalf)}, "'transform' must be a matrix"},
     {"/quad", {"transform:samples", samples(kNumbers)}, "'transform:samples' must be samples: matrices at times"},
+    {"/camera", {"fStop:samples", number(kHalf)}, "'fStop:samples' must be samples: numbers at times"},
     {"/quad", {"material", number(kHalf)}, "'material' must be a path"},
     {"/quad", {"categories", word("a")}, "'categories' must be an array of texts"},
     {"/quad", {"primvars:points:interpolation", word("corner")}, "must be one of constant, uniform"},

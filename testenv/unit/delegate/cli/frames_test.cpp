@@ -81,6 +81,46 @@ TEST_F(FramesTest, EveryFrameIsAFileOfItsOwnAndTheSameAsRenderedAlone) {
   EXPECT_EQ(pixels("f.04.exr"), pixels("alone.exr"));
 }
 
+// A lamp that hangs on a node which moves above a floor: the mean of the pictures at times of the shutter.
+TEST_F(FramesTest, ALightBelowAMovingNodeMovesWithinTheShutter) {
+  hd::gltf::testing::GltfBuilder b;
+  b.attribute<float>("POSITION", {-2, 0, -2, -2, 0, 2, 2, 0, 2, -2, 0, -2, 2, 0, 2, 2, 0, -2}, "VEC3");
+  b.json["extensionsUsed"] = {"KHR_lights_punctual"};
+  b.json["extensions"]["KHR_lights_punctual"]["lights"] = {{{"type", "point"}, {"intensity", 3}}};
+  b.json["cameras"] = {{{"type", "perspective"}, {"perspective", {{"yfov", 0.6}, {"znear", 0.1}}}}};
+  const float turn = std::sqrt(0.5f);
+  b.json["nodes"] = {{{"mesh", 0}},
+                     {{"children", {2}}},
+                     {{"translation", {1, 0.6, 0}}, {"extensions", {{"KHR_lights_punctual", {{"light", 0}}}}}},
+                     {{"camera", 0}, {"translation", {0, 6, 0}}, {"rotation", {-turn, 0, 0, turn}}}};
+  b.json["scenes"][0]["nodes"] = {0, 1, 3};
+  b.animate(1, "rotation", {0, 2}, {0, 0, 0, 1, 0, turn, 0, turn}, "VEC4");
+  const std::string file = write("lamp.glb", b.bytes());
+  const auto blocks = [&](const std::vector<std::string>& more) {
+    std::vector<std::string> words{"render", file, "--size", "24x24", "--fps", "1", "-o", "lamp.exr"};
+    words.insert(words.end(), more.begin(), more.end());
+    const Outcome done = run_program(folder_, words);
+    EXPECT_EQ(done.code, 0) << done.err;
+    const std::vector<float> all = pixels("lamp.exr");
+    std::vector<double> means(16);
+    for (size_t i = 0; i < all.size() / 4; ++i) means[i / 24 / 6 * 4 + i % 24 / 6] += double(all[4 * i]) / 36;
+    return means;
+  };
+  const std::vector<double> blurred = blocks({"--time", "1", "--shutter", "-1:1", "--spp", "1024"});
+  std::vector<double> stills(16), middle;
+  constexpr int kStills = 16;
+  for (int i = 0; i < kStills; ++i) {
+    middle = blocks({"--time", std::to_string((i + 0.5) * 2 / kStills), "--spp", "4"});
+    for (size_t k = 0; k < 16; ++k) stills[k] += middle[k] / kStills;
+  }
+  double largest = 0;
+  for (size_t k = 0; k < 16; ++k) {
+    EXPECT_NEAR(blurred[k] / stills[k], 1, 0.02) << "block " << k;
+    largest = std::max(largest, std::abs(middle[k] / stills[k] - 1));
+  }
+  EXPECT_GT(largest, 0.3) << "as at the end";
+}
+
 // promise: pipeline.name.frames
 TEST_F(FramesTest, EveryFileHasTheNumberOfItsFrame) {
   const auto frame_of = [&](const std::string& file) {

@@ -14,7 +14,7 @@ struct Asked {
   std::map<std::string, Value> fields;
   void set(const Fields& given) {
     for (const auto& [name, value] : given) {
-      if (name == "transform") fields.erase("transform:samples");
+      fields.erase(name + ":samples");
       fields[name] = value;
       if (value.empty()) take_back(name);
     }

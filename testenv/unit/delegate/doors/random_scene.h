@@ -85,6 +85,9 @@ class RandomScene {
     } else if (path == Path("/camera")) {
       all = {{"transform:samples", moving}, {"clipPlanes", Array<Vec4f>{{1, 0, 0, number(0, 2)}}}};
       add_rows(host::ParameterRows("camera"), "", &all);
+      const TimeSamples<Value> lens{{-1, 1}, {number(0.5f, 2), number(0.5f, 2)}};
+      for (const char* name : {"focalLength:samples", "fStop:samples", "focusDistance:samples"})
+        all.emplace_back(name, std::make_shared<const TimeSamples<Value>>(lens));
     } else if (path == Path("/settings")) {
       add_rows(host::FieldRows("renderSettings"), "", &all);
       add_rows(host::ParameterRows("render_settings"), "", &all);

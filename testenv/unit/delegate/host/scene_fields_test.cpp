@@ -117,6 +117,8 @@ TEST(SceneFields, AreTheMembersOfInstancersLightsAndCameras) {
   Fields fields{{"transform", kMoved}, {"transform:samples", samples(kMoved, Matrix4d())}};
   for (const FieldRow& row : ParameterRows("camera"))
     fields.emplace_back(row.name, camera.parameters[row.name] = good_value(row));
+  for (const char* name : {"focalLength:samples", "fStop:samples", "focusDistance:samples"})
+    fields.emplace_back(name, camera.parameters[name] = samples(2.0f, 3.0f));
   expect_members(Token("camera"), camera, fields);
   CameraDescription free;
   EXPECT_EQ(ReadCamera(fields, &free), "");

@@ -166,6 +166,30 @@ TEST(MotionSync, FaultySamplesAreReported) {
   EXPECT_EQ(with({{0}, {shifted(7)}}), 0u) << "a single sample does not move";
 }
 
+TEST(MotionSync, FaultySamplesOfALensAreReported) {
+  const auto with = [](const Value& samples, const char* code) {
+    MotionStage stage;
+    host::CameraDescription camera = stage.scene.GetCameras().at("/camera");
+    camera.parameters["focalLength:samples"] = samples;
+    stage.scene.SetCamera("/camera", camera);
+    stage.set();
+    return std::pair(stage.coverage(), stage.count(code));
+  };
+  const auto at = [](std::vector<double> times, std::vector<Value> values) -> Value {
+    return std::make_shared<const TimeSamples<Value>>(TimeSamples<Value>{std::move(times), std::move(values)});
+  };
+  MotionStage still;
+  still.set();
+  const std::vector<double> wanted = still.coverage();
+  EXPECT_EQ(with(at({0, 1}, {2.0f}), "motion.lens"), std::pair(wanted, size_t(1))) << "a value is missing";
+  EXPECT_EQ(with(at({1, 0}, {1.0f, 2.0f}), "motion.lens"), std::pair(wanted, size_t(1)));
+  EXPECT_EQ(with(at({0, 1}, {1.0f, Matrix4d()}), "motion.lens"), std::pair(wanted, size_t(1)));
+  EXPECT_EQ(with(1.0f, "motion.lens"), std::pair(wanted, size_t(1))) << "no samples";
+  EXPECT_EQ(with(at({0}, {2.0f}), "motion.lens"), std::pair(wanted, size_t(0))) << "a single sample does not move";
+  EXPECT_EQ(with(at({0, 1}, {1.0f, -2.0f}), "parameter.range").second, 1u);
+  EXPECT_NE(with(at({0, 1}, {1.0f, 2.0f}), "motion.lens").first, wanted) << "it zooms";
+}
+
 TEST(MotionSync, FaultyPointsAreErrors) {
   const auto with = [](const Value& later) {
     MotionStage stage;
