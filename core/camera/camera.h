@@ -35,6 +35,8 @@ struct CameraParameters {
   float shutter_close = 0;       // not before it opens; the same: nothing is blurred
   std::vector<Matrix4d> poses;   // camera_to_world over the camera's own shutter, even ones; empty: stands still
   float opens = 0, closes = 0;   // the camera's shutter as a part of the scene's, which goes from 0 to 1
+  /// camera_to_world at the ends of the time that AOV motion shows (Instance::ends): two. Empty: that of the shutter.
+  std::vector<Matrix4d> ends;
   bool operator==(const CameraParameters&) const = default;
 };
 /// schemas/camera.json, but for projection, clippingRange and clipPlanes.
@@ -69,6 +71,8 @@ class Camera {
   Vec3f direction_to_eye(const Vec3f& d) const { return {dot(d, x_), dot(d, y_), dot(d, z_)}; }
   /// Where a point of render space appears, in film coordinates, without lens. Nothing if it is not before the camera.
   std::optional<Vec2f> project(const Vec3f& p_render) const;
+  /// From the camera's place, without lens; of an orthographic camera along its axis.
+  float distance(const Vec3f& p_render) const;
   /// Distance of a point along the camera's -z axis, world units.
   float axial_depth(const Vec3f& p_render) const;
   /// Hydra's 0..1 depth of that distance (1 = far plane). Without a near plane, where it is undefined: d / (1 + d).
