@@ -1103,6 +1103,40 @@ def test_motion_is_up_to_the_next_time_code():
     assert abs(got[4] / pixels_per_unit + 1) < 1e-3, got
 
 
+def test_variables_are_motion_and_light_path_expressions():
+    moving = cube("c", 0).replace("double3 xformOp:translate = (0, 0, 0)", "double3 xformOp:translate.timeSamples = {\n 0: (-1, 0, 0),\n 2: (1, 0, 0),\n}")
+    body = moving + """    def RenderSettings "s"
+    {
+        rel camera = </World/cam>
+        uniform int2 resolution = (48, 48)
+        rel products = </World/p>
+        int alabaster:samples = 16
+    }
+    def RenderProduct "p"
+    {
+        token productName = "%s.exr"
+        rel orderedVars = [</World/color>, </World/motion>, </World/matt>]
+    }
+    def RenderVar "color" { uniform string sourceName = "color" }
+    def RenderVar "motion" { uniform string sourceName = "motion" }
+    def RenderVar "matt" { uniform string sourceName = "%s"
+        uniform token sourceType = "lpe" }
+"""
+    code, said = run("render", stage("variables.usda", body % ("variables", "C<RD>[<L.>O]")), "--time", "1", "--quiet")
+    out = os.path.join(FOLDER, "variables.exr")
+    assert code == 0, said
+    listed = subprocess.run(["oiiotool", "--info", "-v", out], capture_output=True, text=True).stdout
+    channels = re.search(r"channel list: (.*)", listed).group(1)
+    assert "matt.R" in channels and "motion.X" in channels, channels
+    values = {}
+    for name in ("R", "matt.R", "motion.X"):
+        subprocess.run(["oiiotool", out, "--ch", name, "-o", out + ".one.exr"], check=True)
+        values[name] = mean(out + ".one.exr", "2x2+23+23")[0]
+    assert 0.5 < values["matt.R"] / values["R"] < 1 and abs(values["motion.X"] / (48 * (0.5 / 0.36) / 5.6) - 1) < 1e-3, values
+    code, said = run("render", stage("unknown.usda", body % ("unknown", "C<RD>V*L")), "--time", "1", "--quiet")
+    assert code == 3 and "C<RD>V*L" in said and "pipeline.md" in said, (code, said)
+
+
 def test_points_of_an_instancer_move_within_the_shutter():
     camera = CAMERA.replace("float focalLength", "double shutter:open = -1\n        double shutter:close = 1\n        float focalLength")
     points = lambda more: """    def PointInstancer "many"
