@@ -60,6 +60,23 @@ TEST_F(LightGroupsOfFiles, AllGroupsAddUpToTheColor) {
   }
 }
 
+// promise: pipeline.aov.light_group_info
+TEST_F(LightGroupsOfFiles, InfoListsThem) {
+  write_scene();
+  const auto said = [&](const std::vector<std::string>& words) {
+    Program program(folder_, words);
+    EXPECT_EQ(program.wait(), 0) << program.err();
+    return program.out();
+  };
+  const auto groups = nlohmann::json::parse(said({"info", "scene.json", "--json"}))["lightGroups"];
+  ASSERT_EQ(groups.size(), 2u) << groups;
+  ASSERT_EQ(groups["key"].size(), 1u) << groups;
+  EXPECT_EQ(groups["glow of wax"].size(), 1u);
+  const std::string text = said({"info", "scene.json"});
+  EXPECT_NE(text.find("light groups: 2"), std::string::npos) << text;
+  EXPECT_NE(text.find("  key: " + groups["key"][0].get<std::string>() + "\n"), std::string::npos) << text;
+}
+
 // A light path expression of a group is its AOV.
 TEST_F(LightGroupsOfFiles, ALightPathExpressionIsAGroup) {
   write_scene();
