@@ -208,7 +208,6 @@ PassInputs PassControl::inputs(const DrawRequest& asked, const BuiltScene* scene
   in.settings.texture_memory = {};
   in.settings.memory_limit = {};
   in.settings.refine_edge_length = {};
-  in.settings.motion_shutter = {};
   in.settings.crypto_ranks = {};  // of files alone
   in.restarts = delegate_->restarts();
   add_bindings(asked, &in, faults);
