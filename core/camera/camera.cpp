@@ -265,6 +265,10 @@ float Camera::axial_depth(const Vec3f& p_render) const {
   return dot(origin_ - p_render, z_);
 }
 
+float Camera::distance(const Vec3f& p_render) const {
+  return orthographic_ ? axial_depth(p_render) : length(p_render - origin_);
+}
+
 MovingCamera::MovingCamera(const CameraParameters& parameters, int width, int height, const Vec3d& render_origin)
     : opens_(parameters.opens), closes_(parameters.closes) {
   CameraParameters posed = parameters;

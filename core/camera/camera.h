@@ -36,7 +36,9 @@ struct CameraParameters {
   std::vector<Matrix4d> poses;   // camera_to_world over the camera's own shutter, even ones; empty: stands still
   // Of a lens that moves: at times as those of the shutter, which they need not lie in. Empty: stands still.
   TimeSamples<float> focal_lengths, f_stops, focus_distances;
-  float opens = 0, closes = 0;  // the camera's shutter as a part of the scene's, which goes from 0 to 1
+  float opens = 0, closes = 0;   // the camera's shutter as a part of the scene's, which goes from 0 to 1
+  /// camera_to_world at the ends of the time that AOV motion shows (Instance::ends): two. Empty: that of the shutter.
+  std::vector<Matrix4d> ends;
   bool operator==(const CameraParameters&) const = default;
 };
 /// Sets the lens to what it is where the camera's shutter opens, and drops samples of what stands still in the shutter.
@@ -78,6 +80,8 @@ class Camera {
   Vec3f direction_to_eye(const Vec3f& d) const { return {dot(d, x_), dot(d, y_), dot(d, z_)}; }
   /// Where a point of render space appears, in film coordinates, without lens. Nothing if it is not before the camera.
   std::optional<Vec2f> project(const Vec3f& p_render) const;
+  /// From the camera's place, without lens; of an orthographic camera along its axis.
+  float distance(const Vec3f& p_render) const;
   /// Distance of a point along the camera's -z axis, world units.
   float axial_depth(const Vec3f& p_render) const;
   /// Hydra's 0..1 depth of that distance (1 = far plane). Without a near plane, where it is undefined: d / (1 + d).

@@ -13,8 +13,10 @@ enum class Aov {
   alpha,
   depth,
   camera_depth,
+  camera_distance,
   normal,
   albedo,
+  ambient_occlusion,
   prim_id,
   instance_id,
   element_id,
@@ -43,7 +45,9 @@ enum class Aov {
   crypto_asset,
   eye_point,     // Hydra's Peye
   eye_normal,    // Hydra's Neye
-  motion,        // of the first hit over the picture, in pixels, while the shutter is open
+  position,      // in world space
+  uv,            // of the mesh's texture coordinates
+  motion,        // over the picture, in pixels, in the time of MotionShutter
   first_primvar  // the named primvars that a render is asked for: primvar_aov()
 };
 /// A set of AOVs, by aov_bit(). Checkpoints hold it.
@@ -93,8 +97,10 @@ inline constexpr AovInfo kAovs[] = {
     {Aov::alpha, "alpha", AovSource::samples, AovValue::number, 0, "", "A"},
     {Aov::depth, "depth", AovSource::closest, AovValue::exact, 1, "depth", "Z"},  // Hydra's: 0 near, 1 far
     {Aov::camera_depth, "cameraDepth", AovSource::closest, AovValue::distance, 0, "", "Z"},
+    {Aov::camera_distance, "cameraDistance", AovSource::closest, AovValue::distance, 0, "cameraDistance", "Z"},
     {Aov::normal, "normal", AovSource::samples, AovValue::number, 0, "N", "XYZ"},
     {Aov::albedo, "albedo", AovSource::samples, AovValue::color, 0, "albedo", "RGB"},
+    {Aov::ambient_occlusion, "ambientOcclusion", AovSource::samples, AovValue::number, 0, "ambientOcclusion", "X"},
     {Aov::prim_id, "primId", AovSource::closest, AovValue::integer, -1, "primId", "X"},
     {Aov::instance_id, "instanceId", AovSource::closest, AovValue::integer, -1, "instanceId", "X"},
     {Aov::element_id, "elementId", AovSource::closest, AovValue::integer, -1, "elementId", "X"},
@@ -124,6 +130,8 @@ inline constexpr AovInfo kAovs[] = {
     {Aov::crypto_asset, "cryptoAsset", AovSource::ids, AovValue::exact, 0, "CryptoAsset00", "RGBA"},
     {Aov::eye_point, "Peye", AovSource::closest, AovValue::exact, 0, "Peye", "XYZ"},
     {Aov::eye_normal, "Neye", AovSource::closest, AovValue::number, 0, "Neye", "XYZ"},
+    {Aov::position, "position", AovSource::closest, AovValue::exact, 0, "P", "XYZ"},
+    {Aov::uv, "uv", AovSource::closest, AovValue::exact, 0, "uv", "UV"},
     {Aov::motion, "motion", AovSource::closest, AovValue::exact, 0, "motion", "XY"},
 };
 inline constexpr AovInfo kPrimvarAov = {Aov::first_primvar, "primvars:", AovSource::closest, AovValue::exact, 0,
@@ -211,8 +219,8 @@ inline constexpr AovSet kPrimvarAovs = ((AovSet{1} << kMostPrimvarAovs) - 1)
 /// The AOVs that show the closest sample's first hit.
 inline constexpr AovSet kClosestAovs = aovs_from(AovSource::closest) | kPrimvarAovs;
 /// Those of them that need HitVectors.
-inline constexpr AovSet kVectorAovs =
-    aov_bit(Aov::eye_point) | aov_bit(Aov::eye_normal) | aov_bit(Aov::motion) | kPrimvarAovs;
+inline constexpr AovSet kVectorAovs = aov_bit(Aov::eye_point) | aov_bit(Aov::eye_normal) | aov_bit(Aov::position) |
+                                      aov_bit(Aov::uv) | aov_bit(Aov::motion) | kPrimvarAovs;
 /// The AOVs that guide the denoiser.
 inline constexpr AovSet kGuideAovs = aov_bit(Aov::normal) | aov_bit(Aov::albedo);
 /// `aovs` and those that they are made from.

@@ -17,7 +17,9 @@ constexpr float kFar = std::numeric_limits<float>::infinity();
 constexpr struct {
   Aov aov;
   float FilmSample::*member;
-} kDepths[] = {{Aov::depth, &FilmSample::depth}, {Aov::camera_depth, &FilmSample::camera_depth}};
+} kDepths[] = {{Aov::depth, &FilmSample::depth},
+               {Aov::camera_depth, &FilmSample::camera_depth},
+               {Aov::camera_distance, &FilmSample::camera_distance}};
 constexpr struct {
   Aov aov;
   int32_t FilmSample::*member;
@@ -100,6 +102,7 @@ FilmTile::FilmTile(size_t pixels, AovSet aovs, const FilmExtras& extras)
       marks_(pixels * marks_per_pixel_) {
   if (aovs & aov_bit(Aov::normal)) normal_.resize(pixels);
   if (aovs & aov_bit(Aov::albedo)) albedo_.resize(pixels);
+  if (aovs & aov_bit(Aov::ambient_occlusion)) ambient_occlusion_.resize(pixels);
   if (aovs & kClosestAovs) distance_.assign(pixels, kFar);
   add_planes(kDepths, aovs, pixels, &depths_);
   add_planes(kIds, aovs, pixels, &ids_);
@@ -121,7 +124,7 @@ void FilmTile::clear() {
     std::fill(plane.begin(), plane.end(), typename std::decay_t<decltype(plane)>::value_type{});
   };
   blank(samples_), blank(color_), blank(alpha_), blank(normal_), blank(albedo_), blank(halves_), blank(rays_);
-  blank(nonfinite_), blank(marks_);
+  blank(ambient_occlusion_), blank(nonfinite_), blank(marks_);
   std::fill(distance_.begin(), distance_.end(), kFar);
   for (auto& plane : depths_) std::fill(plane.values.begin(), plane.values.end(), background<float>(plane.aov));
   for (auto& plane : ids_) std::fill(plane.values.begin(), plane.values.end(), background<int32_t>(plane.aov));
@@ -155,6 +158,7 @@ std::vector<std::span<std::byte>> FilmTile::planes() {
   add(halves_);
   add(normal_);
   add(albedo_);
+  add(ambient_occlusion_);
   add(distance_);
   for (auto& plane : depths_) add(plane.values);
   for (auto& plane : ids_) add(plane.values);
@@ -202,6 +206,7 @@ void FilmTile::add(size_t pixel, const FilmSample& s, const LightLayers* layers,
     marks_[mark(pixel, begin_ + samples)] = color_[pixel];
   if (!normal_.empty()) accumulate({s.normal.x, s.normal.y, s.normal.z}, &normal_[pixel]);
   if (!albedo_.empty()) accumulate({s.albedo.r, s.albedo.g, s.albedo.b}, &albedo_[pixel]);
+  if (!ambient_occlusion_.empty()) ambient_occlusion_[pixel].add(s.ambient_occlusion);
   if (layers)
     for (LayerPlane& plane : layers_) plane.sums[pixel].add(plane.light(*layers));
   if (s.light_groups)
@@ -233,6 +238,7 @@ void FilmTile::append(const FilmTile& next) {
   append_plane(next.alpha_, &alpha_);
   append_plane(next.normal_, &normal_);
   append_plane(next.albedo_, &albedo_);
+  append_plane(next.ambient_occlusion_, &ambient_occlusion_);
   for (size_t i = 0; i < layers_.size(); ++i) append_plane(next.layers_[i].sums, &layers_[i].sums);
   for (size_t i = 0; i < light_groups_.size(); ++i) append_plane(next.light_groups_[i], &light_groups_[i]);
   prims_.append(next.prims_), materials_.append(next.materials_);
@@ -308,6 +314,7 @@ void FilmTile::take(size_t pixel, const FilmTile& from) {
   halves_[pixel] = from.halves_[pixel];
   if (!normal_.empty()) normal_[pixel] = from.normal_[pixel];
   if (!albedo_.empty()) albedo_[pixel] = from.albedo_[pixel];
+  if (!ambient_occlusion_.empty()) ambient_occlusion_[pixel] = from.ambient_occlusion_[pixel];
   take_closest(pixel, from);
   if (!rays_.empty()) rays_[pixel] = from.rays_[pixel];
   if (!nonfinite_.empty()) nonfinite_[pixel] = from.nonfinite_[pixel];
@@ -323,6 +330,10 @@ namespace {
 void average(const RgbSum& sum, double scale, float* out) {
   const auto sums = sum.value();
   for (size_t i = 0; i < 3; ++i) out[i] = static_cast<float>(sums[i] * scale);
+}
+
+void average(const UnitSum& sum, double scale, float* out) {
+  *out = static_cast<float>(sum.value() * scale);
 }
 
 void average(const std::array<UnitSum, 3>& sums, double scale, float* out) {
@@ -365,13 +376,15 @@ void FilmTile::resolve(size_t pixel, Aov aov, float* out, size_t count) const {
         to[3] = static_cast<float>(alpha_[i].value() * scale);
       });
     case Aov::alpha:
-      return each([&](size_t i, double scale, float* to) { *to = static_cast<float>(alpha_[i].value() * scale); });
+      return each_average(alpha_);
     case Aov::error:
       return each([&](size_t i, double, float* to) { *to = noise(i).deviation(); });
     case Aov::normal:
       return each_average(normal_);
     case Aov::albedo:
       return each_average(albedo_);
+    case Aov::ambient_occlusion:
+      return each_average(ambient_occlusion_);
     default:
       if (const auto* layer = find_plane(layers_, aov)) return each_average(layer->sums);
       if (const auto* depth = find_plane(depths_, aov)) {

@@ -50,11 +50,13 @@ struct HitVectors {
 struct FilmSample {
   Rgb color{0.0f};
   float alpha = 0;
-  float distance = 0;      // to the first hit, infinity if none; the least decides which sample is closest
-  float depth = 1;         // Hydra's 0..1 clip depth (1 = far, background)
-  float camera_depth = 0;  // along -z, world units; 0 if no hit
-  Vec3f normal{0, 0, 0};   // world, shading; 0 if no hit
+  float distance = 0;         // to the first hit, infinity if none; the least decides which sample is closest
+  float depth = 1;            // Hydra's 0..1 clip depth (1 = far, background)
+  float camera_depth = 0;     // along -z, world units; 0 if no hit
+  float camera_distance = 0;  // Camera::distance(); the same
+  Vec3f normal{0, 0, 0};      // world, shading; 0 if no hit
   Rgb albedo{0.0f};
+  float ambient_occlusion = 0;  // 1: nothing occludes
   int32_t prim_id = -1, instance_id = -1, element_id = -1, material_id = -1;
   bool is_held_out = false;             // by the surface of these ids, which counts for no id
   bool nonfinite = false;               // the colour was not finite, and was made black
@@ -223,6 +225,7 @@ class FilmTile {
   std::vector<RgbSum> color_;  // premultiplied
   std::vector<UnitSum> alpha_;
   UnitSums normal_, albedo_;
+  std::vector<UnitSum> ambient_occlusion_;
   std::vector<Halves> halves_;
   std::vector<LayerPlane> layers_;  // those that are requested
   std::vector<std::vector<RgbSum>> light_groups_;

@@ -4,7 +4,9 @@
 #include <functional>
 
 #include "core/integrator/hit_vectors.h"
+#include "core/integrator/see_through.h"
 #include "core/material/disney_bsdf.h"
+#include "core/sampling/warp.h"
 
 namespace alabaster {
 namespace {
@@ -16,10 +18,31 @@ int32_t material_number(const MaterialNumbers::element_type& numbers, const Disn
   return found != numbers.end() && found->first == &material ? found->second : -1;
 }
 
+// 1 where one direction above the smooth surface, by the cosine, meets nothing within the distance. What shadow rays
+// pass does not occlude either. The ray is no part of the path, nor of what a pixel costs: samples and their allocation
+// are those of a frame without it.
+float ambient_occlusion(const PathContext& context, const Vertex& v, const Path& path, const PixelSampler& sampler) {
+  const auto u = sampler.draw(Dimension::ambient_occlusion, 0);
+  const Vec3f dir = frame_from_normal(v.smooth_normal()).to_world(sample_cosine_hemisphere({u[0], u[1]}));
+  const bool from_smooth = v.leaves_from_smooth(dir);
+  if (!from_smooth && !v.is_above_facet(dir)) return 0;
+  Ray ray{v.origins[from_smooth ? Vertex::kSmooth : Vertex::kFacet].p, dir};
+  ray.time = context.time;
+  if (context.settings.ambient_occlusion_distance > 0) ray.tmax = context.settings.ambient_occlusion_distance;
+  if (!context.sees_through() && !context.scene.features.clear_sheets) return context.scene.top->occluded(ray) ? 0 : 1;
+  const Transmittance transmittance(context, ray.dir, path.media);
+  if (context.scene.top->occluded(ray, &transmittance)) return 0;
+  const Rgb passed = transmittance.value();
+  return (passed.r + passed.g + passed.b) / 3;
+}
+
 }  // namespace
 
-void record_first_hit(const PathContext& context, const Vertex& v, float distance, FilmSample* out) {
+void record_first_hit(const PathContext& context, const Vertex& v, const Path& path, const PixelSampler& sampler,
+                      float distance, FilmSample* out) {
   out->alpha = 1;
+  if (context.aovs & aov_bit(Aov::ambient_occlusion)) [[unlikely]]
+    out->ambient_occlusion = ambient_occlusion(context, v, path, sampler);
   if (!(context.aovs & (kClosestAovs | kIdsAovs))) return;
   out->prim_id = v.instance->prim_id;
   if (context.materials) [[unlikely]]
@@ -28,6 +51,7 @@ void record_first_hit(const PathContext& context, const Vertex& v, float distanc
   out->distance = distance;
   out->camera_depth = context.camera.axial_depth(v.hit.p);
   out->depth = context.camera.clip_depth(out->camera_depth);
+  if (context.aovs & aov_bit(Aov::camera_distance)) out->camera_distance = context.camera.distance(v.hit.p);
   out->instance_id = v.instance->id_of(v.triangle);
   out->element_id = v.instance->prototype->mesh.element(v.triangle.triangle);
   if (context.vectors) [[unlikely]]

@@ -1,4 +1,5 @@
-// The vectors of the first hit that AOVs show: its place and normal seen from the camera, its motion, its primvars.
+// The vectors of the first hit that AOVs show: its place and normal seen from the camera, its place in the world, its
+// texture coordinates, its motion, its primvars.
 #pragma once
 
 #include "core/integrator/vertex.h"

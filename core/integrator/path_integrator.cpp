@@ -130,11 +130,11 @@ bool find_next_vertex(const PathContext& context, const PixelSampler& sampler, P
   if (!met_within && context.mode() == SubsurfaceMode::walk && is_within_medium(context, *v, *path)) set_within(v);
 
   // Record the first hit and the denoiser's features; end at a hold-out.
-  if (path->depth == 0) record_first_hit(context, *v, passed, first_hit);
+  if (path->depth == 0) record_first_hit(context, *v, *path, sampler, passed, first_hit);
   if (path->features) record_features(context, *v, *path);
   if (path->depth == 0 && v->instance->options.holdout && first_hit) [[unlikely]] {  // only lights on the way show
     path->held_out = first_hit->is_held_out = true;
-    first_hit->alpha = 0;
+    first_hit->alpha = first_hit->ambient_occlusion = 0;
     return end(context, "a hold-out");
   }
 

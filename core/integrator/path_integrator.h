@@ -30,8 +30,9 @@ struct IntegratorSettings {
   AlbedoInversion inversion;
   WalkSettings walk;
   EnergyModel energy = EnergyModel::bounded;
-  float texture_filter = 0;  // of colour textures, in widths of a path's footprint; 0: none
-  float glossy_filter = 0;   // see Footprint::least_alpha; 0: none
+  float texture_filter = 0;              // of colour textures, in widths of a path's footprint; 0: none
+  float glossy_filter = 0;               // see Footprint::least_alpha; 0: none
+  float ambient_occlusion_distance = 0;  // of what occludes; 0: any
 };
 
 class CameraInteriors;
@@ -40,8 +41,9 @@ class PathRecord;
 /// The vectors of the first hit that AOVs show (kVectorAovs), and what they are measured by.
 struct HitVectorRequest {
   const std::vector<UvSetName>& primvars;  // by their AOVs
-  const Camera &opens, &closes;            // where the camera stands when its shutter opens and closes
-  float open_time, close_time;             // of the scene's shutter
+  const Camera &opens, &closes;  // where the camera stands when the time that AOV motion shows begins and ends
+  bool at_ends;                  // and surfaces where Instance::ends says; else by the times
+  float open_time, close_time;   // of the scene's shutter
   HitVectors* out;
 };
 

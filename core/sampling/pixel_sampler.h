@@ -71,7 +71,8 @@ enum class Dimension : uint32_t {
   exit_bsdf,
   exit_light,
   opacity = 7,  // a purpose has left, and the others keep their numbers
-  time
+  time,
+  ambient_occlusion
 };
 
 class PixelSampler {

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <algorithm>
+#include <array>
 #include <cstdint>
 #include <functional>
 #include <memory>
@@ -37,6 +38,12 @@ struct MeshPrototype {
   MemoryReservation memory = {};  // of the mesh
 };
 
+/// The points of a mesh that deforms, at the ends of the time that AOV motion shows.
+struct MeshEnds {
+  std::array<std::vector<Vec3f>, 2> points;
+  MemoryReservation memory = {};
+};
+
 /// Material slots by triangle; empty: all 0.
 using TriangleSlots = std::vector<int32_t>;
 
@@ -63,6 +70,8 @@ struct InstanceDescription {
   uint32_t light_group = 0;                         // where it emits: of SceneDescription, from 1 on; 0: of none
   InstanceValuesPtr values = {};                    // by instance_id
   std::shared_ptr<const TriangleSlots> slots = {};  // in the place of the mesh's own; null: those
+  std::vector<Matrix4d> ends = {};                  // object_to_world at those of MeshEnds, two; empty: stands still
+  std::shared_ptr<const MeshEnds> mesh_ends = {};   // null: does not deform, or nobody asks
 
   const TriangleSlots& triangle_slots() const { return slots ? *slots : prototype->mesh.triangle_material; }
   bool operator==(const InstanceDescription&) const = default;
@@ -110,6 +119,12 @@ struct SceneFeatures {
 
 struct InstanceArray;
 
+/// An instance at the ends of the time that AOV motion shows.
+struct InstanceEnds {
+  std::array<Affine, 2> object_to_world;
+  std::shared_ptr<const MeshEnds> mesh;  // null: it does not deform
+};
+
 /// A placed mesh, and the materials at a hit. The Placement is that of one that stands still, by itself.
 struct Instance : Placement {
   const MeshPrototype* prototype = nullptr;
@@ -129,8 +144,9 @@ struct Instance : Placement {
   TangentCache::Tangents tangents;          // for normal maps
   /// Normal maps whose coordinates differ from those of `tangents` have their own. By address.
   std::vector<std::pair<const NormalMap*, TangentCache::Tangents>> own_tangents;
-  const InstanceArray* array = nullptr;  // this is the look of all its instances; null: of one alone
-  InstanceValuesPtr values;              // of each instance, by id_of()
+  const InstanceArray* array = nullptr;      // this is the look of all its instances; null: of one alone
+  InstanceValuesPtr values;                  // of each instance, by id_of()
+  std::shared_ptr<const InstanceEnds> ends;  // null: it stands still, or nobody asks
 
   /// Where the instance that was hit stands at the hit's time. `moved` holds the answer if it moves or is of an array.
   const Placement& at(const TriangleHit& hit, std::optional<Placement>* moved) const {

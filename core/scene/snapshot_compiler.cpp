@@ -119,6 +119,12 @@ Instance place(const InstanceDescription& d, const Vec3d& origin) {
   instance.object_to_world = to_affine(m);
   instance.world_to_object = to_affine(m.inverse());
   for (const Matrix4d& pose : d.poses) instance.poses.push_back(to_affine(moved_to(pose, origin)));
+  if (d.mesh_ends || !d.ends.empty()) {
+    const auto end = [&](size_t i) {
+      return d.ends.empty() ? instance.object_to_world : to_affine(moved_to(d.ends[i], origin));
+    };
+    instance.ends = std::make_shared<const InstanceEnds>(InstanceEnds{{end(0), end(1)}, d.mesh_ends});
+  }
   return instance;
 }
 

@@ -79,6 +79,11 @@ std::span<const SettingParameter> setting_parameters() {
        "refineLevel.", kResyncs},
       {"filter", &S::filter, 0, 0, {"box", "triangle", "gaussian", "blackmanHarris"},
        "none", "Pixel filter."},
+      {"ambientOcclusionDistance", &S::ambient_occlusion_distance, 0, kUnbounded, {},
+       "scene unit", "AOV ambientOcclusion: surfaces that are farther away than this do not occlude. 0: all do."},
+      {"motionShutter", &S::motion_shutter, 0, 0, {"frame", "camera"},
+       "none", "The time whose motion AOV motion shows: from the frame that is drawn to the next one (frame), also "
+       "with a closed shutter, or while the camera's shutter is open (camera).", kNoPixels},
       {"cryptoRanks", &S::crypto_ranks, 2, 16, {},
        "none", "Objects, materials or assets that a pixel of a file's Cryptomatte layers names, those with the largest "
        "coverage; an odd number is raised by one. The renderer counts all of them.", kLive | kNoPixels},
@@ -95,6 +100,7 @@ IntegratorSettings integrator_settings(const RenderSettings& s) {
   const bool shortcuts = s.subsurface != SubsurfaceMode::reference;
   IntegratorSettings out{s.max_depth, s.subsurface, s.inversion, {}, s.energy, s.texture_filter, s.glossy_filter};
   if (!shortcuts) out.glossy_filter = 0;
+  out.ambient_occlusion_distance = s.ambient_occlusion_distance;
   out.walk.guiding = shortcuts && s.walk_guiding;
   out.walk.twins = shortcuts;
   out.walk.sphere_steps = shortcuts && s.walk_sphere_steps;

@@ -11,6 +11,12 @@
 
 namespace alabaster {
 
+/// The time over which AOV motion shows how things move.
+enum class MotionShutter {
+  frame,   // from the frame that is drawn to the next one
+  camera,  // while the camera's shutter is open
+};
+
 /// How to render. Names and ranges: setting_parameters(). Meanings: schemas/render_settings.json.
 struct RenderSettings {
   uint32_t samples = 64;  // per pixel, at most; with `adaptive` the mean over pixels
@@ -30,8 +36,10 @@ struct RenderSettings {
   uint32_t texture_memory = 4096;  // MiB of texels in memory (core/texture/texel_store.h); read by who loads textures
   uint32_t memory_limit = 0;       // MiB (core/memory/memory_budget.h), read by who makes the budget; 0: it chooses
   EnergyModel energy = EnergyModel::bounded;
-  float texture_filter = 0;  // see IntegratorSettings; above 0 it blurs
-  float glossy_filter = 0;   // see IntegratorSettings; above 0 it blurs
+  float texture_filter = 0;                             // see IntegratorSettings; above 0 it blurs
+  float glossy_filter = 0;                              // see IntegratorSettings; above 0 it blurs
+  float ambient_occlusion_distance = 0;                 // world units; 0: any
+  MotionShutter motion_shutter = MotionShutter::frame;  // read by who describes the scene and the camera
   PixelFilter filter = PixelFilter::blackman_harris;
   float refine_edge_length =
       0;  // pixels: refined meshes get edges as long as this in the picture; 0: by their refineLevel
@@ -48,7 +56,8 @@ inline constexpr uint32_t kResyncs = 4;    // meshes are refined again
 inline constexpr uint32_t kNoPixels = 8;   // samples do not depend on it, so that checkpoints may differ in it
 }  // namespace setting_use
 
-using SettingParameter = Parameter<RenderSettings, SubsurfaceMode, AlbedoInversion, EnergyModel, PixelFilter>;
+using SettingParameter =
+    Parameter<RenderSettings, SubsurfaceMode, AlbedoInversion, EnergyModel, PixelFilter, MotionShutter>;
 /// schemas/render_settings.json.
 std::span<const SettingParameter> setting_parameters();
 

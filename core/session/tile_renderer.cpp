@@ -62,11 +62,19 @@ Bounds ray_origins(const RenderRequest& request, const MovingCamera& camera) {
   return camera.ray_origins(begin, end);
 }
 
+std::optional<MovingCamera> camera_at_ends(const RenderRequest& request) {
+  if (request.camera.ends.empty()) return std::nullopt;
+  CameraParameters camera = request.camera;
+  camera.poses = request.camera.ends;
+  return MovingCamera(camera, request.width, request.height, request.scene->origin);
+}
+
 }  // namespace
 
 TileRenderer::TileRenderer(const RenderRequest& request, const CancelToken& cancel)
     : request_(request),
       camera_(request.camera, request.width, request.height, request.scene->origin),
+      ends_(camera_at_ends(request)),
       has_motion_(camera_.moves() || request.scene->features.motion),
       exposure_(std::exp2(request.camera.exposure)),
       integrator_settings_(settings_for(request, cancel)),
@@ -109,9 +117,10 @@ FilmSample TileRenderer::trace_sample(const SampleAddress& at, const PixelSample
   std::optional<HitVectorRequest> vectors;
   std::optional<Camera> closes;
   if (parts.vectors) [[unlikely]] {
-    closes = camera_.at(1);
-    context.vectors = &vectors.emplace(
-        HitVectorRequest{request_.primvars, camera_.first(), *closes, camera_.time(0), camera_.time(1), parts.vectors});
+    const MovingCamera& through = ends_ ? *ends_ : camera_;
+    closes = through.at(1);
+    context.vectors = &vectors.emplace(HitVectorRequest{request_.primvars, through.first(), *closes, ends_.has_value(),
+                                                        camera_.time(0), camera_.time(1), parts.vectors});
   }
   Ray ray = camera.generate_ray(film_position, {u[2], u[3]});
   ray.time = time;

@@ -69,8 +69,9 @@ class TileRenderer {
 
   const RenderRequest& request_;
   MovingCamera camera_;
-  bool has_motion_;  // of the scene or the camera: rays have a time
-  float exposure_;   // factor of radiance
+  std::optional<MovingCamera> ends_;  // CameraParameters::ends; none: there are none
+  bool has_motion_;                   // of the scene or the camera: rays have a time
+  float exposure_;                    // factor of radiance
   IntegratorSettings integrator_settings_;
   bool has_layers_, has_vectors_;
   std::optional<const LightByGroup> light_groups_;  // empty; none: no AOV shows any

@@ -109,6 +109,7 @@ typedef struct AlabasterLoadOptions { /* as the program's options of these names
   int32_t keep_going;       /* leaves images that are missing to the renderer */
   int32_t allow_outside;    /* files may be named that lie outside the folder of the file that names them */
   double frames_per_second; /* of the shutter's frames; 0: the model's time codes, else 24 */
+  int32_t next_frame;       /* AOV motion is to show how the models' animations move up to the next frame */
 } AlabasterLoadOptions;
 
 typedef struct AlabasterLoaded { /* strings live until the scene is destroyed */

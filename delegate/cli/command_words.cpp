@@ -289,7 +289,9 @@ std::vector<std::string> choices_of(const std::string& option) {
 /// `*complete`: false if no choice is near.
 std::string right_choice(const std::string& option, const std::string& choice, bool* complete) {
   const std::vector<std::string> choices = choices_of(option);
-  if (choices.empty() || choice.starts_with("primvars:") || choice.starts_with("lightGroup:")) return {};
+  if (choices.empty()) return {};
+  for (const char* open : {"primvars:", "lightGroup:", "lpe:"})
+    if (choice.starts_with(open)) return {};
   if (std::find(choices.begin(), choices.end(), choice) != choices.end()) return {};
   const std::string right = hd::support::NearestName(choice, choices);
   *complete = *complete && !right.empty();

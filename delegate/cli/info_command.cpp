@@ -177,6 +177,27 @@ void add_lights_and_cameras(const SceneSession& session, Json* out) {
   (*out)["notes"] = session.file.notes;
 }
 
+/// The prims whose light each group is, as AOVs lightGroup:NAME show it.
+Json light_groups_json(const RetainedSceneDelegate& scene) {
+  std::map<std::string, std::vector<std::string>> groups;
+  const auto add = [&](const hd::Path& path, const auto& values) {
+    const auto group = values.find("lightGroup");
+    if (group == values.end()) return;
+    const hd::Value* value = nullptr;
+    if constexpr (requires { group->second.interpolation; })
+      value = &group->second.value;
+    else
+      value = &group->second;
+    if (const std::string name = value->text_or(""); !name.empty()) groups[name].push_back(path.str());
+  };
+  for (const auto& [path, light] : scene.GetLights())
+    if (light.visible) add(path, light.parameters);
+  for (const auto& [path, mesh] : scene.GetMeshes()) add(path, mesh.primvars);
+  Json all = Json::object();
+  for (auto& [name, paths] : groups) all[name] = std::move(paths);
+  return all;
+}
+
 /// Lists the scene; the text and --json print it.
 Json listing_of(SceneSession& session, const std::string& file) {
   Json out{{"scene", file}};
@@ -187,6 +208,7 @@ Json listing_of(SceneSession& session, const std::string& file) {
   for (const auto& [path, network] : session.scene.GetMaterials())
     out["materials"].push_back(material_json(named(session.scene, path), network));
   add_lights_and_cameras(session, &out);
+  out["lightGroups"] = light_groups_json(session.scene);
   return out;
 }
 
@@ -354,6 +376,13 @@ void print_lights_and_cameras(const Json& scene) {
   for (const Json& light : scene["lights"])
     std::printf("  %s: %s\n", title(light).c_str(), shown(light["type"]).c_str());
   print_overrides(kKinds[2], scene["lights"]);
+  const Json& groups = scene["lightGroups"];
+  if (!groups.empty()) std::printf("light groups: %zu, as layers by render --aov 'lightGroup:*'\n", groups.size());
+  for (const auto& [name, paths] : groups.items()) {
+    std::string text;
+    for (const Json& path : paths) text += (text.empty() ? "" : ", ") + shown(path);
+    std::printf("  %s: %s\n", printable(name).c_str(), text.c_str());
+  }
   std::printf("cameras: %zu\n", scene["cameras"].size());
   for (const Json& camera : scene["cameras"])
     std::printf("  %s%s\n", title(camera).c_str(), camera["used"] ? " (used)" : "");

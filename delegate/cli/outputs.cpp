@@ -23,9 +23,10 @@ void add_layers(const std::vector<std::string>& aovs, hd::RenderProduct* product
   if (product->vars.empty()) product->vars.push_back(hd::host::UsualRenderVar("color"));
   for (const std::string& given : aovs) {
     const std::string aov = aov_of(given);
-    const auto same = [&](const hd::RenderVar& var) { return var.aov == hd::Token(aov); };
+    const hd::RenderVar usual = hd::host::UsualRenderVar(aov);
+    const auto same = [&](const hd::RenderVar& var) { return var.aov == usual.aov; };
     auto found = std::find_if(product->vars.begin(), product->vars.end(), same);
-    if (found == product->vars.end()) found = product->vars.insert(found, hd::host::UsualRenderVar(aov));
+    if (found == product->vars.end()) found = product->vars.insert(found, usual);
     if (given != aov) found->name = given.substr(aov.size() + 1);
   }
 }
@@ -38,8 +39,12 @@ std::string unknown_aov(const std::vector<std::string>& aovs) {
     if (std::find(known.begin(), known.end(), aov) != known.end()) continue;
     if (const std::string primvars = "primvars:"; aov.starts_with(primvars) && aov != primvars) continue;
     if (aov.starts_with("lightGroup:")) continue;
-    return "--aov: there is no '" + aov + "'; choose from " + joined(known) + ", lightGroup:NAME, primvars:NAME." +
-           hd::support::Suggestion(aov, known);
+    if (aov.starts_with("lpe:")) {
+      if (hd::host::UsualRenderVar(aov).aov != hd::Token(aov)) continue;
+      return "--aov: " + hd::host::NoSuchAov(aov) + ".";
+    }
+    return "--aov: there is no '" + aov + "'; choose from " + joined(known) +
+           ", lightGroup:NAME, primvars:NAME, lpe:EXPRESSION." + hd::support::Suggestion(aov, known);
   }
   return "";
 }

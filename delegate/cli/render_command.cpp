@@ -262,8 +262,8 @@ class RenderCommand {
       metadata_ = sequence_metadata(frame, fps);
       std::string place = formatted("at %.4g s", (frame - start) / fps);
       if (turntable) {
-        const double degrees = 360 * (frame - 1) / *a_.turntable;
-        turntable->turn(degrees);
+        const double step = 360.0 / *a_.turntable, degrees = 360 * (frame - 1) / *a_.turntable;
+        turntable->turn(degrees, step);
         place = formatted("turned by %.4g degrees", degrees);
       } else if (i > 0) {
         try {

@@ -59,6 +59,8 @@ hd::description::LoadOptions load_options(const RenderArguments& a) {
   hd::description::LoadOptions options = scene_load_options(a, std::move(settings));
   if (!a.frames.numbers.empty() && !a.turntable) options.frame = a.frames.numbers[0] - a.start_frame.value_or(0);
   if (a.shutter) options.shutter = {a.shutter->first, a.shutter->second};
+  options.next_frame =
+      std::any_of(a.aovs.begin(), a.aovs.end(), [](const std::string& given) { return aov_of(given) == "motion"; });
   options.size = a.size, options.crop = a.crop;
   options.frames_per_second = a.fps;
   if (a.samples) {  // last: no override may change a part's samples

@@ -10,10 +10,15 @@ class Turntable {
  public:
   /// `lights`: they turn with the cameras, as if the objects turned the other way.
   Turntable(SceneSession* session, bool lights);
-  /// From where the cameras stood at first, seen from above against the clock.
-  void turn(double degrees);
+  /// From where the cameras stood at first, seen from above against the clock. `step`: to the next frame; motion blur
+  /// and AOV motion show that they turn.
+  void turn(double degrees, double step);
 
  private:
+  hd::Matrix4d turned(double degrees) const;
+  template <class Prim>
+  void turn_prim(double degrees, double step, Prim* prim) const;
+
   SceneSession& session_;
   std::vector<std::pair<hd::Path, hd::CameraDescription>> cameras_;
   std::vector<std::pair<hd::Path, hd::host::LightDescription>> lights_;

@@ -100,6 +100,16 @@ FrameShutter shutter_of(const LoadState& load) {
   return {camera ? camera->value("shutterOpen", 0.0) : 0, camera ? camera->value("shutterClose", 0.0) : 0};
 }
 
+// AOV motion shows the way to the next frame.
+bool shows_next_frame(const LoadState& load) {
+  if (load.options.next_frame) return true;
+  const nlohmann::json* const products = load.part("products");
+  return products && std::any_of(products->begin(), products->end(), [](const nlohmann::json& product) {
+           const auto aovs = product.find("aovs");
+           return aovs != product.end() && std::count(aovs->begin(), aovs->end(), "motion") > 0;
+         });
+}
+
 // Opens a model, and has it say its prims.
 SourceFault read_model(LoadState& load, const nlohmann::json& entry, const AssetPath& file, OpenModel* model,
                        host::SceneEdits* edits) {
@@ -112,10 +122,12 @@ SourceFault read_model(LoadState& load, const nlohmann::json& entry, const Asset
   options.variant = entry.value("variant", "");
   options.refine_level = entry.value("refineLevel", options.refine_level);
   model->shutter = shutter_of(load);
+  model->next_frame = shows_next_frame(load);
   // A stage's reader samples the shutter itself, that of its camera, too.
   options.stage = load.options.stage;
   if (usd::is_stage(support::lower_extension(file.resolved))) {
     if (model->shutter.close > model->shutter.open) options.stage.shutter = {model->shutter.open, model->shutter.close};
+    options.stage.next_frame = std::exchange(model->next_frame, false);
     model->shutter = {};
     if (const nlohmann::json* camera = load.part("camera"); camera && camera->contains("use"))
       options.stage.camera = camera->value("use", "");

@@ -271,10 +271,12 @@ Key products() {
   Keys fields;
   add_fields("product", {"dataType", "compression", "colorSpace", "display", "view", "look", "exposure", "denoise"},
              &fields);
-  Key aovs = word("aovs", host::ProductAovs(),
-                  "AOVs to write, as layers of an EXR; color by default. primvars:NAME shows the primvar of that name, "
-                  "lightGroup:NAME the light of that group, and lightGroup:* is all groups.");
-  aovs.beginnings = {"primvars:", "lightGroup:"};
+  Key aovs = word(
+      "aovs", host::ProductAovs(),
+      "AOVs to write, as layers of an EXR; color by default. primvars:NAME shows the primvar of that name, "
+      "lightGroup:NAME the light of that group, and lightGroup:* is all groups. lpe:EXPRESSION is the AOV of these "
+      "light paths.");
+  aovs.beginnings = {"primvars:", "lightGroup:", "lpe:"};
   return objects("products", "Files to write. Products with the same resolution and crop share a render.",
                  joined({{text("file", "File to write: .exr, .png, .tif, .tiff, .jpg or .jpeg.")},
                          frame(),

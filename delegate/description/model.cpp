@@ -190,7 +190,8 @@ struct OpenModel::Sampler {
   const DiagnosticSink& sink;
   SourceFault fault = SourceFault::none;
   std::map<Path, Parts> moving = {};
-  std::set<Path> apart = {};  // not there, or not by themselves, at all times
+  std::map<Path, std::map<Token, Value>> next = {};  // a frame later, of what moves until then or within the shutter
+  std::set<Path> apart = {};                         // not there, or not by themselves, at all times
 
   /// In the unit of the source, from the frame's own time on.
   double after(size_t step, size_t steps) const {
@@ -268,34 +269,73 @@ struct OpenModel::Sampler {
     return true;
   }
 
+  bool run_next() {
+    fault = model.ask(time + 1 / model.frames_per_unit(), sink, &model.stirred_);
+    if (fault != SourceFault::none) return false;
+    for (const Path& path : model.stirred_) {
+      const std::optional<PrimDescription>& drawn = model.drawn_.at(path);
+      const PrimDescription* const then = support::find_in(model.now_.GetPrims(), path);
+      if (!drawn || !then || !is_placed_alike(*then, *drawn)) continue;
+      const bool same_points = has_same_points(*then, *drawn);
+      const std::map<Token, Value> before = moving_parts(*drawn);
+      for (auto& [name, value] : moving_parts(*then)) {
+        const auto known = before.find(name);
+        if (known == before.end() || !(name == kTransform || same_points)) continue;
+        const auto of = moving.find(path);
+        const bool moves = of != moving.end() && of->second.contains(name);
+        if (moves || value != known->second) next[path][name] = std::move(value);
+      }
+    }
+    hold();
+    return true;
+  }
+
   void hold() const {
     size_t bytes = 0;
     for (const auto& [path, parts] : moving)
       for (const auto& [name, poses] : parts) bytes += poses.size() * bytes_of(poses.front());
+    for (const auto& [path, parts] : next)
+      for (const auto& [name, value] : parts) bytes += 2 * bytes_of(value);
     if (!model.held_.bytes()) model.held_ = MemoryReservation(model.memory, MemoryUse::scene);
     model.held_.resize(bytes, model.source->Facts().files.front() + ": the geometry over the shutter");
   }
 
   void give_samples(const Path& path, PrimDescription* drawn) {
-    const auto found = moving.find(path);
-    if (found == moving.end() || apart.contains(path)) return;
-    const auto times = [this](const auto& poses) {
-      std::vector<double> frames;
-      for (size_t i = 0; i < poses.size(); ++i) frames.push_back(after(i, poses.size() - 1) * model.frames_per_unit());
-      return frames;
-    };
+    if (apart.contains(path)) return;
+    const std::map<Token, Value> now = moving_parts(*drawn);
     const auto give = [&](auto& prim) {
-      for (auto& [name, poses] : found->second) {
+      for (auto& [name, poses] : timed(path, now)) {
         if constexpr (requires { prim.transformSamples; })
-          if (name == kTransform) {
-            prim.transformSamples.times = times(poses);
-            for (const Value& pose : poses) prim.transformSamples.values.push_back(pose.get_or(Matrix4d()));
-          }
+          if (name == kTransform)
+            for (const auto& [frame, pose] : poses)
+              prim.transformSamples.times.push_back(frame),
+                  prim.transformSamples.values.push_back(pose.get_or(Matrix4d()));
         if constexpr (requires { prim.primvarSamples; })
-          if (name != kTransform) prim.primvarSamples[name] = {times(poses), std::move(poses)};
+          if (name != kTransform) {
+            auto& samples = prim.primvarSamples[name] = {};
+            for (auto& [frame, pose] : poses) samples.times.push_back(frame), samples.values.push_back(std::move(pose));
+          }
       }
     };
     std::visit(give, *drawn);
+  }
+
+  // The samples of what moves, by their frames. `now`: in the frame that is drawn.
+  std::map<Token, std::map<double, Value>> timed(const Path& path, const std::map<Token, Value>& now) {
+    std::map<Token, std::map<double, Value>> all;
+    if (const auto parts = moving.find(path); parts != moving.end())
+      for (auto& [name, poses] : parts->second)
+        for (size_t i = 0; i < poses.size(); ++i)
+          all[name][after(i, poses.size() - 1) * model.frames_per_unit()] = std::move(poses[i]);
+    if (const auto parts = next.find(path); parts != next.end())
+      for (auto& [name, value] : parts->second) {
+        const auto within = [&](double frame) { return frame >= model.shutter.open && frame <= model.shutter.close; };
+        auto& samples = all[name];
+        const bool known = !samples.empty();
+        if (!known || !within(0)) samples[0] = now.at(name);
+        if (!known || !within(1)) samples[1] = std::move(value);
+      }
+    return all;
   }
 };
 
@@ -339,6 +379,7 @@ SourceFault OpenModel::pose(std::optional<double> at, const DiagnosticSink& sink
   };
   Sampler sampler{*this, at.value_or(0), errors};
   if (shutter.close > shutter.open && !sampler.run()) return sampler.fault;
+  if (next_frame && at && !sampler.run_next()) return sampler.fault;
   for (const Path& path : sampler.apart)
     if (sink)
       sink({Severity::warning, "model.motion", source->Facts().files.front() + ": " + path.str(),

@@ -29,7 +29,8 @@ class ALABASTER_API OpenModel {
   std::unique_ptr<host::SceneSource> source;  // open, before the first pose
   Placement placement;
   FrameShutter shutter;
-  std::string root = {};  // before all paths: "/copy2"; empty: nothing
+  bool next_frame = false;  // what moves has a sample of the next frame, too, for AOV motion
+  std::string root = {};    // before all paths: "/copy2"; empty: nothing
   std::optional<double> frames_per_second = {};
   std::optional<double> own_time = {};  // of the description, to which that of the options is added
   std::shared_ptr<MemoryBudget> memory = {};
@@ -39,7 +40,8 @@ class ALABASTER_API OpenModel {
   /// What the model has at `time` over the pose that was shown before, as its file says it: prims that are set, and
   /// prims that are removed. What moves or deforms gets samples over the shutter: five, and where it turns by more than
   /// 5 degrees from one to the next, as many as that needs, up to 129, of points 33 (the turns of the five are seen up
-  /// to half a turn from one to the next). Lights get none. Throws MemoryRefused.
+  /// to half a turn from one to the next). Lights get none. With next_frame there are samples of this frame and the
+  /// next one, too. Throws MemoryRefused.
   host::SourceFault pose(std::optional<double> at, const DiagnosticSink& sink, host::SceneEdits* edits);
   /// Gives edits the model's root and place.
   void place(host::SceneEdits* edits) const;

@@ -52,6 +52,9 @@ struct LoadOptions {
     double open = 0, close = 0;
   };
   std::optional<Shutter> shutter;
+  /// AOV motion is to show the way to the next frame (setting motionShutter): what the models' animations move gets a
+  /// sample of that, too. So it does where a product has the AOV.
+  bool next_frame = false;
   std::optional<double> frames_per_second;  // empty: as many as a model has time codes, else 24
   /// In place of those of the settings, of overrides and of all products.
   std::optional<Vec2i> size;

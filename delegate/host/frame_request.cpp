@@ -6,6 +6,7 @@
 #include "core/film/aov.h"
 #include "core/math/float_environment.h"
 #include "core/math/transform.h"
+#include "delegate/host/light_paths.h"
 #include "delegate/support/nearest_name.h"
 #include "delegate/support/size_text.h"
 
@@ -176,6 +177,7 @@ FramePlan PlanFrame(const RetainedSceneDelegate& scene, const Path& settings, co
                                    : std::set<std::string>(options.light_groups.begin(), options.light_groups.end());
   for (RenderProduct& product : all.products) {
     product.denoise = product.denoise.value_or(denoise);
+    resolve_light_paths(&product.vars);
     expand_ranks(all, delegate, &product.vars);
     expand_light_groups(groups, &product.vars);
   }
@@ -210,7 +212,7 @@ FramePlan PlanFrame(const RetainedSceneDelegate& scene, const Path& settings, co
   for (FrameRequest& picture : pictures) {
     picture.aovs = aovs_of(picture.description.products);
     if (denoise && picture.aovs.contains("color")) picture.aovs.insert("denoised");  // else color would show it
-    picture.aovs.insert(options.aovs.begin(), options.aovs.end());
+    for (const std::string& aov : options.aovs) picture.aovs.insert(aov_of_light_paths(aov));
     if (picture.aovs.erase(kAllLightGroups) != 0)
       for (const std::string& group : groups) picture.aovs.insert(aov_info(Aov::light_group).name + group);
     if (const Fault fault = aov_fault(delegate, picture.aovs); fault.code) return refusal(fault);
@@ -220,6 +222,7 @@ FramePlan PlanFrame(const RetainedSceneDelegate& scene, const Path& settings, co
 }
 
 std::string NoSuchAov(const std::string& name) {
+  if (std::string fault = light_paths_fault(name); !fault.empty()) return fault;
   std::vector<std::string> known;
   std::string all;
   for (const AovInfo& aov : kAovs) {

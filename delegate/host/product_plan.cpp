@@ -5,6 +5,7 @@
 
 #include "core/film/aov.h"
 #include "core/images/format_limits.h"
+#include "delegate/host/light_paths.h"
 #include "delegate/host/product_writer.h"
 #include "delegate/support/extension.h"
 #include "delegate/support/size_text.h"
@@ -15,7 +16,7 @@ namespace {
 std::string known_aov_names() {
   std::string names;
   for (const std::string& name : ProductAovs()) names += (names.empty() ? "" : ", ") + name;
-  return names + ", lightGroup:NAME, primvars:NAME";
+  return names + ", lightGroup:NAME, primvars:NAME, lpe:EXPRESSION";
 }
 
 bool kind_of(const std::string& file, FileKind& kind) {
@@ -78,7 +79,9 @@ std::vector<PlannedChannel> channels_of(const RenderVar& var, const AovInfo& aov
 bool check_var(const RenderVar& var, FileKind kind, std::string& error) {
   const AovInfo* aov = find_aov(var.aov.str());
   const std::string& type = var.dataType.str();
-  if (!aov) {
+  if (const std::string fault = light_paths_fault(var.aov.str()); !fault.empty()) {
+    error = fault;
+  } else if (!aov) {
     error = "there is no AOV '" + var.aov.str() + "'; use one of: " + known_aov_names();
   } else if (type != "half" && type != "float" && type != "int" && !type.empty()) {
     error = "AOV '" + var.aov.str() + "' has the unknown data type '" + type + "'; use half, float or int";
@@ -183,7 +186,8 @@ std::vector<RenderVar> WantedVars(const RenderProduct& product) {
   return vars;
 }
 
-RenderVar UsualRenderVar(const std::string& aov) {
+RenderVar UsualRenderVar(const std::string& name) {
+  const std::string aov = aov_of_light_paths(name);
   const AovInfo* known = find_aov(aov);
   if (!known) return {aov, aov, "half"};
   const bool is_float = is_count(*known) || needs_full_precision(*known);

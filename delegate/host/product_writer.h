@@ -49,8 +49,9 @@ struct OutputColors {
 
 /// Names of the AOVs that products can hold.
 ALABASTER_API const std::vector<std::string>& ProductAovs();
-/// The AOV under its own name in the data type that suits it: ids and counts int, distances float, all else half.
-ALABASTER_API RenderVar UsualRenderVar(const std::string& aov);
+/// The AOV under its own name in the data type that suits it: ids and counts int, distances float, all else half. That
+/// of "lpe:EXPRESSION" is the one that shows these light paths; where there is none, the variable has this name.
+ALABASTER_API RenderVar UsualRenderVar(const std::string& name);
 
 enum class ProductStatus {
   done,

@@ -53,17 +53,28 @@ std::shared_ptr<MeshPrototype> deformed(const Mesh& mesh, const Deformation& def
   return prototype;
 }
 
+std::shared_ptr<const MeshEnds> points_at_ends(const Deformation& deformation, const Shutter& time, SceneParam* param) {
+  MeshEnds ends;
+  ends.memory = MemoryReservation(param->memory(), MemoryUse::meshes,
+                                  2 * deformation.poses.front().points.size() * sizeof(Vec3f), "a mesh in AOV motion");
+  ends.points = {pose_at(deformation, time.open).points, pose_at(deformation, time.close).points};
+  return std::make_shared<const MeshEnds>(std::move(ends));
+}
+
 }  // namespace
 
-DeformedMeshes Deformations::in(const Shutter& shutter, const BuiltMeshes& meshes, SceneParam* param,
-                                const CancelToken& cancel) {
+DeformedMeshes Deformations::in(const Shutter& shutter, const MotionTime& motion, const BuiltMeshes& meshes,
+                                SceneParam* param, const CancelToken& cancel) {
   DeformedMeshes drawn;
   std::set<Path> deforming;
-  std::map<const Deformation*, std::shared_ptr<const MeshPrototype>> shared;  // by meshes of equal geometry
+  // By meshes of equal geometry.
+  std::map<const Deformation*, std::shared_ptr<const MeshPrototype>> shared;
+  std::map<const Deformation*, std::shared_ptr<const MeshEnds>> shared_ends;
   meshes.for_each([&](const Path& path, const BuiltMesh& mesh) {
     if (!mesh.deformation || !mesh.prototype) return;
     deforming.insert(path);
     Built& built = built_[path];
+    if (built.from != mesh.deformation || built.motion != motion) built.ends = nullptr;
     if (built.from != mesh.deformation || !(built.shutter == shutter) || !built.prototype) {
       cancel.check();
       built.from = mesh.deformation, built.shutter = shutter, built.prototype = shared[mesh.deformation.get()];
@@ -73,7 +84,12 @@ DeformedMeshes Deformations::in(const Shutter& shutter, const BuiltMeshes& meshe
       if (!built.prototype) param->run([&] { in_name_of(path.str(), deform); });
     }
     shared[mesh.deformation.get()] = built.prototype;
-    drawn[path] = built.prototype;
+    drawn.traced[path] = built.prototype;
+    if (!motion) return;
+    auto& ends = shared_ends[mesh.deformation.get()];
+    if (!built.ends && !ends) in_name_of(path.str(), [&] { ends = points_at_ends(*mesh.deformation, *motion, param); });
+    if (!built.ends) built.ends = ends, built.motion = motion;
+    drawn.ends[path] = ends = built.ends;
   });
   std::erase_if(built_, [&](const auto& entry) { return !deforming.contains(entry.first); });
   return drawn;

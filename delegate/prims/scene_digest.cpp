@@ -105,6 +105,8 @@ class SceneDigest {
   }
   void add_instance(const InstanceDescription& instance, Digest* digest) const {
     add(digest, meshes_.at(instance.prototype.get()), instance.object_to_world, instance.poses);
+    if (!instance.ends.empty()) digest->add(instance.ends);
+    if (instance.mesh_ends) add(digest, instance.mesh_ends->points[0], instance.mesh_ends->points[1]);
     for (const auto& material : instance.materials) digest->add(material->name);
     add(digest, slots_.at(&instance.triangle_slots()), instance.prim_id, instance.instance_id, instance.subsurface_set,
         instance.options.double_sided, instance.options.camera_cull);
@@ -169,6 +171,7 @@ std::string digest_camera(const CameraParameters& camera) {
     if (!samples->values.empty()) add(&digest, member, samples->times, samples->values);
     ++member;
   }
+  if (!camera.ends.empty()) digest.add(camera.ends);
   return digest.text();
 }
 

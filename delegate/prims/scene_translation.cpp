@@ -210,7 +210,16 @@ std::optional<Shutter> shutter_of(const Records& records) {
   return all;
 }
 
-CameraParameters posed_camera(const CameraRecord& record, const Shutter& of_scene) {
+namespace {
+
+// At the ends of a time.
+std::vector<Matrix4d> at_ends(const alabaster::TimeSamples<Matrix4d>& samples, const Shutter& time) {
+  return {interpolate(samples, time.open), interpolate(samples, time.close)};
+}
+
+}  // namespace
+
+CameraParameters posed_camera(const CameraRecord& record, const Shutter& of_scene, const MotionTime& motion) {
   CameraParameters camera = record.camera;
   if (of_scene.length() > 0) {
     const auto share = [&](double time) {
@@ -219,6 +228,8 @@ CameraParameters posed_camera(const CameraRecord& record, const Shutter& of_scen
     camera.opens = share(record.shutter().open), camera.closes = share(record.shutter().close);
   }
   open_lens(&camera);
+  if (motion)
+    camera.ends = record.motion.moves() ? at_ends(record.motion, *motion) : std::vector(2, camera.camera_to_world);
   if (!record.motion.moves()) return camera;
   std::vector<Matrix4d> poses = even_poses(record.motion, record.shutter());
   camera.camera_to_world = poses.front();
@@ -286,8 +297,10 @@ struct SceneTranslator::Run {
     const BuiltMesh* const built = meshes.find(path);
     if (!parts.selection.includes(path, mesh.visible, mesh.render_tag) || !built || !built->prototype) return;
     InstanceDescription instance;
-    const auto moved = parts.deformed.find(path);
-    instance.prototype = moved == parts.deformed.end() ? built->prototype : moved->second;
+    const auto moved = parts.deformed.traced.find(path);
+    instance.prototype = moved == parts.deformed.traced.end() ? built->prototype : moved->second;
+    if (const auto ends = parts.deformed.ends.find(path); ends != parts.deformed.ends.end())
+      instance.mesh_ends = ends->second;
     instance.slots = built->slots;
     instance.prim_id = mesh.prim_id;
     instance.name = path.str();
@@ -306,6 +319,7 @@ struct SceneTranslator::Run {
     } else {
       instance.object_to_world = mesh.transform;
       if (!moving.empty()) place(std::move(moving), &instance.object_to_world, &instance.poses);
+      if (parts.motion && mesh.motion.moves()) instance.ends = at_ends(mesh.motion, *parts.motion);
       add(std::move(instance), mesh);
     }
     if (!mesh.display_name.empty()) out.display_names.emplace_back(path, mesh.display_name);
@@ -335,7 +349,8 @@ struct SceneTranslator::Run {
     const bool has_categories =
         !category_sets.empty() &&
         std::any_of(instancers.begin(), instancers.end(), [](const auto* one) { return one->categories != nullptr; });
-    const bool stands_still = own.size() == 1 && times.empty();
+    const bool shows_motion = parts.motion && (mesh.motion.moves() || !times.empty());
+    const bool stands_still = own.size() == 1 && times.empty() && !shows_motion;
     if (placed.size() >= kSmallestArray && stands_still && !has_categories) {
       out.array_materials.push_back(mesh.materials);
       out.scene.arrays.push_back({std::move(instance), std::make_shared<PointPlaces>(own.front(), std::move(placed))});
@@ -353,9 +368,14 @@ struct SceneTranslator::Run {
       if (!at.used) continue;
       std::vector<Matrix4d> moved = own;
       for (Matrix4d& pose : moved) pose = pose * at.matrix;
+      if (shows_motion) {
+        instance.ends = at_ends(samples.times.empty() ? mesh.motion : samples.of(i), *parts.motion);
+        if (samples.times.empty())
+          for (Matrix4d& end : instance.ends) end = end * at.matrix;
+      }
       place(samples.times.empty() ? std::move(moved) : even_poses(samples.of(i), parts.shutter),
             &instance.object_to_world, &instance.poses);
-      hold(instance.poses.size() * sizeof(Matrix4d));
+      hold((instance.poses.size() + instance.ends.size()) * sizeof(Matrix4d));
       instance.instance_id = static_cast<int32_t>(i);
       if (has_categories) instance.category_set = category_sets.of(categories_of(mesh, i));
       add(InstanceDescription(instance), mesh);
@@ -623,7 +643,7 @@ Translation SceneTranslator::translate(const Parts& parts) {
   std::erase_if(reversed_edges_, [](const auto& entry) { return entry.first.expired(); });
   found_.clear();
   Run run{.translator = *this, .parts = parts, .out = {}, .category_sets = CategorySets(parts.records)};
-  run.out.shutter = parts.shutter;
+  run.out.shutter = parts.shutter, run.out.motion = parts.motion;
   run.out.scene.light_groups = find_light_groups(parts.records);
   run.out.memory = std::make_shared<MemoryReservation>(parts.memory, MemoryUse::scene);
   for (const auto& [path, record] : parts.records) {

@@ -12,18 +12,24 @@
 
 namespace alabaster::hd::prims {
 
-/// The shapes of meshes that deform in the shutter, by prim.
-using DeformedMeshes = std::map<Path, std::shared_ptr<const MeshPrototype>>;
+/// The shapes of meshes that deform, by prim: in the shutter, and at the ends of the time that AOV motion shows.
+struct DeformedMeshes {
+  std::map<Path, std::shared_ptr<const MeshPrototype>> traced;
+  std::map<Path, std::shared_ptr<const MeshEnds>> ends;
+};
 
 /// The shutter of the scene, from the first camera's that opens to the last one's that closes; whichever camera a pass
 /// takes later. The times of a snapshot count from 0 to 1 through it. Empty: there is no camera.
 std::optional<Shutter> shutter_of(const Records& records);
+/// The time that AOV motion shows, beside the camera's shutter; empty: the AOV is not asked for, or shows that.
+using MotionTime = std::optional<Shutter>;
 /// The camera with its poses in its own shutter, which lies in that of the scene.
-CameraParameters posed_camera(const CameraRecord& record, const Shutter& of_scene);
+CameraParameters posed_camera(const CameraRecord& record, const Shutter& of_scene, const MotionTime& motion);
 
 struct Translation {
   SceneDescription scene;
   Shutter shutter;
+  MotionTime motion;
   std::vector<Path> material_paths;                   // of all instances' materials, in order; empty path: default
   std::vector<std::vector<Path>> array_materials;     // the same of each array's look
   std::vector<Path> light_paths;                      // parallel to scene.lights
@@ -43,8 +49,9 @@ class SceneTranslator {
     const Records& records;
     const support::Selection& selection;
     const Shutter& shutter;
+    const MotionTime& motion;
     const BuiltMeshes& meshes;
-    const DeformedMeshes& deformed;  // in the place of those of `meshes` that deform in the shutter
+    const DeformedMeshes& deformed;  // traced in the place of those of `meshes` that deform
     const std::shared_ptr<MemoryBudget>& memory;
     const std::vector<Token>& shown_primvars;  // by AOVs; sorted
     const std::list<Edit>& unread;             // materials that wait for a mesh that uses them are among these

@@ -36,7 +36,8 @@ py::class_<Scene> add_files(py::module_& module) {
           "Adds a scene file (.gltf, .glb, .usd, .usda, .usdc, .usdz, .json, .alab) and completes it with a camera and "
           "lights where it has none. "
           "Options are the program's: overrides=['materials/skin.roughness=0.3'], camera, dome, scene, animation, "
-          "variant, time (seconds), shutter (open and close, in frames), frames_per_second, keep_going, allow_outside. "
+          "variant, time (seconds), shutter (open and close, in frames), frames_per_second, next_frame "
+          "(AOV motion is to show the models' animations), keep_going, allow_outside. "
           "Returns settings (the path of the render settings), color_config and notes.")
       .def(
           "write",

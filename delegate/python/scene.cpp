@@ -41,7 +41,7 @@ Scene::~Scene() {
 
 py::dict Scene::load(const py::object& file, const py::dict& options) {
   check_options(options, {"overrides", "camera", "dome", "scene", "animation", "variant", "time", "shutter",
-                          "frames_per_second", "keep_going", "allow_outside"});
+                          "frames_per_second", "next_frame", "keep_going", "allow_outside"});
   const std::vector<std::string> overrides =
       options.contains("overrides") ? texts(options["overrides"], "overrides") : std::vector<std::string>();
   std::vector<const char*> raw;
@@ -63,6 +63,7 @@ py::dict Scene::load(const py::object& file, const py::dict& options) {
   }
   if (const py::object given = option(options, "frames_per_second"); !given.is_none())
     in.frames_per_second = number(given, "frames_per_second");
+  in.next_frame = flag(options, "next_frame", false);
   in.keep_going = flag(options, "keep_going", false);
   in.allow_outside = flag(options, "allow_outside", false);
   const std::string name = file_name(file, "file");

@@ -32,7 +32,7 @@ DelegateState::DelegateState(std::shared_ptr<prims::SceneParam> scene_param, con
 void DelegateState::set_settings(const Dictionary& given) {
   std::map<Token, Value> next = settings_;
   uint32_t changes = 0;
-  bool dices = false;
+  bool views = false;
   for (const auto& [name, value] : given) {
     const Token key(name);
     const auto held = next.find(key);
@@ -47,7 +47,7 @@ void DelegateState::set_settings(const Dictionary& given) {
     if (parameter && !value.empty())
       prims::report_fault(param->sink(), "render settings", name, support::set_parameter(*parameter, value, &unused),
                           value);
-    dices |= name == "refineEdgeLength" || name == "renderSettingsPrimPath";
+    views |= name == "refineEdgeLength" || name == "motionShutter" || name == "renderSettingsPrimPath";
   }
   const auto exchange = [&](uint32_t change) {
     const std::lock_guard lock(mutex_);
@@ -62,7 +62,7 @@ void DelegateState::set_settings(const Dictionary& given) {
     exchange(0u - changes);
     throw;
   }
-  if (dices) dicing_changed_ = true;
+  if (views) wanted_changed_ = true;
 }
 
 // Threads and memory take effect at once, all or none: the limit alone may throw, before it is set.
@@ -127,11 +127,12 @@ Path DelegateState::settings_camera() const {
   return prim ? prim->settings.camera : Path();
 }
 
-std::optional<CameraParameters> DelegateState::camera(const Path& path, const Shutter& of_scene) const {
+std::optional<CameraParameters> DelegateState::camera(const Path& path, const Shutter& of_scene,
+                                                      const prims::MotionTime& motion) const {
   const std::lock_guard lock(mutex_);
   const auto* record = prims::find_record<prims::CameraRecord>(cameras_and_settings_, path);
   if (!record) return std::nullopt;
-  return prims::posed_camera(*record, of_scene);
+  return prims::posed_camera(*record, of_scene, motion);
 }
 
 std::string DelegateState::nearest_camera(const Path& path) const {
@@ -235,6 +236,7 @@ void DelegateState::note_executed(const support::Selection& selection, bool view
 SnapshotBuilder::View DelegateState::wanted_view() {
   SnapshotBuilder::View view;
   std::optional<Shutter> shutter;
+  bool shows_motion = false;
   {
     const std::lock_guard lock(mutex_);
     shutter = prims::shutter_of(cameras_and_settings_);
@@ -244,10 +246,12 @@ SnapshotBuilder::View DelegateState::wanted_view() {
     if (!seen) continue;
     if (seen->shutter) shutter = shutter ? united(*shutter, *seen->shutter) : *seen->shutter;
     shown_primvars_.insert(seen->primvars.begin(), seen->primvars.end());
+    shows_motion |= seen->shows_motion;
   }
   view.selection = selection_;
   view.version = version_;
   view.shutter = shutter.value_or(Shutter());
+  if (shows_motion && render_settings().motion_shutter == MotionShutter::frame) view.motion = {0, 1};
   view.meshes = {dicing(view.shutter), {shown_primvars_.begin(), shown_primvars_.end()}};
   return view;
 }
@@ -256,15 +260,15 @@ void DelegateState::hand_over() {
   split_edits();
   apply_services();
   const RenderSettings settings = render_settings();
-  dicing_changed_ = false;
+  wanted_changed_ = false;
   views_changed_ = false;
   SnapshotBuilder::View view = wanted_view();
   if (settings.refine_edge_length > 0 && view.meshes.dicing == prims::Dicing())
     alabaster::report(param->sink(), alabaster::Severity::warning, "settings.refineEdgeLength", "render settings",
                       "refineEdgeLength needs a RenderSettings prim with a camera; refineLevel is used");
   if (scene_edits_.empty() && view_ == view && !builder_.has_failed()) return;
-  const bool is_edited =
-      !scene_edits_.empty() || !view_ || view_->shutter != view.shutter || view_->meshes != view.meshes;
+  const bool is_edited = !scene_edits_.empty() || !view_ || view_->shutter != view.shutter ||
+                         view_->motion != view.motion || view_->meshes != view.meshes;
   view.version += is_edited ? 1 : 0;
   builder_.post(&scene_edits_, view);
   version_ = view.version;

@@ -37,7 +37,7 @@ class DelegateState {
   void commit();
   /// Edits were posted since the last commit, or there was none. False after a commit that failed: only the host's
   /// CommitResources tries again, for a pass would compile the scene again with every Execute.
-  bool needs_commit() const { return param->has_edits() || !committed_ || dicing_changed_ || views_changed_; }
+  bool needs_commit() const { return param->has_edits() || !committed_ || wanted_changed_ || views_changed_; }
   /// A pass of this selection is executed: the next scene is built for it. `view_changed`: PassControl::view() has.
   /// Host thread.
   void note_executed(const support::Selection& selection, bool view_changed);
@@ -67,7 +67,8 @@ class DelegateState {
   /// Render threads poll it, to notify the builder.
   const std::shared_ptr<DeferredNotifier>& notifier() const { return builder_.notifier(); }
   /// With its poses in the scene's shutter. Empty: there is no such camera.
-  std::optional<CameraParameters> camera(const Path& path, const Shutter& of_scene) const;
+  std::optional<CameraParameters> camera(const Path& path, const Shutter& of_scene,
+                                         const prims::MotionTime& motion = {}) const;
   /// The end of a sentence about a camera that does not exist: the nearest path that one has.
   std::string nearest_camera(const Path& path) const;
   bool has_failed() const { return builder_.has_failed() || failed_; }
@@ -141,7 +142,7 @@ class DelegateState {
   bool committed_ = false;                     // once
 
   std::atomic<uint64_t> version_{0};         // of view_
-  std::atomic<bool> dicing_changed_{false};  // by a setting
+  std::atomic<bool> wanted_changed_{false};  // the wanted view, by a setting
   bool views_changed_ = false;
   std::set<Token> shown_primvars_;   // by AOVs of some pass, once
   bool commit_failed_ = false;       // the last one threw

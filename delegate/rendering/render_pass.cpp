@@ -142,6 +142,11 @@ std::vector<Token> primvars_of(const RenderPassState& state) {
   return names;
 }
 
+bool shows_motion(const RenderPassState& state) {
+  return std::any_of(state.aovBindings.begin(), state.aovBindings.end(),
+                     [](const AovBinding& binding) { return binding.aovName == Token(aov_info(Aov::motion).name); });
+}
+
 }  // namespace
 
 // Buffers keep the session longer than the pass, but stopped.
@@ -154,8 +159,11 @@ PassControl::PassControl(std::shared_ptr<DelegateState> delegate)
 }
 
 std::optional<CameraParameters> PassControl::camera_of(const RenderPassState& state, const Path& path,
-                                                       const Shutter& shutter) const {
-  return state.freeCamera ? prims::posed_camera(free_record_, shutter) : delegate_->camera(path, shutter);
+                                                       const prims::Translation* scene) const {
+  const Shutter shutter = scene ? scene->shutter : Shutter();
+  const prims::MotionTime motion = scene && shows_motion(state) ? scene->motion : std::nullopt;
+  return state.freeCamera ? prims::posed_camera(free_record_, shutter, motion)
+                          : delegate_->camera(path, shutter, motion);
 }
 
 void PassControl::add_bindings(const DrawRequest& asked, PassInputs* in, std::vector<alabaster::Diagnostic>* faults) {
@@ -206,8 +214,7 @@ PassInputs PassControl::inputs(const DrawRequest& asked, const BuiltScene* scene
   const Path camera = state.freeCamera       ? Path(kFreeCamera)
                       : state.camera.empty() ? delegate_->settings_camera()
                                              : state.camera;
-  const std::optional<CameraParameters> parameters =
-      camera_of(state, camera, scene ? scene->translation.shutter : Shutter());
+  const std::optional<CameraParameters> parameters = camera_of(state, camera, scene ? &scene->translation : nullptr);
   in.shows_checkpoint = delegate_->checkpoints.is_shown();
   if (in.shows_checkpoint)
     in.framed = frame_camera(CameraParameters(), state.framing, state.windowPolicy);
@@ -344,7 +351,8 @@ void PassControl::set_view(const RenderPassState& state) {
   if (state.freeCamera && state.freeCamera != free_camera_)
     free_record_ = prims::record_of(*state.freeCamera, kFreeCamera, delegate_->param->sink(), &free_faults_);
   free_camera_ = state.freeCamera;
-  PassView now{support::Selection(state.renderTags, state.collection), std::nullopt, primvars_of(state)};
+  PassView now{support::Selection(state.renderTags, state.collection), std::nullopt, primvars_of(state),
+               shows_motion(state)};
   if (state.freeCamera) now.shutter = free_record_.shutter();
   const std::lock_guard lock(view_mutex_);
   delegate_->note_executed(now.selection, view_ != now);

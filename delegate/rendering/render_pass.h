@@ -13,6 +13,7 @@ struct PassView {
   support::Selection selection;
   std::optional<Shutter> shutter;  // of a free camera
   std::vector<Token> primvars;     // that AOVs show
+  bool shows_motion = false;       // AOV motion is among them
   bool operator==(const PassView&) const = default;
 };
 
@@ -91,7 +92,7 @@ class PassControl : public std::enable_shared_from_this<PassControl> {
   PassInputs inputs(const DrawRequest& asked, const BuiltScene* scene, std::vector<alabaster::Diagnostic>* faults);
   void add_bindings(const DrawRequest& asked, PassInputs* in, std::vector<alabaster::Diagnostic>* faults);
   std::optional<CameraParameters> camera_of(const RenderPassState& state, const Path& path,
-                                            const Shutter& shutter) const;
+                                            const prims::Translation* scene) const;
   void choose_denoiser(PassInputs* in);
   void update(PassInputs next, bool building, std::vector<alabaster::Diagnostic>* faults);
   void start(PassInputs next);

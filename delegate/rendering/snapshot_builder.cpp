@@ -273,11 +273,11 @@ void SnapshotBuilder::update(const CancelToken& cancel) {
 
 // A scene that is the same to the bit as the last one has its snapshot, though faults and paths may differ.
 void SnapshotBuilder::translate(const CancelToken& cancel) {
-  const prims::DeformedMeshes deformed = deformations_.in(view_->shutter, meshes_, param_.get(), cancel);
+  const prims::DeformedMeshes deformed = deformations_.in(view_->shutter, view_->motion, meshes_, param_.get(), cancel);
   BuiltScene scene{view_->selection, view_->version, {}, nullptr, {}};
   param_->run([&] {
-    scene.translation = translator_.translate({records_, view_->selection, view_->shutter, meshes_, deformed,
-                                               param_->memory(), view_->meshes.primvars, edits_});
+    scene.translation = translator_.translate({records_, view_->selection, view_->shutter, view_->motion, meshes_,
+                                               deformed, param_->memory(), view_->meshes.primvars, edits_});
   });
   scene.faults = faults();
   scene.faults.insert(scene.translation.faults.begin(), scene.translation.faults.end());

@@ -40,8 +40,9 @@ class SnapshotBuilder {
   struct View {
     support::Selection selection;
     Shutter shutter;
+    prims::MotionTime motion;
     prims::MeshView meshes;
-    uint64_t version = 0;  // another one after each edit, and for another shutter or other demands on meshes
+    uint64_t version = 0;  // another one after each edit, and for other times or other demands on meshes
     bool operator==(const View&) const = default;
   };
   /// Asks for the scene after these edits. One thread at a time. The first call starts the thread, and may throw before

@@ -21,9 +21,11 @@ void color_of_id(float id, float* rgb) {
 
 DataKind data_kind(const std::string& aov) {
   if (aov == "normal" || aov == "Neye") return DataKind::direction;
-  if (aov == "Peye" || aov == "motion" || aov.starts_with("primvars:")) return DataKind::vector;
+  if (aov == "Peye" || aov == "position" || aov == "uv" || aov == "motion" || aov.starts_with("primvars:"))
+    return DataKind::vector;
   if (aov == "primId" || aov == "instanceId" || aov == "elementId" || aov == "materialId") return DataKind::id;
-  for (const char* name : {"depth", "cameraDepth", "sampleCount", "nonfiniteSamples", "alpha"})
+  for (const char* name :
+       {"depth", "cameraDepth", "cameraDistance", "ambientOcclusion", "sampleCount", "nonfiniteSamples", "alpha"})
     if (aov == name) return DataKind::number;
   return DataKind::light;
 }

@@ -94,6 +94,9 @@ TABLE = {
     "glossyFilter": [Row({"glossyFilter": 0.5}, color), Row({"glossyFilter": 0.5}, same_color, {"subsurface": "reference"})],
     "refineEdgeLength": [Row({"refineEdgeLength": 0.5}, color, refused="mesh")],
     "filter": [Row({"filter": "box"}, color)],
+    # Of AOVs alone: testenv/unit/core/integrator/ambient_occlusion_test.cpp, testenv/unit/delegate/rendering/hit_vectors_test.cpp.
+    "ambientOcclusionDistance": [Row({"ambientOcclusionDistance": 0.5}, same_color)],
+    "motionShutter": [Row({"motionShutter": "camera"}, same_color, refused="")],
     "cryptoRanks": [Row({"cryptoRanks": 2}, same_color, refused="")],  # of files alone: testenv/unit/delegate/host/cryptomatte_test.cpp
     # promise: farm.resume.denoise
     "denoise": [Row({"denoise": True}, lambda a, b: color(a, b) and "denoiser" in b.stats and "denoiser" not in a.stats, refused="the AOVs")],

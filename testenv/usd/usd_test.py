@@ -1178,6 +1178,77 @@ def test_skinned_points_move_within_the_shutter():
     assert apart(one, two) < 1e-3 and apart(one, still) > 0.1, (apart(one, two), apart(one, still))
 
 
+def test_motion_is_up_to_the_next_time_code():
+    """Without a shutter. What moves goes a unit a time code to the right."""
+    flat = """    def Mesh "flat"
+    {
+        uniform token subdivisionScheme = "none"
+        int[] faceVertexCounts = [4]
+        int[] faceVertexIndices = [0, 1, 2, 3]
+        %s
+    }
+"""
+    square = lambda x: "[(%g, -0.4, 0), (%g, -0.4, 0), (%g, 0.4, 0), (%g, 0.4, 0)]" % (x - .4, x + .4, x + .4, x - .4)
+    still = "point3f[] points = %s" % square(0)
+    ways = {"transform": flat % (still + '\n        double3 xformOp:translate.timeSamples = { 0: (-1, 0, 0), 2: (1, 0, 0),}\n        uniform token[] xformOpOrder = ["xformOp:translate"]'),
+            "points": flat % ("point3f[] points.timeSamples = { 0: %s, 1: %s, 2: %s,}" % tuple(square(x) for x in (-1, 0, 1))),
+            "velocities": flat % (still + "\n        vector3f[] velocities = [(24, 0, 0), (24, 0, 0), (24, 0, 0), (24, 0, 0)]"),
+            "skin": RIG % "0: [(-1, 0, 0)], 2: [(1, 0, 0)]",
+            "instances": """    def PointInstancer "many"
+    {
+        rel prototypes = </World/many/flat>
+        int[] protoIndices = [0]
+        point3f[] positions.timeSamples = { 0: [(-1, 0, 0)], 2: [(1, 0, 0)],}
+%s    }
+""" % (flat % still)}
+    pixels_per_unit = 48 * (0.5 / 0.36) / 6
+    for name, body in ways.items():
+        file = stage("motion_%s.usda" % name, body)
+        got = mean(picture(file, "--time", "1", "--aov", "motion")[0], "2x2+23+23")
+        assert abs(got[4] / pixels_per_unit - 1) < 1e-3 and abs(got[5]) < 1e-3, (name, got, pixels_per_unit)
+        plain, with_motion = picture(file, "--time", "1")[0], picture(file, "--time", "1", "--aov", "motion")[0]
+        colors = with_motion + ".rgba.exr"
+        subprocess.run(["oiiotool", with_motion, "--ch", "R,G,B,A", "-o", colors], check=True)
+        assert apart(plain, colors) == 0, name
+    camera = CAMERA.replace("double3 xformOp:translate = (0, 0, 6)", "double3 xformOp:translate.timeSamples = { 0: (-1, 0, 6), 2: (1, 0, 6),}")
+    got = mean(picture(stage("motion_camera.usda", flat % still, camera=camera), "--time", "1", "--aov", "motion")[0], "2x2+23+23")
+    assert abs(got[4] / pixels_per_unit + 1) < 1e-3, got
+
+
+def test_variables_are_motion_and_light_path_expressions():
+    moving = cube("c", 0).replace("double3 xformOp:translate = (0, 0, 0)", "double3 xformOp:translate.timeSamples = {\n 0: (-1, 0, 0),\n 2: (1, 0, 0),\n}")
+    body = moving + """    def RenderSettings "s"
+    {
+        rel camera = </World/cam>
+        uniform int2 resolution = (48, 48)
+        rel products = </World/p>
+        int alabaster:samples = 16
+    }
+    def RenderProduct "p"
+    {
+        token productName = "%s.exr"
+        rel orderedVars = [</World/color>, </World/motion>, </World/matt>]
+    }
+    def RenderVar "color" { uniform string sourceName = "color" }
+    def RenderVar "motion" { uniform string sourceName = "motion" }
+    def RenderVar "matt" { uniform string sourceName = "%s"
+        uniform token sourceType = "lpe" }
+"""
+    code, said = run("render", stage("variables.usda", body % ("variables", "C<RD>[<L.>O]")), "--time", "1", "--quiet")
+    out = os.path.join(FOLDER, "variables.exr")
+    assert code == 0, said
+    listed = subprocess.run(["oiiotool", "--info", "-v", out], capture_output=True, text=True).stdout
+    channels = re.search(r"channel list: (.*)", listed).group(1)
+    assert "matt.R" in channels and "motion.X" in channels, channels
+    values = {}
+    for name in ("R", "matt.R", "motion.X"):
+        subprocess.run(["oiiotool", out, "--ch", name, "-o", out + ".one.exr"], check=True)
+        values[name] = mean(out + ".one.exr", "2x2+23+23")[0]
+    assert 0.5 < values["matt.R"] / values["R"] < 1 and abs(values["motion.X"] / (48 * (0.5 / 0.36) / 5.6) - 1) < 1e-3, values
+    code, said = run("render", stage("unknown.usda", body % ("unknown", "C<RD>V*L")), "--time", "1", "--quiet")
+    assert code == 3 and "C<RD>V*L" in said and "pipeline.md" in said, (code, said)
+
+
 def test_points_of_an_instancer_move_within_the_shutter():
     camera = CAMERA.replace("float focalLength", "double shutter:open = -1\n        double shutter:close = 1\n        float focalLength")
     points = lambda more: """    def PointInstancer "many"

@@ -140,8 +140,8 @@ class AlabasterRenderEngine(bpy.types.RenderEngine):
         self.update_stats("", "Alabaster: reading the scene")
         held = hdalabaster.Scene(report=notes.hear)
         exporter = sync.SceneSync(held, False, notes.note)
-        shutter = motion.Shutter(depsgraph.scene_eval)
-        if shutter.moves:
+        shutter = motion.Shutter(depsgraph.scene_eval, depsgraph.view_layer_eval.use_pass_vector)
+        if shutter.times():
             motion.sample(self, depsgraph, shutter, exporter)
         exporter.sync(depsgraph)
         frame = self.frame_of(depsgraph, shutter, exporter)

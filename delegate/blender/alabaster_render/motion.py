@@ -1,4 +1,4 @@
-"""Motion blur: where things stand at times of the shutter."""
+"""Motion: where things stand at times of the shutter, and in the next frame."""
 from . import camera, hair, materials, meshes, names, sync
 
 POSES = 5  # over the shutter; between them bodies turn and move evenly
@@ -7,7 +7,8 @@ POSES = 5  # over the shutter; between them bodies turn and move evenly
 class Shutter:
     """In frames, relative to the frame that is drawn."""
 
-    def __init__(self, scene):
+    def __init__(self, scene, next_frame=False):
+        self.next_frame = next_frame  # pass Vector shows the way there
         render = scene.render
         self.moves = render.use_motion_blur
         length = render.motion_blur_shutter
@@ -16,15 +17,16 @@ class Shutter:
         self.close = self.open + length
 
     def times(self):
-        return [self.open + (self.close - self.open) * i / (POSES - 1) for i in range(POSES)]
+        blur = [self.open + (self.close - self.open) * i / (POSES - 1) for i in range(POSES)] if self.moves else []
+        return sorted({*blur, *((0.0, 1.0) if self.next_frame else ())})
 
 
 def sample(engine, depsgraph, shutter, exporter):
     """Fills exporter.motion, exporter.deformation and exporter.lens. The depsgraph is that of the frame itself afterwards."""
     scene = depsgraph.scene
     frame, part = scene.frame_current, scene.frame_subframe
-    seen, deformed, lenses = {}, {}, {}
-    for time in shutter.times():
+    seen, deformed, lenses, times = {}, {}, {}, shutter.times()
+    for time in times:
         at = frame + part + time
         engine.frame_set(int(at // 1), at % 1)
         for owner, matrix in places(depsgraph):
@@ -36,10 +38,10 @@ def sample(engine, depsgraph, shutter, exporter):
                 lenses.setdefault(name, []).append((time, value))
     engine.frame_set(frame, part)
     exporter.motion = {owner: poses for owner, poses in seen.items()
-                       if len(poses) == POSES and any(matrix != poses[0][1] for _, matrix in poses)}
+                       if len(poses) == len(times) and any(matrix != poses[0][1] for _, matrix in poses)}
     exporter.lens = {name + ":samples": values for name, values in lenses.items()
-                     if len(values) == POSES and any(value != values[0][1] for _, value in values)}
-    exporter.deformation = {key: poses for key, poses in deformed.items() if len(poses) == POSES and deforms(poses)}
+                     if len(values) == len(times) and any(value != values[0][1] for _, value in values)}
+    exporter.deformation = {key: poses for key, poses in deformed.items() if len(poses) == len(times) and deforms(poses)}
 
 
 def deforms(poses):

@@ -42,7 +42,7 @@ hd::RenderProduct to_product(const Product& theirs) {
   hd::RenderProduct ours;
   ours.file = theirs.name.GetString();
   for (const Product::RenderVar& var : theirs.renderVars) {
-    const std::string prefix = var.sourceType == "primvar" ? "primvars:" : "";
+    const std::string prefix = var.sourceType == "primvar" ? "primvars:" : var.sourceType == "lpe" ? "lpe:" : "";
     hd::RenderVar made = hd::host::UsualRenderVar(prefix + var.sourceName);
     made.dataType = data_type(var.dataType.GetString());
     ours.vars.push_back(made);

@@ -89,6 +89,8 @@ class _SharedSettings(TypedDict, total=False):
     glossyFilter: Optional[float]
     refineEdgeLength: Optional[float]
     filter: Optional[Literal["box", "triangle", "gaussian", "blackmanHarris"]]
+    ambientOcclusionDistance: Optional[float]
+    motionShutter: Optional[Literal["frame", "camera"]]
     cryptoRanks: Optional[int]
     denoise: Optional[bool]
 

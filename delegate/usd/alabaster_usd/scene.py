@@ -181,13 +181,19 @@ class Reader:
                    for prototype in self.stage.GetPrototypes() for p in Usd.PrimRange(prototype))
 
     def _choose_shutter(self):
-        """The times at which what moves is sampled: of the camera's shutter, or of the options'."""
-        self.shutter, prim, settings = None, self.cameras.get(self.main), self.settings
+        """The times at which what moves is sampled: of the camera's shutter, or of the options'; for AOV motion of the next frame, too."""
+        self.shutter, self.blurs, prim, settings = None, False, self.cameras.get(self.main), self.settings
         given = self.options.get("shutter")
+        if self.time.GetValue() < -1e300:
+            return
+        opens = closes = 0
         if (given or prim) and not (settings and views.all_disabled(settings, "disableMotionBlur")):
             opens, closes = given or [prim.GetAttribute("shutter:" + n).Get(self.time) or 0 for n in ("open", "close")]
-            if closes > opens and self.time.GetValue() > -1e300:
-                self._sample(opens, closes)
+        self.blurs = closes > opens
+        times = {*(self._between(opens, closes) if self.blurs else ()), *((0.0, 1.0) if self.shows_motion else ())}
+        if times:
+            self.shutter = sorted(times)
+            self.shutter_times = [Usd.TimeCode(self.time.GetValue() + t) for t in self.shutter]
 
     def _view_and_light(self):
         """Cameras and lights, if they differ from the last answer. Returns the names of lights that are gone."""
@@ -227,7 +233,7 @@ class Reader:
             self.said[where] = said
             self.sink.set(where, kind, fields)
 
-    def _sample(self, opens, closes):
+    def _between(self, opens, closes):
         """Both ends, and up to seven times between at which something has a sample."""
         now = self.time.GetValue()
         between, interval = set(), Gf.Interval(now + opens, now + closes)
@@ -238,8 +244,7 @@ class Reader:
                     between.update(xformable.GetTimeSamplesInInterval(interval))
         between = sorted(t - now for t in between if opens < t - now < closes)
         between = between if len(between) <= 7 else [opens + (closes - opens) * i / 8 for i in range(1, 8)]
-        self.shutter = [opens, *between, closes]
-        self.shutter_times = [Usd.TimeCode(now + t) for t in self.shutter]
+        return [opens, *between, closes]
 
     def _samples(self, moves):
         return V("samples", Samples(self.shutter, [matrix(m) for m in moves]))
@@ -275,6 +280,8 @@ class Reader:
         self.main, self.settings = asked or (fields["camera"].data if "camera" in fields else None), prim
         if record and not self.main:
             self.cameras = {}  # the stage is framed
+        self.shows_motion = bool(self.options.get("next_frame")) or any(
+            f[n].data == "motion" for f in (fields, *further) for n in f if ":vars:" in n and not n.endswith(":dataType"))
         self._choose_shutter()
         purposes = self.options.get("purposes")
         for purpose in purposes or ():

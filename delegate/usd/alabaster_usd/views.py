@@ -253,13 +253,13 @@ def _product(prim, settings, notes, known, may_write, aovs):
         if var.GetSourceTypeAttr().Get() == "primvar":
             source = "primvars:" + source
         if var.GetSourceTypeAttr().Get() == "lpe":
-            notes.tell("light path expressions are not read", var.GetPrim().GetPath())
-            continue
+            source = "lpe:" + source.removeprefix("lpe:")
         layer = {"Ci": "color", "RGBA": "color", "RGB": "color", "beauty": "color", "a": "alpha", "A": "alpha"}.get(source, source)
-        if aovs and layer not in aovs and not layer.startswith(("primvars:", "lightGroup:")):
+        if aovs and layer not in aovs and not layer.startswith(("primvars:", "lightGroup:", "lpe:")):
             notes.tell("layers that the renderer does not have are not written, such as %s" % source, var.GetPrim().GetPath())
             continue
-        fields["vars:" + layer] = token(layer)
+        name = var.GetPrim().GetName() if layer.startswith("lpe:") else layer
+        fields["vars:" + name] = token(layer)
         given = str(var.GetDataTypeAttr().Get())
-        fields["vars:" + layer + ":dataType"] = token("int" if given.startswith("int") else "half" if "half" in given or given.endswith("h") else "float")
+        fields["vars:" + name + ":dataType"] = token("int" if given.startswith("int") else "half" if "half" in given or given.endswith("h") else "float")
     return fields

@@ -231,6 +231,16 @@ class Renders(unittest.TestCase):
         with self.assertRaisesRegex(hdalabaster.ArgumentError, "frames_per_second"):
             poses(frames_per_second=-1)
 
+    # promise: pipeline.aov.motion_load
+    def test_a_loaded_animation_has_its_next_frame(self):
+        def fastest(**options):
+            scene = hdalabaster.Scene()
+            scene.load(str(TOP / "testenv/scenes/motion/motion.json"), time=0.5, shutter=(0, 0), **options)
+            pixels = hdalabaster.Renderer(scene, samples=1).render(aovs=["motion"], width=16, height=16)["motion"]
+            return max(abs(number) for number in memoryview(pixels).cast("B").cast("f"))
+        self.assertEqual(fastest(), 0)
+        self.assertGreater(fastest(next_frame=True), 0.1)
+
     def test_primvars_of_text_and_products_of_textures(self):
         scene = square()
         scene.set_mesh("/square", CORNERS, [0, 1, 2, 3], counts=[4], material="/wax", primvars={

@@ -24,7 +24,8 @@ FilmSample sample(size_t pixel, uint32_t number, LightLayers* layers) {
   s.color = {light(random), light(random), random() % 4 ? 0 : light(random)};
   s.alpha = random() % 3 ? 1.0f : 0.0f;
   s.distance = static_cast<float>(random() % 4 + 1);
-  s.depth = s.camera_depth = static_cast<float>(number);
+  s.depth = s.camera_depth = s.camera_distance = static_cast<float>(number);
+  s.ambient_occlusion = random() % 2 ? 1.0f : 0.0f;
   s.normal = {0.3f, -0.2f, static_cast<float>(random() % 1000) / 1000};
   s.albedo = {0.1f, static_cast<float>(random() % 1000) / 999, 0.5f};
   s.prim_id = s.instance_id = s.element_id = static_cast<int32_t>(number);

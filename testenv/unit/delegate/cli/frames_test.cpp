@@ -1,6 +1,7 @@
 // Sequences of frames and times of an animation, from outside.
 #include <OpenImageIO/imageio.h>
 
+#include <cmath>
 #include <nlohmann/json.hpp>
 #include <thread>
 
@@ -234,6 +235,71 @@ TEST_F(FramesTest, ATurntableIsATurnOfTheCameraAboutTheObjects) {
   EXPECT_EQ(render("turn.json", {"--turntable-lights", "-o", "x.exr"}), 2);
   ASSERT_EQ(render("turn.json", {"--turntable", "8", "--frames", "3,1", "-o", "b.#.exr"}), 0);
   EXPECT_EQ(pixels("t.1.exr"), pixels("b.1.exr"));
+}
+
+// The patch moves by a quarter of a unit in a frame.
+// promise: pipeline.frames.motion
+TEST_F(FramesTest, MotionIsUpToTheNextFrameWithoutAShutter) {
+  const auto motion = [&](const std::string& file) {
+    const std::vector<float> all = pixels(file);  // RGBA, motion.XY
+    std::array<double, 3> sum{};
+    for (size_t i = 0; i + 5 < all.size(); i += 6)
+      if (all[i + 3] == 1) sum[0] += double(all[i + 4]), sum[1] += double(all[i + 5]), sum[2] += 1;
+    return std::array{sum[0] / sum[2], sum[1] / sum[2]};
+  };
+  const double pixels_per_unit = 12 / (2 * 5 * std::tan(0.25));
+  ASSERT_EQ(render("moving.gltf", {"--frames", "1,2", "--fps", "8", "-o", "m.#.exr", "--aov", "motion"}), 0);
+  ASSERT_EQ(render("moving.gltf", {"--frames", "1,2", "--fps", "8", "-o", "c.#.exr"}), 0);
+  for (const char* frame : {"1", "2"}) {
+    EXPECT_NEAR(motion("m." + std::string(frame) + ".exr")[0], 0.25 * pixels_per_unit, 1e-3) << frame;
+    EXPECT_NEAR(motion("m." + std::string(frame) + ".exr")[1], 0, 1e-5) << frame;
+    const std::vector<float> with = pixels("m." + std::string(frame) + ".exr"),
+                             without = pixels("c." + std::string(frame) + ".exr");
+    for (size_t i = 0; i < without.size() / 4; ++i)
+      for (size_t c = 0; c < 4; ++c) ASSERT_EQ(with[6 * i + c], without[4 * i + c]) << frame << " " << i;
+  }
+  write("product.json", R"({"gltf": [{"file": "moving.gltf", "time": 0}],
+                            "products": [{"file": "p.exr", "aovs": ["color", "motion"]}]})");
+  ASSERT_EQ(render("product.json", {"--fps", "8", "--shutter", "0:0.1"}), 0);
+  EXPECT_NEAR(motion("p.exr")[0], 0.25 * pixels_per_unit, 1e-3) << "an open shutter";
+  ASSERT_EQ(render("moving.gltf", {"--time", "1", "--shutter", "0:0.1", "-o", "s.exr", "--aov", "motion", "--set",
+                                   "motionShutter=camera"}),
+            0);
+  EXPECT_NEAR(motion("s.exr")[0], 0.1 / 24 * 2 * pixels_per_unit, 1e-3);
+}
+
+// A patch before a camera that turns by 20 degrees from frame to frame, about the patch's middle.
+// promise: pipeline.frames.turntable_motion
+TEST_F(FramesTest, ATurntableMovesItsCamera) {
+  write("turn.json", R"({"gltf": [{"file": "framed.gltf"}], "settings": {"studio": "off"},
+                         "camera": {"lookAt": {"eye": [0, 0, 8], "target": [0, 0, 0]}}})");
+  ASSERT_EQ(
+      render("turn.json", {"--turntable", "18", "--frames", "1", "-o", "t.#.exr", "--aov", "motion", "--aov", "Peye"}),
+      0);
+  const std::vector<float> all = pixels("t.1.exr");  // RGBA, Peye.XYZ, motion.XY, by names
+  const auto input = OIIO::ImageInput::open(folder_ / "t.1.exr");
+  ASSERT_TRUE(input);
+  const auto channel = [&](const char* name) { return size_t(input->spec().channelindex(name)); };
+  const size_t count = size_t(input->spec().nchannels);
+  const double turn = 20 * M_PI / 180;
+  size_t seen = 0;
+  double scale = 0;
+  for (size_t i = 0; i + count <= all.size(); i += count) {
+    if (all[i + channel("A")] < 1) continue;
+    const double x = double(all[i + channel("Peye.X")]), z = 8 + double(all[i + channel("Peye.Z")]);
+    // The camera turns against the clock, so the patch turns with it.
+    const double x1 = x * std::cos(turn) - z * std::sin(turn), z1 = x * std::sin(turn) + z * std::cos(turn) - 8;
+    const double motion = x1 / -z1 - x / 8;
+    if (std::abs(x) < 0.3) continue;
+    const double found = double(all[i + channel("motion.X")]) / motion;
+    if (seen++ > 0) EXPECT_NEAR(found, scale, 2e-3 * std::abs(scale)) << "pixels per slope";
+    scale = found;
+  }
+  EXPECT_GT(seen, 4u);
+  EXPECT_GT(scale, 8) << "16 pixels";
+  ASSERT_EQ(render("turn.json", {"--turntable", "8", "--frames", "1", "--shutter", "0:0.5", "-o", "b.#.exr"}), 0);
+  ASSERT_EQ(render("turn.json", {"--turntable", "8", "--frames", "1", "-o", "c.#.exr"}), 0);
+  EXPECT_NE(pixels("b.1.exr"), pixels("c.1.exr")) << "an open shutter blurs the turn";
 }
 
 // promise: pipeline.stats.failed, pipeline.stats.exit_code

@@ -1,5 +1,6 @@
 // AOVs of light groups, from outside.
 #include <cmath>
+#include <nlohmann/json.hpp>
 #include <numeric>
 
 #include "testenv/unit/delegate/cli/picture_values.h"
@@ -57,6 +58,40 @@ TEST_F(LightGroupsOfFiles, AllGroupsAddUpToTheColor) {
     for (const auto* group : {&none, &key, &glow})
       EXPECT_GT(std::accumulate(group->begin(), group->end(), 0.0), 1) << channel;
   }
+}
+
+// promise: pipeline.aov.light_group_info
+TEST_F(LightGroupsOfFiles, InfoListsThem) {
+  write_scene();
+  const auto said = [&](const std::vector<std::string>& words) {
+    Program program(folder_, words);
+    EXPECT_EQ(program.wait(), 0) << program.err();
+    return program.out();
+  };
+  const auto groups = nlohmann::json::parse(said({"info", "scene.json", "--json"}))["lightGroups"];
+  ASSERT_EQ(groups.size(), 2u) << groups;
+  ASSERT_EQ(groups["key"].size(), 1u) << groups;
+  EXPECT_EQ(groups["glow of wax"].size(), 1u);
+  const std::string text = said({"info", "scene.json"});
+  EXPECT_NE(text.find("light groups: 2"), std::string::npos) << text;
+  EXPECT_NE(text.find("  key: " + groups["key"][0].get<std::string>() + "\n"), std::string::npos) << text;
+}
+
+// A light path expression of a group is its AOV.
+TEST_F(LightGroupsOfFiles, ALightPathExpressionIsAGroup) {
+  write_scene();
+  ASSERT_EQ(run({"render", "scene.json", "--spp", "2", "-o", "a.exr", "--aov", "lpe:C.*<L.'key'>", "--aov",
+                 "lpe:C<RD>L=matt"}),
+            0)
+      << said_;
+  ASSERT_EQ(run({"render", "scene.json", "--spp", "2", "-o", "b.exr", "--aov", "lightGroup:key", "--aov",
+                 "directDiffuse=matt"}),
+            0)
+      << said_;
+  EXPECT_EQ(channels("a.exr"), channels("b.exr"));
+  EXPECT_TRUE(channels("a.exr").contains("matt.R"));
+  EXPECT_EQ(run({"render", "scene.json", "-o", "c.exr", "--aov", "lpe:C<RD>S*L"}), 2);
+  EXPECT_NE(said_.find("Light path expressions"), std::string::npos) << said_;
 }
 
 // promise: pipeline.aov.light_group_parts

@@ -61,11 +61,12 @@ LoadOptions at_frame(double frame) {
 /// The scene after the pose of each frame.
 class Posed {
  public:
-  explicit Posed(bool says_all, FrameShutter shutter = {}, std::optional<double> fps = {}) {
+  explicit Posed(bool says_all, FrameShutter shutter = {}, std::optional<double> fps = {}, bool next_frame = false) {
     auto sliding = std::make_unique<Sliding>(says_all);
     source = sliding.get();
     model_.source = std::move(sliding);
     model_.shutter = shutter;
+    model_.next_frame = next_frame;
     model_.frames_per_second = fps;
     model_.placement.transform = Matrix4d().setTranslation(Vec3d(0, 10, 0));
   }
@@ -91,8 +92,12 @@ class Posed {
 };
 
 TEST(OpenModel, DifferencesMakeTheSameSceneAsAllThatThereIs) {
-  for (const FrameShutter shutter : {FrameShutter{}, FrameShutter{-0.5, 0.5}, FrameShutter{0, 3}}) {
-    Posed some(false, shutter), all(true, shutter);
+  for (const auto& [shutter, next] : {std::pair{FrameShutter{}, false},
+                                      {FrameShutter{-0.5, 0.5}, false},
+                                      {FrameShutter{0, 3}, false},
+                                      {FrameShutter{}, true},
+                                      {FrameShutter{-0.5, 0.5}, true}}) {
+    Posed some(false, shutter, {}, next), all(true, shutter, {}, next);
     for (const double frame : {1.0, 2.0, 4.0, 3.0, 5.0, 7.0, 7.5, 4.5, 1.0}) {
       some.pose(frame), all.pose(frame);
       EXPECT_TRUE(some.scene.GetPrims() == all.scene.GetPrims()) << frame;
@@ -112,6 +117,23 @@ TEST(OpenModel, FramesAreTimeCodesUnlessAnotherRateIsAskedFor) {
   EXPECT_EQ(camera.transform[3][0], 3) << "frame 2 is code 6";
   EXPECT_EQ(camera.transformSamples.times, (std::vector<double>{0, 0.25, 0.5, 0.75, 1}));
   EXPECT_EQ(camera.transformSamples.values.back()[3][0], 6);
+}
+
+// Beside those over the shutter, whose places do not depend on it.
+TEST(OpenModel, TheNextFrameIsASample) {
+  const auto samples = [](FrameShutter shutter, bool next) {
+    Posed posed(false, shutter, {}, next);
+    posed.pose(4);
+    return posed.scene.GetCameras().at("/eye").transformSamples;
+  };
+  using Times = std::vector<double>;
+  EXPECT_EQ(samples({}, false).times, Times());
+  EXPECT_EQ(samples({}, true).times, (Times{0, 1}));
+  EXPECT_EQ(samples({-0.5, 0.5}, true).times, (Times{-0.5, -0.25, 0, 0.25, 0.5, 1}));
+  EXPECT_EQ(samples({0, 2}, true).times, samples({0, 2}, false).times) << "it is within";
+  EXPECT_EQ(samples({2, 3}, true).times, (Times{0, 1, 2, 2.25, 2.5, 2.75, 3}));
+  const auto next = samples({}, true);
+  EXPECT_EQ(next.values[1][3][0] - next.values[0][3][0], 1);
 }
 
 // What stands still is not said again, and has no samples.

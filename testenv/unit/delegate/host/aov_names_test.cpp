@@ -7,6 +7,7 @@
 
 #include "core/film/aov.h"
 #include "delegate/api/render_delegate.h"
+#include "delegate/host/frame_recorder.h"
 #include "delegate/host/product_writer.h"
 #include "testenv/support/build_paths.h"
 
@@ -61,6 +62,39 @@ TEST(AovNames, NamesAreThoseOfTheManual) {
   expected["primvars:NAME"] = "primvars:NAME.XYZ";
   expected["lightGroup:NAME"] = "lightGroup_NAME.RGB";
   EXPECT_EQ(listed_channels(), expected);
+}
+
+// Rows of the table in the manual: | AOV | `expression`, `expression` |
+// promise: pipeline.lpe.color, pipeline.lpe.emission, pipeline.lpe.diffuse, pipeline.lpe.direct_diffuse
+// promise: pipeline.lpe.indirect_diffuse, pipeline.lpe.direct_specular, pipeline.lpe.indirect_specular
+// promise: pipeline.lpe.transmission, pipeline.lpe.specular, pipeline.lpe.subsurface, pipeline.lpe.direct_subsurface
+// promise: pipeline.lpe.indirect_subsurface, pipeline.lpe.light_group, pipeline.lpe.unknown
+TEST(AovNames, LightPathExpressionsOfTheManualAreAovs) {
+  std::ifstream page(testing::source_file("delegate/manual/pipeline.md"));
+  size_t rows = 0;
+  bool in_table = false;
+  for (std::string line; std::getline(page, line);) {
+    if (line.starts_with("#")) in_table = line == "### Light path expressions";
+    if (!in_table || !line.starts_with("| ") || line.find('`') == std::string::npos) continue;
+    ++rows;
+    const std::string aov = line.substr(2, line.find(' ', 2) - 2);
+    EXPECT_TRUE(find_aov(aov)) << line;
+    size_t expressions = 0;
+    for (size_t begin = line.find('`'); begin != std::string::npos; begin = line.find('`', begin + 1)) {
+      const size_t end = line.find('`', begin + 1);
+      const std::string expression = line.substr(begin + 1, end - begin - 1);
+      EXPECT_EQ(UsualRenderVar("lpe:" + expression).aov, Token(aov)) << expression;
+      EXPECT_EQ(UsualRenderVar("lpe:" + expression).name, aov);
+      ++expressions, begin = end;
+    }
+    EXPECT_GT(expressions, 0u) << line;
+  }
+  EXPECT_EQ(rows, 13u);
+  EXPECT_EQ(UsualRenderVar("lpe:C <RD> [LO]").aov, Token("directDiffuse"));
+  for (const std::string unknown :
+       {"lpe:", "lpe:C<RD>VL", "lpe:C.*<L.''>", "lpe:C.*<L.'a'><L.'b'>", "lpe:CB", "lpe:C<RD>"})
+    EXPECT_EQ(UsualRenderVar(unknown).aov, Token(unknown));
+  EXPECT_NE(NoSuchAov("lpe:CVL").find("pipeline.md, \"Light path expressions\""), std::string::npos);
 }
 
 }  // namespace

@@ -1,4 +1,4 @@
-// AOVs of vectors at the first hit: Peye, Neye, motion and primvars by name.
+// AOVs of vectors at the first hit: Peye, Neye, position, uv, motion and primvars by name; and cameraDistance.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -77,8 +77,151 @@ TEST_F(HitVectorAovs, PlaceAndNormalAreThoseThatTheCameraSees) {
   seen();
 }
 
-// promise: pipeline.aov.motion
+// promise: pipeline.aov.position
+TEST_F(HitVectorAovs, PositionIsInTheWorld) {
+  Matrix4d turn;
+  turn.setAxisAngle(Vec3d(0, 1, 0), 0.7);
+  const Matrix4d place = turn * moved(300, -20, 1000);
+  host::MeshDescription quad = Stage::quad();
+  quad.transform = place;
+  stage.scene.SetMesh("/quad", quad);
+  move_camera(moved(0, 0, 4) * place);
+  const auto p = picture("position", 3), eye = picture("Peye", 3);
+  // In the camera's frame the quad lies at z = -4.
+  for (const int x : {2, 5}) {
+    const auto seen = at(eye, x, 3, 3), world = at(p, x, 3, 3);
+    const Vec3d expected = Vec3d(seen[0], seen[1], seen[2] + 4) * place;
+    for (int i = 0; i < 3; ++i) EXPECT_NEAR(world[size_t(i)], float(expected[i]), 1e-3f) << x;
+  }
+  EXPECT_EQ(at(p, 0, 0, 3), (std::vector<float>{0, 0, 0})) << "nothing is there";
+}
+
+// promise: pipeline.aov.distances
+TEST_F(HitVectorAovs, DistanceIsThatFromTheCamerasPlace) {
+  const auto eye = picture("Peye", 3);
+  auto* buffer = stage.add_buffer("/distance", kSide, kSide, Format::float32);
+  const auto distance = [&](const char* aov) {
+    stage.index->SyncAll();
+    EXPECT_TRUE(Stage::finish(*pass, Stage::state_for(kSide, kSide, aov, buffer)));
+    return Stage::pixels<float>(buffer);
+  };
+  const auto straight = distance("cameraDistance"), axial = distance("cameraDepth");
+  for (const int x : {2, 3, 5}) {
+    const auto p = at(eye, x, 2, 3);
+    const auto i = size_t(2 * kSide + x);
+    EXPECT_FLOAT_EQ(straight[i], std::hypot(p[0], p[1], p[2]));
+    EXPECT_FLOAT_EQ(axial[i], -p[2]);
+  }
+  EXPECT_EQ(straight[0], 0) << "nothing is there";
+  host::CameraDescription camera = stage.scene.GetCameras().at("/camera");
+  camera.parameters["projection"] = std::string("orthographic");
+  camera.parameters["horizontalAperture"] = camera.parameters["verticalAperture"] = 4.0f;
+  stage.scene.SetCamera("/camera", camera);
+  EXPECT_FLOAT_EQ(distance("cameraDistance")[2 * kSide + 2], 4) << "along its axis";
+}
+
+// promise: pipeline.aov.uv
+TEST_F(HitVectorAovs, UvIsSt) {
+  host::MeshDescription quad = Stage::quad();
+  EXPECT_EQ(picture("uv", 2), std::vector<float>(2 * kSide * kSide, 0.0f)) << "it has none";
+  // Coordinates of other names do not take its place, whatever the order of names is.
+  const auto set = [&](const char* name, float low, float high) {
+    quad.primvars[name] = {Interpolation::vertex,
+                           "textureCoordinate",
+                           Array<Vec2f>{{low, low}, {high, low}, {high, high}, {low, high}},
+                           {}};
+  };
+  set("a", 5, 7);
+  stage.scene.SetMesh("/quad", quad);
+  EXPECT_NEAR(at(picture("uv", 2), 4, 4, 2)[0], 6.25f, 0.25f) << "the first set";
+  set("st", 0, 1);
+  stage.scene.SetMesh("/quad", quad);
+  const auto eye = picture("Peye", 3), uv = picture("uv", 2);
+  for (const int x : {2, 5})
+    for (const int y : {3, 5}) {
+      const auto p = at(eye, x, y, 3), st = at(uv, x, y, 2);
+      EXPECT_NEAR(st[0], (p[0] + 1) / 2, 1e-5f);
+      EXPECT_NEAR(st[1], (p[1] + 1) / 2, 1e-5f) << "it grows upwards";
+    }
+}
+
+// promise: pipeline.aov.motion, pipeline.aov.motion_movers
+TEST_F(HitVectorAovs, MotionIsUpToTheNextFrameAlsoWithAClosedShutter) {
+  auto* color = stage.add_buffer("/color", kSide, kSide, Format::float32vec4);
+  const auto colors = [&] {
+    stage.index->SyncAll();
+    EXPECT_TRUE(Stage::finish(*pass, Stage::state_for(kSide, kSide, "color", color)));
+    return Stage::pixels<float>(color);
+  };
+  const auto seen = [&](const char* what, float x, float y) {
+    const auto before = colors();
+    const auto motion = picture("motion", 2);
+    const auto middle = at(motion, 4, 4, 2);
+    EXPECT_NEAR(middle[0], x, 1e-4f) << what;
+    EXPECT_NEAR(middle[1], y, 1e-4f) << what;
+    EXPECT_EQ(at(motion, 0, 0, 2), (std::vector<float>{0, 0})) << "nothing is there";
+    EXPECT_EQ(colors(), before) << what;
+  };
+  // Two pixels are a unit. What comes before this frame and after the next one does not count.
+  const TimeSamples<Matrix4d> path{{-1, 0, 1, 2},
+                                   {moved(9, 9, 0), moved(0, 0, 0), moved(0.25, 0.5, 0), moved(9, 9, 0)}};
+  host::MeshDescription quad = Stage::quad();
+  quad.transformSamples = path;
+  stage.scene.SetMesh("/quad", quad);
+  seen("a transform", 0.5f, 1);
+  host::InstancerDescription instancer;
+  instancer.indices["/quad"] = {0};
+  quad.instancer = "/instancer";
+  stage.scene.SetInstancer("/instancer", instancer);
+  stage.scene.SetMesh("/quad", quad);
+  seen("a transform of an instance", 0.5f, 1);
+  instancer.transformSamples = path;
+  stage.scene.SetInstancer("/instancer", instancer);
+  seen("both", 1, 2);
+  quad.transformSamples = {};
+  stage.scene.SetMesh("/quad", quad);
+  seen("an instancer", 0.5f, 1);
+  quad.instancer = {};
+  const auto points = [](float x) {
+    return Array<Vec3f>{{-1 + x, -1, 0}, {1 + x, -1, 0}, {1 + x, 1, 0}, {-1 + x, 1, 0}};
+  };
+  quad.primvarSamples["points"] = {{-1, 0, 1}, {points(9), points(0), points(0.25f)}};
+  stage.scene.SetMesh("/quad", quad);
+  seen("points", 0.5f, 0);
+  quad.primvarSamples = {};
+  stage.scene.SetMesh("/quad", quad);
+  move_camera(moved(0, 0, 4), {{0, 1}, {moved(0, 0, 4), moved(0.25, 0.5, 4)}});
+  seen("the camera", -0.5f, -1);
+  stage.delegate->SetRenderSetting("motionShutter", std::string("camera"));
+  EXPECT_EQ(picture("motion", 2), std::vector<float>(2 * kSide * kSide, 0.0f)) << "its shutter is closed";
+}
+
+// An open shutter blurs what it sees, each sample at its time: the motion is that of the whole frame, of each point.
+// promise: pipeline.aov.motion_blurred
+TEST_F(HitVectorAovs, MotionOfWhatIsBlurredIsUpToTheNextFrame) {
+  host::MeshDescription quad = Stage::quad();
+  quad.transformSamples = {{-0.5, 0, 0.5, 1}, {moved(-0.5, 0, 0), moved(0, 0, 0), moved(0.1, 0, 0), moved(0.25, 0, 0)}};
+  stage.scene.SetMesh("/quad", quad);
+  host::CameraDescription camera = stage.scene.GetCameras().at("/camera");
+  camera.parameters["shutterOpen"] = -0.5f;
+  camera.parameters["shutterClose"] = 0.5f;
+  stage.scene.SetCamera("/camera", camera);
+  EXPECT_NEAR(at(picture("motion", 2), 4, 4, 2)[0], 0.5f, 1e-4f);
+  stage.delegate->SetRenderSetting("motionShutter", std::string("camera"));
+  EXPECT_NEAR(at(picture("motion", 2), 4, 4, 2)[0], 1.2f, 1e-4f);
+}
+
+// promise: pipeline.aov.motion_ends
+TEST_F(HitVectorAovs, MotionEndsWhereSamplesEnd) {
+  host::MeshDescription quad = Stage::quad();
+  quad.transformSamples = {{-0.25, 0.25}, {moved(-0.1, 0, 0), moved(0.1, 0, 0)}};
+  stage.scene.SetMesh("/quad", quad);
+  EXPECT_NEAR(at(picture("motion", 2), 4, 4, 2)[0], 0.2f, 1e-4f);
+}
+
+// promise: pipeline.aov.motion_shutter
 TEST_F(HitVectorAovs, MotionIsInPixelsWhileTheShutterIsOpen) {
+  stage.delegate->SetRenderSetting("motionShutter", std::string("camera"));
   EXPECT_EQ(picture("motion", 2), std::vector<float>(2 * kSide * kSide, 0.0f)) << "a closed shutter";
   host::MeshDescription quad = Stage::quad();
   quad.transformSamples = {{0, 1}, {moved(0, 0, 0), moved(0.25, 0.5, 0)}};
