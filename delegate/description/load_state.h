@@ -75,7 +75,7 @@ struct LoadState {
   bool is_complete = false;           // the first model is: no light is added, and a camera only if there is none
   std::map<std::string, int> copies;  // the last number that a path was given in order to differ, by that path
   std::map<std::string, std::map<std::string, MaterialNetwork>> looks;  // of MaterialX files, by file and name
-  bool studio_is_alone = false;       // it was asked for, in place of the scene's lights
+  bool studio_is_alone = false;  // it was asked for, in place of the scene's lights
   /// Categories of lights: the meshes that a pattern matches have them.
   std::map<Token, std::vector<std::string>> links;
   std::map<std::string_view, NameIndex> names;  // of the scene's prims, by kind; made when they are first asked for
