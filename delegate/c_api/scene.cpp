@@ -25,7 +25,7 @@ description::LoadOptions read_options(const AlabasterLoadOptions* given) {
   if (in.shutter) options.shutter = description::LoadOptions::Shutter{in.shutter[0], in.shutter[1]};
   if (!(in.frames_per_second >= 0)) throw bad_argument("frames_per_second must be above 0, or 0 for the model's own");
   if (in.frames_per_second > 0) options.frames_per_second = in.frames_per_second;
-  options.next_frame = in.next_frame != 0;
+  if (in.next_frame) options.next_frame = true;
   options.keep_going = in.keep_going != 0;
   options.allow_outside = in.allow_outside != 0;
   return options;

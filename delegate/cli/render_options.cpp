@@ -59,8 +59,11 @@ hd::description::LoadOptions load_options(const RenderArguments& a) {
   hd::description::LoadOptions options = scene_load_options(a, std::move(settings));
   if (!a.frames.numbers.empty() && !a.turntable) options.frame = a.frames.numbers[0] - a.start_frame.value_or(0);
   if (a.shutter) options.shutter = {a.shutter->first, a.shutter->second};
-  options.next_frame =
-      std::any_of(a.aovs.begin(), a.aovs.end(), [](const std::string& given) { return aov_of(given) == "motion"; });
+  const auto is_motion = [](const std::string& given) { return aov_of(given) == "motion"; };
+  if (a.turntable)
+    options.next_frame = false;  // models keep their pose
+  else if (std::any_of(a.aovs.begin(), a.aovs.end(), is_motion))
+    options.next_frame = true;
   options.size = a.size, options.crop = a.crop;
   options.frames_per_second = a.fps;
   if (a.samples) {  // last: no override may change a part's samples

@@ -100,9 +100,8 @@ FrameShutter shutter_of(const LoadState& load) {
   return {camera ? camera->value("shutterOpen", 0.0) : 0, camera ? camera->value("shutterClose", 0.0) : 0};
 }
 
-// AOV motion shows the way to the next frame.
-bool shows_next_frame(const LoadState& load) {
-  if (load.options.next_frame) return true;
+// A product has AOV motion.
+bool shows_motion(const LoadState& load) {
   const nlohmann::json* const products = load.part("products");
   return products && std::any_of(products->begin(), products->end(), [](const nlohmann::json& product) {
            const auto aovs = product.find("aovs");
@@ -122,12 +121,13 @@ SourceFault read_model(LoadState& load, const nlohmann::json& entry, const Asset
   options.variant = entry.value("variant", "");
   options.refine_level = entry.value("refineLevel", options.refine_level);
   model->shutter = shutter_of(load);
-  model->next_frame = shows_next_frame(load);
+  const std::optional<bool>& next_frame = load.options.next_frame;
+  model->next_frame = next_frame ? *next_frame : shows_motion(load);
   // A stage's reader samples the shutter itself, that of its camera, too.
   options.stage = load.options.stage;
   if (usd::is_stage(support::lower_extension(file.resolved))) {
     if (model->shutter.close > model->shutter.open) options.stage.shutter = {model->shutter.open, model->shutter.close};
-    options.stage.next_frame = std::exchange(model->next_frame, false);
+    if (next_frame || model->next_frame) options.stage.next_frame = std::exchange(model->next_frame, false);
     model->shutter = {};
     if (const nlohmann::json* camera = load.part("camera"); camera && camera->contains("use"))
       options.stage.camera = camera->value("use", "");

@@ -52,9 +52,9 @@ struct LoadOptions {
     double open = 0, close = 0;
   };
   std::optional<Shutter> shutter;
-  /// AOV motion is to show the way to the next frame (setting motionShutter): what the models' animations move gets a
-  /// sample of that, too. So it does where a product has the AOV.
-  bool next_frame = false;
+  /// AOV motion shows the way to the next frame (setting motionShutter): what the models' animations move gets a sample
+  /// of that, too. Empty: where a product has the AOV.
+  std::optional<bool> next_frame;
   std::optional<double> frames_per_second;  // empty: as many as a model has time codes, else 24
   /// In place of those of the settings, of overrides and of all products.
   std::optional<Vec2i> size;

@@ -34,8 +34,9 @@ struct StageOptions {
   std::vector<std::string> mask, purposes;                 // paths of prims to read; empty: all, and default and render
   std::vector<std::string> search_paths, allowed_folders;  // of the default resolver; that may be read, too
   std::optional<std::array<double, 2>> shutter = {};  // in time codes relative to the pose, in place of the camera's
-  bool next_frame = false;  // what moves has a sample of the next time code, too, for AOV motion
-  double seconds = 30;      // CPU time of a request to the reader
+  std::optional<bool> next_frame =
+      {};               // what moves has a sample of the next time code, too; empty: where a variable is AOV motion
+  double seconds = 30;  // CPU time of a request to the reader
   /// usdrecord's rules: settings count that the stage names, and a picture is this wide and as high as the camera's
   /// film asks. Empty: the only settings there are count, too.
   std::optional<int> recorded_width = {};

@@ -349,8 +349,8 @@ struct SceneTranslator::Run {
     const bool has_categories =
         !category_sets.empty() &&
         std::any_of(instancers.begin(), instancers.end(), [](const auto* one) { return one->categories != nullptr; });
-    const bool shows_motion = parts.motion && (mesh.motion.moves() || !times.empty());
-    const bool stands_still = own.size() == 1 && times.empty() && !shows_motion;
+    const bool has_ends = parts.motion && (mesh.motion.moves() || !times.empty());
+    const bool stands_still = own.size() == 1 && times.empty() && !has_ends && !instance.mesh_ends;
     if (placed.size() >= kSmallestArray && stands_still && !has_categories) {
       out.array_materials.push_back(mesh.materials);
       out.scene.arrays.push_back({std::move(instance), std::make_shared<PointPlaces>(own.front(), std::move(placed))});
@@ -368,7 +368,7 @@ struct SceneTranslator::Run {
       if (!at.used) continue;
       std::vector<Matrix4d> moved = own;
       for (Matrix4d& pose : moved) pose = pose * at.matrix;
-      if (shows_motion) {
+      if (has_ends) {
         instance.ends = at_ends(samples.times.empty() ? mesh.motion : samples.of(i), *parts.motion);
         if (samples.times.empty())
           for (Matrix4d& end : instance.ends) end = end * at.matrix;

@@ -146,7 +146,7 @@ class StageSource : public host::SceneSource {
     if (stage.hides_domes) request["hides_domes"] = true;
     if (stage.recorded_width) request["record"] = true, request["width"] = *stage.recorded_width;
     if (stage.shutter) request["shutter"] = *stage.shutter;
-    if (stage.next_frame) request["next_frame"] = true;
+    if (stage.next_frame) request["next_frame"] = *stage.next_frame;
     if (!stage.purposes.empty()) request["purposes"] = stage.purposes;
     return request;
   }

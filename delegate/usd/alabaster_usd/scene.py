@@ -280,7 +280,7 @@ class Reader:
         self.main, self.settings = asked or (fields["camera"].data if "camera" in fields else None), prim
         if record and not self.main:
             self.cameras = {}  # the stage is framed
-        self.shows_motion = bool(self.options.get("next_frame")) or any(
+        self.shows_motion = self.options["next_frame"] if "next_frame" in self.options else any(
             f[n].data == "motion" for f in (fields, *further) for n in f if ":vars:" in n and not n.endswith(":dataType"))
         self._choose_shutter()
         purposes = self.options.get("purposes")

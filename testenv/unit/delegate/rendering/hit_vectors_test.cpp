@@ -188,6 +188,12 @@ TEST_F(HitVectorAovs, MotionIsUpToTheNextFrameAlsoWithAClosedShutter) {
   quad.primvarSamples["points"] = {{-1, 0, 1}, {points(9), points(0), points(0.25f)}};
   stage.scene.SetMesh("/quad", quad);
   seen("points", 0.5f, 0);
+  instancer.transformSamples = {};
+  quad.instancer = "/instancer";
+  stage.scene.SetInstancer("/instancer", instancer);
+  stage.scene.SetMesh("/quad", quad);
+  seen("points of an instance", 0.5f, 0);
+  quad.instancer = {};
   quad.primvarSamples = {};
   stage.scene.SetMesh("/quad", quad);
   move_camera(moved(0, 0, 4), {{0, 1}, {moved(0, 0, 4), moved(0.25, 0.5, 4)}});
