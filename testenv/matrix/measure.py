@@ -149,7 +149,7 @@ def same_noise(draw_a, draw_b, least_seeds=12, error=0.001, limit=1.3):
     is at most `limit`, and |z| of the picture's mean at most Z. A picture that fails is drawn again, with other seeds: both must."""
     for first in (0, 5000):
         a, b = Series(draw_a, first), Series(draw_b, first + 2500)
-        for count in (least_seeds, 2 * least_seeds, 4 * least_seeds, 8 * least_seeds):
+        for count in (least_seeds << doubled for doubled in range(6)):
             a.extend(count)
             b.extend(count)
             whole = [np.mean(s.values, axis=1) for s in (a, b)]
