@@ -173,6 +173,7 @@ def main_has(name):
     return lambda draft: setattr(draft.main, name, True)
 
 
+BY_FREE_PATH = "by free path"  # the body's scatterDistance is given as meanFreePath
 KINDS = ("opaque body", "cloudy body", "glass")
 FEATURES = {  # in the order of the issue
     "opacity": sets(opacity=0.5),
@@ -199,6 +200,7 @@ FEATURES = {  # in the order of the issue
     "weight": sets(subsurfaceWeight=0.4, subsurfaceColor=(1.0,) * 3),
     "weight map": main_has("weighted"),  # of 0 and 1
     "stained coat": main_has("stained"),
+    "mean free path": sets(**{BY_FREE_PATH: True}),
 }
 LAYERS = ("coat", "stained coat", "fibre sheen", "clearcoat", "rough specular")
 
@@ -305,7 +307,10 @@ def material_of(body, look):
     if body.stained:
         stain = (1.0,) * 3 if look.white else (0.9, 0.5, 0.2)
         values.update(coat=1.0, coatRoughness=0.3, coatIor=1.8, coatColor=stain, coatDarkening=1.0)
-    return {**values, **body.material}
+    values.update(body.material)
+    if values.pop(BY_FREE_PATH, False) and "scatterDistance" in values:
+        values["meanFreePath"] = values.pop("scatterDistance")
+    return values
 
 
 def nodes_of(body, look):

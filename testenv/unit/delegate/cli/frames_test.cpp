@@ -98,7 +98,7 @@ TEST_F(FramesTest, ALightBelowAMovingNodeMovesWithinTheShutter) {
   b.animate(1, "rotation", {0, 2}, {0, 0, 0, 1, 0, turn, 0, turn}, "VEC4");
   const std::string file = write("lamp.glb", b.bytes());
   const auto blocks = [&](const std::vector<std::string>& more) {
-    std::vector<std::string> words{"render", file, "--size", "24x24", "--fps", "1", "-o", "lamp.exr"};
+    std::vector<std::string> words{"render", file, "--size", "24x24", "-o", "lamp.exr"};
     words.insert(words.end(), more.begin(), more.end());
     const Outcome done = run_program(folder_, words);
     EXPECT_EQ(done.code, 0) << done.err;
@@ -107,7 +107,7 @@ TEST_F(FramesTest, ALightBelowAMovingNodeMovesWithinTheShutter) {
     for (size_t i = 0; i < all.size() / 4; ++i) means[i / 24 / 6 * 4 + i % 24 / 6] += double(all[4 * i]) / 36;
     return means;
   };
-  const std::vector<double> blurred = blocks({"--time", "1", "--shutter", "-1:1", "--spp", "1024"});
+  const std::vector<double> blurred = blocks({"--time", "1", "--shutter", "-1:1", "--fps", "1", "--spp", "1024"});
   std::vector<double> stills(16), middle;
   constexpr int kStills = 16;
   for (int i = 0; i < kStills; ++i) {

@@ -173,7 +173,8 @@ TEST(MotionSync, FaultySamplesOfALensAreReported) {
     camera.parameters["focalLength:samples"] = samples;
     stage.scene.SetCamera("/camera", camera);
     stage.set();
-    return std::pair(stage.coverage(), stage.count(code));
+    const std::vector<double> seen = stage.coverage();
+    return std::pair(seen, stage.count(code));
   };
   const auto at = [](std::vector<double> times, std::vector<Value> values) -> Value {
     return std::make_shared<const TimeSamples<Value>>(TimeSamples<Value>{std::move(times), std::move(values)});
