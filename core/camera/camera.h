@@ -36,7 +36,7 @@ struct CameraParameters {
   std::vector<Matrix4d> poses;   // camera_to_world over the camera's own shutter, even ones; empty: stands still
   // Of a lens that moves: at times as those of the shutter, which they need not lie in. Empty: stands still.
   TimeSamples<float> focal_lengths, f_stops, focus_distances;
-  float opens = 0, closes = 0;   // the camera's shutter as a part of the scene's, which goes from 0 to 1
+  float opens = 0, closes = 0;  // the camera's shutter as a part of the scene's, which goes from 0 to 1
   /// camera_to_world at the ends of the time that AOV motion shows (Instance::ends): two. Empty: that of the shutter.
   std::vector<Matrix4d> ends;
   bool operator==(const CameraParameters&) const = default;
