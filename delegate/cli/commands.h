@@ -39,7 +39,7 @@ struct RenderArguments : SceneArguments, PictureArguments {
   std::string running;                                   // file: there while the command runs
   std::optional<std::pair<uint32_t, uint32_t>> samples;  // begin and end
   std::string checkpoint;                                // file
-  std::optional<double> checkpoint_interval;             // seconds
+  std::optional<double> checkpoint_interval, live;       // seconds
   bool quiet = false, keep_going = false, resume = false, skip_existing = false, turntable_lights = false;
 
   bool has_frames() const { return turntable || !frames.numbers.empty(); }

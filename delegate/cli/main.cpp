@@ -194,6 +194,9 @@ CLI::App* add_render(CLI::App& app, RenderArguments* a) {
       "render", "Renders a scene (glTF, a stage of OpenUSD or a render description .json) to files.");
   add_render_options(c, a);
   add_checkpoint(c, a);
+  add_parsed(c, "--live", &a->live, parse_positive, "is not a number of seconds above 0.", "S",
+             "Write the files every S seconds while they are rendered, marked incomplete, for viewers that read a file "
+             "again when it changes: tev --watch frame.exr");
   add_inputs(c, &a->inputs);
   c->add_option("--running", a->running,
                 "File that is there while the command runs, by which 'alabaster farm status' tells tasks that run from "

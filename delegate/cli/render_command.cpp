@@ -102,6 +102,8 @@ class RenderCommand {
         {a_.pixel && !no_checkpoint, "--checkpoint", "It cannot be given with --pixel."},
         {a_.resume && no_checkpoint, "--resume", "It needs --checkpoint FILE."},
         {a_.samples && no_checkpoint, "--samples", "It needs --checkpoint FILE."},
+        {a_.live && a_.pixel, "--live", "It cannot be given with --pixel, which writes no files."},
+        {a_.live && a_.samples && a_.outputs.empty(), "--live", "It needs -o FILE, which shows the part."},
         {a_.checkpoint_interval && no_checkpoint, "--checkpoint-interval", "It needs --checkpoint FILE."}};
     for (const auto& [is_wrong, flag, text] : combinations)
       if (is_wrong) console_.usage_error(flag, text);
@@ -316,6 +318,7 @@ class RenderCommand {
       options.of_frame = of_frame_;
       options.metadata = metadata_;
       set_checkpoint(a_, number, console_, &options);
+      options.live_seconds = a_.live.value_or(0);
       options.cancel = &interrupted();
       options.drops_incomplete = !a_.frames.numbers.empty();
       options.diagnostics = console_.sink();

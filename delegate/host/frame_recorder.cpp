@@ -339,6 +339,7 @@ class Recording {
     pass->Execute(state);
     double told = 0;
     checkpoints_.begin();
+    shown_ = Clock::now();
     while (!pass->IsConverged() && !interrupted()) {
       pass->WaitForConvergence(0.02);
       pass->Execute(state);
@@ -347,6 +348,7 @@ class Recording {
         options_.progress(progress());
       }
       checkpoints_.write_if_due(request().description);
+      show_if_due();
     }
     if (pass->GetState() != PassState::failed && !delegate_->IsStopped())
       checkpoints_.write_last(request().description);
@@ -432,12 +434,6 @@ class Recording {
     checkpoints_.add_to(&result_.stats);
   }
 
-  Dictionary metadata() const {
-    Dictionary all = product_metadata(*delegate_, result_.stats, request().description.camera);
-    all.insert(options_.metadata.begin(), options_.metadata.end());
-    return all;
-  }
-
   void add_names(ProductImage* image) {
     const bool has_numbers = std::any_of(request().aovs.begin(), request().aovs.end(), [](const std::string& name) {
       const AovInfo* aov = find_aov(name);
@@ -449,34 +445,62 @@ class Recording {
       image->names = *names, result_.stats["names"] = names;
   }
 
+  /// The pixels of all buffers, by AOV: every one at once, because an interrupted render must not keep anyone waiting.
+  using AllPixels = std::vector<std::pair<std::string, std::optional<MappedPixels>>>;
+  AllPixels all_pixels() const {
+    std::vector<RenderBuffer*> buffers;
+    for (const auto& [aov, buffer] : buffers_) buffers.push_back(buffer.get());
+    AllPixels all(buffers.size());
+    size_t next = 0;
+    for (const auto& [aov, buffer] : buffers_) all[next++].first = aov;
+    tbb::task_arena arena;
+    arena.execute([&] {
+      tbb::parallel_for(size_t(0), buffers.size(), [&](size_t i) { all[i].second.emplace(buffers[i], size()); });
+    });
+    return all;
+  }
+
+  ProductImage image_of(const AllPixels& all, const Dictionary& stats) const {
+    const RenderSettingsDescription& d = request().description;
+    ProductImage image;
+    for (const auto& [aov, mapped] : all)
+      if (mapped && mapped->pixels.components > 0) image.aovs[aov] = mapped->pixels;
+    image.framing.displayMax = {static_cast<float>(d.width), static_cast<float>(d.height)};
+    image.framing.dataWindow = d.window();
+    image.framing.pixelAspectRatio = d.pixelAspectRatio;
+    image.metadata = product_metadata(*delegate_, stats, request().description.camera);
+    image.metadata.insert(options_.metadata.begin(), options_.metadata.end());
+    return image;
+  }
+
+  void show_if_due() {
+    if (options_.live_seconds <= 0 || seconds_since(shown_) < options_.live_seconds) return;
+    const AllPixels all = all_pixels();
+    ProductImage image = image_of(all, delegate_->GetRenderStats());
+    image.incomplete = true;
+    const auto warn = [&](const Diagnostic& diagnostic) {
+      if (diagnostic.severity == Severity::error && options_.diagnostics)
+        options_.diagnostics({Severity::warning, diagnostic.code, diagnostic.where,
+                              diagnostic.text + ". The render goes on, and writes its files at its end"});
+    };
+    if (write_planned(request().files, image, warn).size() != request().files.size()) options_.live_seconds = 0;
+    shown_ = Clock::now();
+  }
+
   void write() {
     if (options_.writing) options_.writing();
     const Phase phase(&result_.stats, "write");
-    // Every AOV at once: an interrupted render must not keep anyone waiting.
-    std::vector<std::pair<std::string, RenderBuffer*>> buffers;
-    for (const auto& [aov, buffer] : buffers_) buffers.emplace_back(aov, buffer.get());
-    std::vector<std::optional<MappedPixels>> mapped(buffers.size());
-    tbb::task_arena arena;
-    arena.execute([&] {
-      tbb::parallel_for(size_t(0), buffers.size(), [&](size_t i) { mapped[i].emplace(buffers[i].second, size()); });
-    });
-    ProductImage image;
-    for (size_t i = 0; i < buffers.size(); ++i) {
-      if (mapped[i] && mapped[i]->pixels.components > 0)
-        image.aovs[buffers[i].first] = mapped[i]->pixels;
-      else if (result_.status != RecordStatus::interrupted)
-        refuse(RecordStatus::render_failed, "record.buffer", "AOV '" + buffers[i].first + "' has no pixels");
-    }
+    const AllPixels all = all_pixels();
+    ProductImage image = image_of(all, result_.stats);
+    for (const auto& [aov, mapped] : all)
+      if (!image.aovs.contains(aov) && result_.status != RecordStatus::interrupted)
+        refuse(RecordStatus::render_failed, "record.buffer", "AOV '" + aov + "' has no pixels");
     if (result_.status != RecordStatus::render_failed) write_products(&image);
   }
 
   void write_products(ProductImage* image) {
     const RenderSettingsDescription& d = request().description;
-    image->framing.displayMax = {static_cast<float>(d.width), static_cast<float>(d.height)};
-    image->framing.dataWindow = d.window();
-    image->framing.pixelAspectRatio = d.pixelAspectRatio;
     image->incomplete = result_.status == RecordStatus::interrupted;
-    image->metadata = metadata();
     add_names(image);
     if (options_.picture) options_.picture(*image);
     const auto written = write_planned(request().files, *image, options_.diagnostics);
@@ -502,7 +526,7 @@ class Recording {
   size_t at_ = 0;  // the picture of the plan that is recorded
   RecordedCheckpoints checkpoints_;
   std::map<std::string, OwnBuffer> buffers_;  // by AOV
-  Clock::time_point started_;
+  Clock::time_point started_, shown_;         // shown_: the last files of `live_seconds`
   bool rendered_ = false;
   Dictionary phases_;
   RecordResult result_;

@@ -58,6 +58,9 @@ struct RecordOptions {
   /// Polled at least every 20 ms. Once it is set the render ends, and the samples so far are written, marked
   /// incomplete.
   const std::atomic<bool>* cancel = nullptr;
+  /// The products are written every so many seconds, too, marked incomplete. Once they cannot be, a warning tells, and
+  /// the render goes on without. 0: at the end alone.
+  double live_seconds = 0;
   bool drops_incomplete = false;  // the products of a render that is cancelled are not written
   FramePlan plan;  // PlanFrame's of the same settings and options; without pictures RecordFrame makes its own
   // Called from the calling thread. They may edit the scene, and even depopulate it: the recording owns its buffers.

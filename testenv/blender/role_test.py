@@ -147,6 +147,8 @@ class LightGroups(unittest.TestCase):
         if hasattr(settings, "media_type"):
             settings.media_type = "MULTI_LAYER_IMAGE"  # Blender 5
         settings.file_format, settings.color_depth = "OPEN_EXR_MULTILAYER", "32"
+        if hasattr(settings, "use_exr_interleave"):
+            settings.use_exr_interleave = True  # Blender 5: all layers in one part
         with tempfile.TemporaryDirectory() as folder:
             scene.render.filepath = folder + "/layers.exr"
             bpy.ops.render.render(write_still=True)

@@ -44,7 +44,7 @@ def reduced(arguments):
     for flag, value in REDUCED.items():
         while flag in words:
             del words[words.index(flag):words.index(flag) + 2]
-        sized = words[:1] and words[0] in SIZED and "--pixel" not in words
+        sized = words[:1] and words[0] in SIZED and "--pixel" not in words and words[1:2] != ["status"]
         if flag == "--size" and (sized or words[:1] == ["tradeoff"]) or flag == "--budget" and words[:1] == ["tradeoff"]:
             words += [flag, value]
     return words

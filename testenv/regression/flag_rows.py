@@ -185,6 +185,7 @@ RENDER_ROWS = {
     # promise: farm.resume.not_overwritten, farm.resume.samples
     "--resume": [Row(("--resume",), like_the_whole, MORE, (CHECKPOINT,), (*MORE, "--checkpoint", "c.checkpoint", "--resume")),
                  Row(("--resume",), codes(2, 0), (*MORE, "--checkpoint", "c.checkpoint"), (CHECKPOINT,))],
+    "--live": [Row(("--live", "0.001"), same_picture), Row(("--live", "0"), codes(0, 2))],
     # promise: farm.running
     "--running": [Row(("--running", "r.running"), both(same_picture, lambda a, b: not b.file("r.running").exists())),
                   Row(("--running", "absent/r.running"), codes(0, 5))],

@@ -154,8 +154,8 @@ TEST_F(ProgramTest, StatisticsHaveTheirDocumentedKeys) {
   };
   using Names = std::vector<std::string>;
   EXPECT_EQ(keys(stats),
-            (Names{"delegate", "error", "exitCode", "files", "frames", "peakMemory", "phases", "rays", "renders",
-                   "resolutions", "samples", "scene", "settings", "status", "versions", "walks"}));
+            (Names{"delegate", "error", "exitCode", "files", "frames", "host", "peakMemory", "phases", "rays",
+                   "renders", "resolutions", "samples", "scene", "settings", "status", "versions", "walks"}));
   EXPECT_EQ(keys(stats["phases"]), (Names{"build", "load", "refine", "render", "write"}));
   for (const auto& [name, phase] : stats["phases"].items()) {
     EXPECT_EQ(keys(phase), (Names{"cpu", "wall"})) << name;
