@@ -24,6 +24,7 @@ using nlohmann::ordered_json;
 
 /// lost: it ended without a word.
 enum class State { waiting, running, lost, failed, degraded, done };
+constexpr const char* kToldToEnd = "it was told to end, by a signal";
 constexpr const char* kStates[] = {"waiting", "running", "lost", "failed", "degraded", "done"};
 
 /// Of a task, or of one of its frames.
@@ -105,6 +106,14 @@ class FarmStatus {
     task->exit_code.reset();
     task->state = task->sign->lives ? State::running : State::lost;
     task->reason = task->sign->lives ? "" : lost_reason(*task);
+    if (!task->sign->lives && task->sign->told_to_end)
+      task->state = State::failed, task->exit_code = kInterrupted, task->reason = kToldToEnd;
+    // Frames are rendered one after the other.
+    for (Frame& frame : task->frames)
+      if (!is_over(frame.state)) {
+        frame.state = task->state, frame.reason = task->reason, frame.exit_code = task->exit_code;
+        break;
+      }
   }
 
   std::string lost_reason(const Task& task) const {
@@ -127,7 +136,7 @@ class FarmStatus {
     to->state = *to->exit_code == kDone ? State::done : *to->exit_code == kDegraded ? State::degraded : State::failed;
     to->host = stats->value("host", "");
     to->reason = stats->value("reason", "");
-    if (*to->exit_code == kInterrupted) to->reason = "it was told to end, by a signal";
+    if (*to->exit_code == kInterrupted) to->reason = kToldToEnd;
     const auto faults = stats->find("faults");
     if (*to->exit_code == kDegraded && faults != stats->end() && !faults->empty())
       to->reason = "without " + faults->front().get<std::string>();

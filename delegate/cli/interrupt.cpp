@@ -11,6 +11,8 @@ namespace {
 std::atomic<bool> g_interrupted{false};
 std::atomic<bool> g_worth_saving{false};
 std::atomic<bool> g_writing{false};
+std::atomic<int> g_told{-1};
+std::atomic<off_t> g_told_at{0};
 static_assert(std::atomic<bool>::is_always_lock_free, "used in a signal handler");
 
 void on_signal(int number) {
@@ -18,6 +20,9 @@ void on_signal(int number) {
   if (repeats) signal(number, SIG_IGN);
   if (g_worth_saving && !g_interrupted.exchange(true)) return;
   if (g_writing) return;
+  if (g_told >= 0) {
+    [[maybe_unused]] const ssize_t told = pwrite(g_told, "1", 1, g_told_at);
+  }
   if (number == SIGPIPE) _exit(kInterrupted);
   constexpr char kText[] = "\ninterrupted\n";
   [[maybe_unused]] const ssize_t ignored = write(STDERR_FILENO, kText, sizeof kText - 1);
@@ -44,6 +49,11 @@ void set_worth_saving(bool worth_saving) {
 
 void set_writing(bool writing) {
   g_writing = writing;
+}
+
+void set_told_of_end(int descriptor, off_t place) {
+  g_told_at = place;
+  g_told = descriptor;
 }
 
 const std::atomic<bool>& interrupted() {

@@ -6,6 +6,8 @@
 // the program). Files are renamed into place only when complete, so none is left broken.
 #pragma once
 
+#include <sys/types.h>
+
 #include <atomic>
 
 namespace alabaster::cli {
@@ -16,6 +18,8 @@ void catch_interrupts();
 void set_worth_saving(bool worth_saving);
 /// Says if files are being written.
 void set_writing(bool writing);
+/// A signal that ends the program at once writes a 1 into that place of an open file first. -1: none.
+void set_told_of_end(int descriptor, off_t place);
 /// Set by a signal while something is worth saving.
 const std::atomic<bool>& interrupted();
 

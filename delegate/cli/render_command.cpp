@@ -242,6 +242,7 @@ class RenderCommand {
     const double start = a_.start_frame.value_or(0), codes = session_.file.info.timeCodesPerSecond;
     std::optional<Turntable> turntable;
     if (a_.turntable) turntable.emplace(&session_, a_.turntable_lights);
+    if (!a_.turntable && codes == 0) warn_of_frames_after_the_animation();
     const Stopwatch watch;
     size_t rendered = 0;
     int code = kDone;
@@ -286,6 +287,20 @@ class RenderCommand {
                           {written_.begin() + std::ptrdiff_t(before), written_.end()});
     }
     return code;
+  }
+
+  void warn_of_frames_after_the_animation() {
+    double last = 0;
+    for (const auto& model : session_.file.models)
+      for (const auto& animation : model.animations) last = std::max(last, animation.seconds);
+    const std::vector<double>& frames = a_.frames.numbers;
+    const double first = *std::min_element(frames.begin(), frames.end());
+    const double begin = (first - a_.start_frame.value_or(0)) / a_.fps.value_or(24);
+    if (last == 0 || begin <= last) return;
+    console_.sink()({hd::Severity::warning, "render.time", a_.scene,
+                     formatted("All frames lie after the last key of its animation, at %.4g s, and show the same; "
+                               "--start-frame %g makes the first one its start.",
+                               last, first)});
   }
 
   bool has_all_files() {

@@ -10,6 +10,8 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 
+#include "delegate/cli/interrupt.h"
+
 namespace alabaster::cli {
 namespace {
 
@@ -50,7 +52,7 @@ std::optional<json> mark_in(const std::string& text) {
   json mark = json::parse(text, nullptr, false);
   const auto is = [&](const char* key, auto kind) { return mark.contains(key) && (mark[key].*kind)(); };
   if (!mark.is_object() || !is("host", &json::is_string) || !is("boot", &json::is_string) ||
-      !is("locked", &json::is_boolean) || !is("began", &json::is_number))
+      !is("locked", &json::is_boolean) || !is("began", &json::is_number) || !is("signal", &json::is_number))
     return std::nullopt;
   return mark;
 }
@@ -80,21 +82,24 @@ std::string RunningMark::begin(const std::string& file) {
     close(descriptor);
     return {};
   }
-  const std::string text = json{{"host", host_name()}, {"boot", boot_id()}, {"locked", locked}, {"began", now()}}.dump(
-                               -1, ' ', false, json::error_handler_t::replace) +
-                           "\n";
+  std::string text = json{{"host", host_name()}, {"boot", boot_id()}, {"locked", locked}, {"began", now()}}.dump(
+      -1, ' ', false, json::error_handler_t::replace);
+  text.back() = ',';
+  text += "\"signal\":0}\n";
   if (ftruncate(descriptor, 0) != 0 || pwrite(descriptor, text.data(), text.size(), 0) != ssize_t(text.size())) {
     const std::string why = std::strerror(errno);
     close(descriptor);
     return "It cannot be written: " + why + ". Check the space on the disk.";
   }
   file_ = file, descriptor_ = descriptor;
+  set_told_of_end(descriptor, off_t(text.size()) - 3);
   touching_ = std::jthread([this](const std::stop_token& stop) { touch(stop); });
   return {};
 }
 
 RunningMark::~RunningMark() {
   if (descriptor_ < 0) return;
+  set_told_of_end(-1, 0);
   touching_.request_stop();
   touching_.join();
   unlink(file_.c_str());
@@ -120,6 +125,7 @@ std::optional<RunningSign> read_running_mark(const std::string& file) {
   if (!mark || !is_there) return std::nullopt;
   RunningSign sign;
   sign.host = mark->at("host");
+  sign.told_to_end = mark->at("signal") != 0;
   const double last = double(about.st_mtim.tv_sec) + 1e-9 * double(about.st_mtim.tv_nsec);
   sign.began = std::max(0.0, now() - mark->at("began").get<double>());
   sign.age = std::max(0.0, now() - last);

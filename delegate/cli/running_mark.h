@@ -37,6 +37,7 @@ struct RunningSign {
   std::string host;
   double began = 0, age = 0;  // seconds since it began, and since its last sign
   bool lives = false, is_known = false;
+  bool told_to_end = false;  // by a signal, before there was anything to save
 };
 /// Nothing: there is no such file, or no mark in it.
 std::optional<RunningSign> read_running_mark(const std::string& file);

@@ -11,6 +11,7 @@ Turntable::Turntable(SceneSession* session, bool lights) : session_(*session) {
   if (lights) lights_.assign(all.begin(), all.end());
   const hd::description::WorldBox box = objects_box(session->scene);
   if (box.min.x <= box.max.x) middle_ = (box.min + box.max) / 2;  // else nothing is seen
+  middle_ = session->file.look_at.value_or(middle_);
   up_ = session->file.info.up == hd::Token("Z") ? hd::Vec3d(0, 0, 1) : hd::Vec3d(0, 1, 0);
 }
 

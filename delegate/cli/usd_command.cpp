@@ -73,7 +73,7 @@ int run_usd(const UsdArguments& a) {
   console.note("installing OpenUSD into " + target.string() + ", which may take a minute");
   const int status = run(words);
   const std::string check =
-      "import sys; sys.path.insert(0, sys.argv[1]); from pxr import Usd; print('OpenUSD %d.%d.%d' % Usd.GetVersion())";
+      "import sys; sys.path.insert(0, sys.argv[1]); from pxr import Usd; print('OpenUSD %d.%d' % Usd.GetVersion()[1:])";
   if (status != 0 || run({"python3", "-I", "-c", check, part}) != 0) {
     fs::remove_all(part, error);
     console.error("usd install",

@@ -22,6 +22,10 @@ void apply_camera(LoadState& load) {
   if (!entry) return;
   if (entry->contains("use")) load.camera.use = the_camera(load, (*entry)["use"]).str();
   load.camera.placement = placement_of(load, "/camera", *entry);
+  if (const auto look = entry->find("lookAt"); look != entry->end() && look->contains("target")) {
+    const auto target = (*look)["target"].get<std::array<double, 3>>();
+    load.result->look_at = Vec3d(target[0], target[1], target[2]);
+  }
   for (const host::FieldRow& row : host::ParameterRows("camera")) {
     const auto given = entry->find(row.name);
     if (given == entry->end()) continue;

@@ -150,7 +150,7 @@ Key materials() {
       {text("match", "Name or path of materials to change; * stands for any text, ? for any character."),
        text("name", "Makes a new material of this name, which meshes can use."),
        referred("disney_material.json",
-                object("set", "Parameters to change; all others keep their values.", material_parameters()), true),
+                object("set", "Parameters to change; all others keep their values. One that is set loses its texture.", material_parameters()), true),
        referred("disney_material.json",
                 object("replace", "A new definition of the material; parameters not given take their defaults.",
                        material_parameters()),

@@ -83,6 +83,7 @@ struct SceneFile {
   host::SceneInfo info;            // up axis, unit and time codes of the first model, which are the scene's
   bool has_light = true;           // of its own, or a studio that was asked for
   bool framed = false;             // there was no camera, and one was placed to show all of the scene
+  std::optional<Vec3d> look_at;    // the point that a camera of the description looks at
   std::vector<std::string> notes;  // "no camera: framed the scene", "no light: added a soft dome", as the program says
 };
 

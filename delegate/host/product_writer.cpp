@@ -17,6 +17,7 @@
 #include "core/film/aov.h"
 #include "core/images/format_limits.h"
 #include "core/math/float_environment.h"
+#include "delegate/host/light_paths.h"
 #include "delegate/host/planned_product.h"
 #include "delegate/host/product_metadata.h"
 #include "delegate/host/product_pixels.h"
@@ -353,7 +354,9 @@ ProductCheck plan_product(const RenderProduct& product, const Rect2i& window, co
 ProductCheck CheckProduct(const RenderProduct& product, const Rect2i& window, const OutputColors& colors,
                           const DiagnosticSink& sink) {
   PlannedProduct planned;
-  return plan_product(product, window, colors, sink, &planned);
+  RenderProduct resolved = product;
+  resolve_light_paths(&resolved.vars);
+  return plan_product(resolved, window, colors, sink, &planned);
 }
 
 std::vector<std::string> write_planned(const std::vector<PlannedProduct>& products, const ProductImage& image,

@@ -17,6 +17,7 @@ FEATURES = {  # of a sheet: parameters that turn it on, and those that make it v
     "anisotropic": ({"anisotropic": 0.9}, [{"anisotropic": 1e-4}]),
     "coat": ({"coat": 1.0, "coatRoughness": 0.4}, [{"coat": 1e-4}, {"coatIor": 1.0}]),
     "sheen": ({"sheen": 1.0, "sheenRoughness": 0.4}, [{"sheen": 1e-4}]),
+    "diffuse roughness": ({"diffuseRoughness": 1.0}, [{"diffuseRoughness": 0.6001}]),
     "transparent": ({"opacityMode": "transparent", "opacity": 0.4}, [{"opacity": 0.9999}]),
 }
 OF_METALS = ("film", "anisotropic", "coat", "sheen")

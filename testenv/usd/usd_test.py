@@ -603,6 +603,10 @@ def test_a_description_takes_materials_from_files_of_materialx():
         out, said = picture(of(given, more))
         near(mean(out, MIDDLE), color)
         assert not said, said
+    library("odd.mtlx", ("lamp", 'value="0,0,1"/> <input name="emision" type="float" value="1"/> <input name="specular_IOR" type="float" value="1.5" unit="millimeter"'))
+    out, said = picture(of('{"file": "odd.mtlx"}'))
+    near(mean(out, MIDDLE), [0, 0, 1])
+    assert "emision: no input of ND_standard_surface" in said and "units of MaterialX are not read" in said, said
     files = prims(of('{"file": "two.mtlx", "material": "lamp"}'))["models"][1]["files"]
     assert os.path.join(FOLDER, "two.mtlx") in files, files
     library("elsewhere/one.mtlx", ("lamp", blue))
@@ -1230,7 +1234,8 @@ def test_variables_are_motion_and_light_path_expressions():
         rel orderedVars = [</World/color>, </World/motion>, </World/matt>]
     }
     def RenderVar "color" { uniform string sourceName = "color" }
-    def RenderVar "motion" { uniform string sourceName = "motion" }
+    def RenderVar "motion" { uniform string sourceName = "motion"
+        string driver:parameters:aov:name = "vectors" }
     def RenderVar "matt" { uniform string sourceName = "%s"
         uniform token sourceType = "lpe" }
 """
@@ -1239,12 +1244,14 @@ def test_variables_are_motion_and_light_path_expressions():
     assert code == 0, said
     listed = subprocess.run(["oiiotool", "--info", "-v", out], capture_output=True, text=True).stdout
     channels = re.search(r"channel list: (.*)", listed).group(1)
-    assert "matt.R" in channels and "motion.X" in channels, channels
+    assert "matt.R" in channels and "vectors.X" in channels, channels
+    code, said = run("check", os.path.join(FOLDER, "variables.usda"))
+    assert code == 0, said
     values = {}
-    for name in ("R", "matt.R", "motion.X"):
+    for name in ("R", "matt.R", "vectors.X"):
         subprocess.run(["oiiotool", out, "--ch", name, "-o", out + ".one.exr"], check=True)
         values[name] = mean(out + ".one.exr", "2x2+23+23")[0]
-    assert 0.5 < values["matt.R"] / values["R"] < 1 and abs(values["motion.X"] / (48 * (0.5 / 0.36) / 5.6) - 1) < 1e-3, values
+    assert 0.5 < values["matt.R"] / values["R"] < 1 and abs(values["vectors.X"] / (48 * (0.5 / 0.36) / 5.6) - 1) < 1e-3, values
     code, said = run("render", stage("unknown.usda", body % ("unknown", "C<RD>V*L")), "--time", "1", "--quiet")
     assert code == 3 and "C<RD>V*L" in said and "pipeline.md" in said, (code, said)
 

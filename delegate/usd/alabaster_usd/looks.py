@@ -120,6 +120,8 @@ class Looks:
         attribute = produced[0] if produced else None
         if attribute:
             self.nodes[where].add(attribute.GetPrim().GetPath())
+        if attribute and attribute.GetCustomDataByKey("unit"):
+            self.notes.tell("units of MaterialX are not read: lengths are those of the scene", "%s of %s" % (key, where))
         value = attribute.Get(self.time) if attribute else None
         if value is None:
             return

@@ -75,7 +75,8 @@ class Document:
         if stage.GetPrimAtPath(path):
             return UsdShade.Shader.Get(stage, path)
         shader = UsdShade.Shader.Define(stage, path)
-        definition = node.getNodeDef()
+        # With an input that it does not have a node has no definition; the looks tell of the input.
+        definition = node.getNodeDef() or next((d for d in self.doc.getMatchingNodeDefs(node.getCategory()) if d.getType() == node.getType()), None)
         shader.CreateIdAttr(definition.getName() if definition else "ND_" + node.getCategory())
         for given in node.getInputs():
             outer = given.getInterfaceInput() or given
@@ -98,6 +99,8 @@ class Document:
                 made.Set(make(outer.getValue()))
                 if given.getType().startswith("color"):
                     self._space(made, outer)
+                if outer.getUnit():
+                    made.GetAttr().SetCustomDataByKey("unit", outer.getUnit())
         return shader
 
     @staticmethod

@@ -258,7 +258,9 @@ def _product(prim, settings, notes, known, may_write, aovs):
         if aovs and layer not in aovs and not layer.startswith(("primvars:", "lightGroup:", "lpe:")):
             notes.tell("layers that the renderer does not have are not written, such as %s" % source, var.GetPrim().GetPath())
             continue
-        name = var.GetPrim().GetName() if layer.startswith("lpe:") else layer
+        # Houdini's name of the layer. The beauty stays RGBA.
+        chosen = var.GetPrim().GetAttribute("driver:parameters:aov:name").Get() if layer != "color" else None
+        name = chosen or (var.GetPrim().GetName() if layer.startswith("lpe:") else layer)
         fields["vars:" + name] = token(layer)
         given = str(var.GetDataTypeAttr().Get())
         fields["vars:" + name + ":dataType"] = token("int" if given.startswith("int") else "half" if "half" in given or given.endswith("h") else "float")

@@ -207,6 +207,30 @@ TEST_F(Farm, StatusTellsTasksThatWereKilledFromThoseThatRunAndThoseThatNeverBega
   EXPECT_NE(run({"farm", "status", "patch_farm"}).out.find("3 tasks: 0 done, 2 waiting, 1 lost\n"), std::string::npos);
 }
 
+// While the scene is read there is nothing to save, and no statistics are written.
+// promise: farm.status
+TEST_F(Farm, ATaskThatIsToldToEndHasFailedAtWhateverItWasDoing) {
+  ASSERT_EQ(run({"farm", "patch.gltf", "-o", "a.exr", "--size", "64x48", "--spp", "1000000", "--tasks", "3"}).code, 0);
+  for (const int wait : {0, 0, 20, 1500}) {
+    const std::string script = folder_ / "patch_farm/task.sh", mark = "patch_farm/task.00001.running";
+    std::filesystem::remove(folder_ / mark);
+    const pid_t task = fork();
+    if (task == 0) {
+      execl("/bin/sh", "sh", script.c_str(), "1", nullptr);
+      _exit(99);
+    }
+    for (int i = 0; i < 60000 && read(mark).empty(); ++i) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    std::this_thread::sleep_for(std::chrono::milliseconds(wait));
+    ASSERT_EQ(kill(task, SIGTERM), 0);
+    int status = 0;
+    ASSERT_EQ(waitpid(task, &status, 0), task);
+    const json ended = task_of("patch_farm", 1, 4);
+    EXPECT_EQ(ended.at("state"), "failed") << wait << " ms";
+    EXPECT_EQ(ended.value("exitCode", 0), 130) << wait << " ms";
+    EXPECT_EQ(ended.at("reason"), "it was told to end, by a signal") << wait << " ms";
+  }
+}
+
 // promise: farm.status, farm.status.code
 TEST_F(Farm, StatusOfPartsHasTheNoiseOfTheirSum) {
   const std::vector<std::string> frame{"--size", "48x32", "--dome", "0.2", "--set", "samples=96"};

@@ -172,6 +172,9 @@ TEST_F(FramesTest, TheStartFrameShowsTheModelsAtZeroSeconds) {
   EXPECT_NE(said.find("frame 1005 at 0.5 s (2 of 2)"), std::string::npos) << said;
   ASSERT_EQ(render("moving.gltf", {"--time", "0.5", "--set", "frame=1005", "-o", "alone.exr"}), 0);
   EXPECT_EQ(pixels("s.1005.exr"), pixels("alone.exr"));
+  EXPECT_EQ(said.find("after the last key"), std::string::npos) << said;
+  ASSERT_EQ(render("moving.gltf", {"--frames", "1001:1002", "-o", "l.####.exr"}, &said), 0);
+  EXPECT_NE(said.find("--start-frame 1001 makes the first one its start"), std::string::npos) << said;
 }
 
 // promise: pipeline.frames.skip
@@ -205,10 +208,11 @@ TEST_F(FramesTest, FramesThatAreThereAreSkippedIfTheyAreWholeAndOfTheirSize) {
 
 // promise: pipeline.frames.turntable
 TEST_F(FramesTest, ATurntableIsATurnOfTheCameraAboutTheObjects) {
-  const auto scene = [&](const std::string& name, const std::string& eye, const std::string& lamp) {
+  const auto scene = [&](const std::string& name, const std::string& eye, const std::string& lamp,
+                         const std::string& target = "[0, 0, 0]") {
     write(name, R"({"gltf": [{"file": "framed.gltf"}], "settings": {"studio": "off"},
                     "camera": {"lookAt": {"eye": )" +
-                    eye + R"(, "target": [0, 0, 0]}},
+                    eye + R"(, "target": )" + target + R"(}},
                     "lights": [{"name": "key", "type": "sphereLight", "position": )" +
                     lamp + R"(, "radius": 0.5, "intensity": 90}]})");
   };
@@ -228,6 +232,12 @@ TEST_F(FramesTest, ATurntableIsATurnOfTheCameraAboutTheObjects) {
   EXPECT_EQ(pixels("t.1.exr"), pixels("alone.exr"));
   ASSERT_EQ(render("quarter.json", {"--set", "frame=2", "-o", "quarter.exr"}), 0);
   EXPECT_LT(mean_difference("t.2.exr", "quarter.exr"), 1e-4);
+  // About what the camera looks at, wherever the objects are.
+  scene("beside.json", "[1, 1, 8]", "[0, 2, 3]", "[1, 0, 0]");
+  scene("beside_quarter.json", "[6.65685425, 1, 5.65685425]", "[0, 2, 3]", "[1, 0, 0]");
+  ASSERT_EQ(render("beside.json", {"--turntable", "8", "--frames", "2", "-o", "a.#.exr"}), 0);
+  ASSERT_EQ(render("beside_quarter.json", {"--set", "frame=2", "-o", "beside.exr"}), 0);
+  EXPECT_LT(mean_difference("a.2.exr", "beside.exr"), 1e-4);
   ASSERT_EQ(render("turn.json", {"--turntable", "8", "--turntable-lights", "--frames", "2", "-o", "l.#.exr"}), 0);
   ASSERT_EQ(render("lights.json", {"--set", "frame=2", "-o", "lights.exr"}), 0);
   EXPECT_LT(mean_difference("l.2.exr", "lights.exr"), 1e-4);
