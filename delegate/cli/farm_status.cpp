@@ -74,9 +74,16 @@ class FarmStatus {
     try {
       if (!farm) throw json::other_error::create(0, "", nullptr);
       home_ = farm->at("home").get<std::string>();
-      tasks_.resize(farm->at("tasks").get<uint32_t>());
+      const auto number = [&](const char* key) {
+        const auto value = farm->at(key).get<int64_t>();
+        if (value < 1 || value > int64_t(~uint32_t(0))) throw json::other_error::create(0, key, nullptr);
+        return static_cast<uint64_t>(value);
+      };
+      const uint64_t tasks = number("tasks");
       is_of_frames_ = farm->contains("frames");
-      const uint64_t samples = is_of_frames_ ? 0 : farm->at("samples").get<uint64_t>();
+      const uint64_t samples = is_of_frames_ ? tasks : number("samples");
+      if (samples < tasks) throw json::other_error::create(0, "samples", nullptr);
+      tasks_.resize(tasks);
       for (uint32_t k = 0; k < tasks_.size(); ++k) {
         Task& task = tasks_[k];
         task.number = k;
@@ -130,8 +137,15 @@ class FarmStatus {
 
   // What the statistics of a run tell.
   void read_stats(const fs::path& file, Progress* to) const {
-    const std::optional<json> stats = json_in(file);
-    if (!stats) return;
+    try {
+      if (const std::optional<json> stats = json_in(file)) read_stats(*stats, to);
+    } catch (const std::exception&) {
+      to->state = State::failed, to->exit_code = kRender;
+      to->reason = "its statistics cannot be read: " + file.string();
+    }
+  }
+  void read_stats(const json& found, Progress* to) const {
+    const json* const stats = &found;
     to->exit_code = stats->value("exitCode", int(kRender));
     to->state = *to->exit_code == kDone ? State::done : *to->exit_code == kDegraded ? State::degraded : State::failed;
     to->host = stats->value("host", "");

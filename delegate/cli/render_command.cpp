@@ -117,6 +117,7 @@ class RenderCommand {
     std::vector<std::string> files = a_.outputs;
     if (!a_.stats.empty()) files.push_back(a_.stats);
     if (!a_.checkpoint.empty()) files.push_back(a_.checkpoint);
+    if (!a_.running.empty()) files.push_back(a_.running);
     console_.require_usage("render", same_file_twice(files));
     if (!a_.stats.empty()) console_.require(kOutput, stats_file(), hd::support::OutputFault(stats_file()));
     if (!a_.outputs.empty()) products_ = make_products(a_, {}, "render", console_);
@@ -215,6 +216,7 @@ class RenderCommand {
       for (const double frame : a_.frames.numbers) files.push_back(frame_file(a_.stats, frame));
     else if (!a_.stats.empty())
       files.push_back(a_.stats);
+    if (!a_.running.empty()) files.push_back(a_.running);
     const std::vector<std::string> checkpoints = checkpoint_files(a_);
     files.insert(files.end(), checkpoints.begin(), checkpoints.end());
     console_.require_usage("render", input_overwritten(files, session_, a_.scene));

@@ -102,7 +102,10 @@ RunningMark::~RunningMark() {
   set_told_of_end(-1, 0);
   touching_.request_stop();
   touching_.join();
-  unlink(file_.c_str());
+  struct stat named = {}, own = {};
+  const bool is_own = stat(file_.c_str(), &named) == 0 && fstat(descriptor_, &own) == 0 && named.st_ino == own.st_ino &&
+                      named.st_dev == own.st_dev;
+  if (is_own) unlink(file_.c_str());  // another farm may have taken its place
   close(descriptor_);
 }
 
@@ -115,7 +118,7 @@ void RunningMark::touch(const std::stop_token& stop) {
 }
 
 std::optional<RunningSign> read_running_mark(const std::string& file) {
-  const int descriptor = open(file.c_str(), O_RDONLY | O_CLOEXEC);
+  const int descriptor = open(file.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK);
   if (descriptor < 0) return std::nullopt;
   const bool locked = is_locked(descriptor);
   struct stat about = {};

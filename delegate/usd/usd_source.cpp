@@ -5,6 +5,7 @@
 
 #include "core/files/real_path.h"
 #include "delegate/archive/archive.h"
+#include "delegate/host/light_paths.h"
 #include "delegate/host/product_writer.h"
 #include "delegate/support/extension.h"
 #include "delegate/support/process_usage.h"
@@ -132,8 +133,25 @@ class StageSource : public host::SceneSource {
       fault_ = result.out_of_memory ? host::SourceFault::out_of_memory : host::SourceFault::input;
       return;
     }
+    drop_unknown_light_paths(edits, sink);
     if (!is_posed_) facts_.settings = result.info.settings, facts_.memory_bytes = result.memory_bytes;
     is_posed_ = true;
+  }
+
+  // Expressions of other renderers' settings are no fault of the stage.
+  void drop_unknown_light_paths(host::SceneEdits* edits, const DiagnosticSink& sink) const {
+    for (auto& [path, prim] : edits->prims) {
+      auto* const settings = std::get_if<RenderSettingsDescription>(&prim);
+      if (!settings) continue;
+      for (RenderProduct& product : settings->products)
+        std::erase_if(product.vars, [&, where = path.str()](const RenderVar& var) {
+          const std::string fault = host::light_paths_fault(var.aov.str());
+          if (!fault.empty() && sink)
+            sink({Severity::warning, "usd.unread", file_ + ": " + where,
+                  "layer " + var.name + " is not written: " + fault});
+          return !fault.empty();
+        });
+    }
   }
 
   json scene_request(const json& at) const {

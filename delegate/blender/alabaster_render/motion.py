@@ -35,12 +35,13 @@ def sample(engine, depsgraph, shutter, exporter):
             deformed.setdefault(key, []).append((time, mesh))
         if scene.camera:
             for name, value in camera.lens(scene.camera.evaluated_get(depsgraph), depsgraph).items():
-                lenses.setdefault(name, []).append((time, value))
+                lenses.setdefault((scene.camera.name_full, name), []).append((time, value))
     engine.frame_set(frame, part)
     exporter.motion = {owner: poses for owner, poses in seen.items()
                        if len(poses) == len(times) and any(matrix != poses[0][1] for _, matrix in poses)}
-    exporter.lens = {name + ":samples": values for name, values in lenses.items()
-                     if len(values) == len(times) and any(value != values[0][1] for _, value in values)}
+    drawn = scene.camera.name_full if scene.camera else ""  # markers may bind another one at other times
+    exporter.lens = {name + ":samples": values for (owner, name), values in lenses.items()
+                     if owner == drawn and len(values) == len(times) and any(value != values[0][1] for _, value in values)}
     exporter.deformation = {key: poses for key, poses in deformed.items() if len(poses) == len(times) and deforms(poses)}
 
 

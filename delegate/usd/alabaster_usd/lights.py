@@ -120,7 +120,8 @@ class Areas:
     def under(self, map):
         linear = map.ExtractRotationMatrix()
         stretch = linear * linear.GetTranspose()
-        key = tuple("%.5g" % stretch[i][j] for i in range(3) for j in range(i, 3))
+        size = sum(stretch[i][i] for i in range(3)) or 1.0
+        key = "%.6g" % size, *(round(stretch[i][j] / size, 5) for i in range(3) for j in range(i, 3))
         if key not in self.known:
             self.known[key] = _area(self.mesh, map, self.time)
         return self.known[key]

@@ -1,4 +1,6 @@
 """A stage as edits of a scene, in order: cameras and settings, the walk over the prims, materials, instancers."""
+import hashlib
+
 from pxr import Gf, Sdf, Usd, UsdGeom, UsdLux, UsdShade, UsdSkel
 
 from . import geometry, lights, views
@@ -182,15 +184,16 @@ class Reader:
 
     def _choose_shutter(self):
         """The times at which what moves is sampled: of the camera's shutter, or of the options'; for AOV motion of the next frame, too."""
-        self.shutter, self.blurs, prim, settings = None, False, self.cameras.get(self.main), self.settings
+        self.shutter, prim, settings = None, self.cameras.get(self.main), self.settings
         given = self.options.get("shutter")
-        if self.time.GetValue() < -1e300:
+        if not self.time.GetValue() > -1e300:  # the default time is no number
             return
         opens = closes = 0
         if (given or prim) and not (settings and views.all_disabled(settings, "disableMotionBlur")):
             opens, closes = given or [prim.GetAttribute("shutter:" + n).Get(self.time) or 0 for n in ("open", "close")]
-        self.blurs = closes > opens
-        times = {*(self._between(opens, closes) if self.blurs else ()), *((0.0, 1.0) if self.shows_motion else ())}
+        blurs = closes > opens
+        ends = (t for t in (0.0, 1.0) if not (blurs and opens <= t <= closes)) if self.shows_motion else ()  # within it, a sample would change the blur
+        times = {*(self._between(opens, closes) if blurs else ()), *ends}
         if times:
             self.shutter = sorted(times)
             self.shutter_times = [Usd.TimeCode(self.time.GetValue() + t) for t in self.shutter]
@@ -490,8 +493,10 @@ class Reader:
             fields["primvars:hydra:instanceScales"] = V("float3[]", scales)
         shown = points.ComputeMaskAtTime(self.time)
         instancer = Instancer(place.name(prim), place.xform, place.instancer, fields)
+        # Of more positions than indices OpenUSD gives none; areas need their scales alone.
         instancer.places = lambda: points.ComputeInstanceTransformsAtTime(
-            self.time, self.time, UsdGeom.PointInstancer.ExcludeProtoXform, UsdGeom.PointInstancer.IgnoreMask)
+            self.time, self.time, UsdGeom.PointInstancer.ExcludeProtoXform, UsdGeom.PointInstancer.IgnoreMask) or [
+                Gf.Matrix4d(1).SetScale(Gf.Vec3d(s)) for s in (scales if scales and len(scales) == len(indices) else [Gf.Vec3f(1)] * len(indices))]
         instancer.of_links, instancer.origin = False, place.origin or str(prim.GetPath())
         if place.moves:
             fields["transform:samples"] = self._samples(place.moves)
@@ -571,7 +576,7 @@ class Reader:
             name, prim, fields = self.meshes[number]
             if lights.is_mesh_light(prim):
                 if subset is None:
-                    glow, primvar = name + "/light", "emission" + name.replace("/", "_")
+                    glow, primvar = name + "/light", "emission_" + hashlib.sha256(name.encode()).hexdigest()[:16]
                     made, by_instance = lights.glow_fields(prim, lambda: self._areas(name, prim), primvar, self.time, self.notes)
                     self.sink.set(glow, "material", made)
                     if by_instance:
