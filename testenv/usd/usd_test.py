@@ -805,7 +805,6 @@ def test_points_are_spheres_that_move_by_their_velocities():
 
 def test_a_distant_light_has_the_intensity_of_its_schema():
     light = '    def DistantLight "sun" { %s }\n'
-    more = flat.replace("]\n        float3[] scales", ", (9, 9, 9)]\n        float3[] scales", 1)  # a position that no index has
     no_sky = CAMERA[:CAMERA.index("    def DomeLight")]
     a = stage("sun.usda", cube("c", 0) + light % "float inputs:exposure = 0", camera=no_sky)
     b = stage("sun_given.usda", cube("c", 0) + light % "float inputs:intensity = 50000", camera=no_sky)
@@ -840,7 +839,7 @@ def test_a_mesh_is_a_light_by_its_front_and_its_area():
 
 def test_the_next_frame_changes_no_blur():
     """AOV motion asks for times 0 and 1. The default time has neither, nor a shutter."""
-    shutter = CAMERA.replace("float focalLength = 0.5", "double shutter:open = -0.21\n        double shutter:close = 0.33\n        float focalLength.timeSamples = { 1: 0.5, 2: 0.6 }")
+    shutter = CAMERA.replace("float focalLength = 0.5", "double shutter:open = -0.21\n        double shutter:close = 0.33\n        float focalLength.timeSamples = { 1: 0.5, 2: 0.6,}")
     turns = QUAD % "/World/m" + cube("c", 1.4).replace("double3 xformOp:translate", "float xformOp:rotateZ.timeSamples = { 1: 0, 3: 170,}\n        double3 xformOp:translate").replace(
         '["xformOp:translate"]', '["xformOp:translate", "xformOp:rotateZ"]')
     file = stage("blur_and_motion.usda", turns, camera=shutter)
@@ -892,6 +891,7 @@ def test_instances_of_a_mesh_light_have_one_power():
     lamp, scales = 'def Xform "Light"\n{\n%s}' % pair, [(a, b) for _, a, b in places]
     flat = points("/World/many/Light", [(x, 2) for x, _, _ in places], scales, lamp)
     nested = points("/World/outer/inner", [(x, 2) for x, _, _ in places], scales, points("/World/outer/inner/Light", [(0, 0)], [(1, 1)], lamp))
+    more = flat.replace("]\n        float3[] scales", ", (9, 9, 9)]\n        float3[] scales", 1)  # a position that no index has
     no_sky = CAMERA[:CAMERA.index("    def DomeLight")]
     light = 'class Xform "Light"\n{\n' + pair + "}\n"
     rects, _ = picture(stage("one_power.usda", floor + wanted, camera=no_sky), spp="64")

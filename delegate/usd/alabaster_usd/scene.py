@@ -496,7 +496,7 @@ class Reader:
         # Of more positions than indices OpenUSD gives none; areas need their scales alone.
         instancer.places = lambda: points.ComputeInstanceTransformsAtTime(
             self.time, self.time, UsdGeom.PointInstancer.ExcludeProtoXform, UsdGeom.PointInstancer.IgnoreMask) or [
-                Gf.Matrix4d(1).SetScale(Gf.Vec3d(s)) for s in (scales if scales and len(scales) == len(indices) else [Gf.Vec3f(1)] * len(indices))]
+                Gf.Matrix4d(1).SetScale(Gf.Vec3d(s)) for s in (*(scales if scales and len(scales) == len(indices) else ()), *[Gf.Vec3f(1)] * len(positions))][:len(positions)]
         instancer.of_links, instancer.origin = False, place.origin or str(prim.GetPath())
         if place.moves:
             fields["transform:samples"] = self._samples(place.moves)
