@@ -242,7 +242,7 @@ class Arguments(unittest.TestCase):
                      lambda: self.scene.edit("/camera", {"transform:sample": moves})):
             with self.assertRaisesRegex(hdalabaster.ArgumentError, text):
                 call()
-        with self.assertRaisesRegex(ValueError, "focalLength"):
+        with self.assertRaisesRegex(TypeError, "focalLength must be a number"):
             self.scene.edit("/camera", focalLength=moves, horizontalAperture=0.036)
 
     def test_fractions_are_no_whole_numbers(self):

@@ -63,15 +63,18 @@ class Edits(unittest.TestCase):
                             **{"primvars:tint": [(0.5, 0.5, 0.5)] * 2, "primvars:worn_out": [1, 1]})
         renderer = hdalabaster.Renderer(scene, samples=4)
 
-        def albedo():
-            return [round(n, 2) for n in pixel(draw(renderer, aovs=["color", "albedo"]), 8, 8, "albedo")]
-        self.assertEqual(albedo(), [0.5, 0.5, 0.5])
+        def seen():
+            render = draw(renderer, aovs=["albedo", "primvars:tint", "primvars:worn_out"])
+            red, _, blue = pixel(render, 8, 8, "albedo")
+            return pixel(render, 8, 8, "primvars:tint"), pixel(render, 8, 8, "primvars:worn_out")[0], (red > blue) - (red < blue)
+        self.assertEqual(seen(), ([0.5, 0.5, 0.5], 1, 0))
         red = memoryview(bytearray(24)).cast("f", (2, 3))
         red[1, 0] = 0.75
         scene.set_instance_values("/many", 0, tint=red, worn_out=[0, 0.5])
-        self.assertEqual(albedo(), [0.75, 0, 0])
+        self.assertEqual(seen(), ([0.75, 0, 0], 0.5, 1))
         scene.set_instance_values("/many", 1, **{"primvars:tint": [(0, 0, 0.25)]}, translations=[(0, 0, 0)])
-        self.assertEqual(albedo(), [0, 0, 0.25])
+        last = ([0, 0, 0.25], 0.5, -1)
+        self.assertEqual(seen(), last)
         rest = [(1, 1, 1)] * 2
         for wrong, text in [(dict(tint=rest), "the values of tint are 2, and 2 from number 1 on go beyond their end"),
                             (dict(tint=[0.5]), "tint are of type float3, and those given are of type float"),
@@ -80,7 +83,7 @@ class Edits(unittest.TestCase):
                             (dict(tint="red"), "must be an array")]:
             with self.assertRaisesRegex(hdalabaster.Error if "Primvar" not in str(wrong) else ValueError, text):
                 scene.set_instance_values("/many", 1, **wrong)
-        self.assertEqual(albedo(), [0, 0, 0.25])
+        self.assertEqual(seen(), last)
 
     # promise: embedding.instances.unmatched
     def test_instancers_and_meshes_that_do_not_find_each_other_are_reported_once(self):
