@@ -68,7 +68,7 @@ typedef struct AlabasterApi {
   AlabasterStatus (*scene_edit)(AlabasterScene*, const char* path, const AlabasterParameter* fields, size_t count);
   /* Replaces elements of an instancer's primvar ("hydra:instanceTranslations"), from number `first` on: positions,
      scales, rotations, matrices, or values that looks read. Costs what it changes; scene_edit costs a look at all
-     instances. `values` has the type that the primvar has: INVALID_ARGUMENT if not, or if they lie beyond its end.
+     instances. INVALID_ARGUMENT: elements have more or fewer numbers than the primvar's, or lie beyond its end.
      Instances that move stand still there, at the cost of a copy of each sample; the others move as before. */
   AlabasterStatus (*scene_set_instances)(AlabasterScene*, const char* instancer, const char* primvar, size_t first,
                                          const AlabasterValue* values);

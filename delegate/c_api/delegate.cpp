@@ -2,6 +2,7 @@
 
 #include "delegate/c_api/values.h"
 #include "delegate/support/lookup.h"
+#include "delegate/support/nearest_name.h"
 
 namespace alabaster::hd::c_api {
 namespace {
@@ -269,6 +270,7 @@ AlabasterStatus record(AlabasterDelegate* handle, const AlabasterRecordOptions* 
     refuse_while_recording(data, "record");
     if (!data.scene) throw bad_argument("the delegate draws no scene");
     tell_other_colors(data);
+    tell_unmatched_instancers(data);
     const Path settings = settings_path(data.scene->scene, in.settings);
     if (settings.empty()) throw Failure(ALABASTER_NOT_FOUND, "the scene has no render settings");
     const RecordingScope scope(data);
@@ -308,6 +310,66 @@ void tell_other_colors(DelegateData& data) {
                              own +
                              ", which counts; make the renderer after the scene is loaded, or name the "
                              "configuration in its setting ocio"});
+}
+
+namespace {
+
+using host::InstancerDescription;
+using host::MeshDescription;
+
+/// The instancer of a mesh, or the one that an instancer stands in.
+const Path* instancer_of(const host::Prims& prims, const Path& id) {
+  if (const auto* mesh = host::FindPrim<MeshDescription>(prims, id)) return &mesh->instancer;
+  const auto* inner = host::FindPrim<InstancerDescription>(prims, id);
+  return inner ? &inner->parent : nullptr;
+}
+
+/// What is wrong with the first prototype that does not name the instancer; "" if none is.
+std::string fault_of_prototypes(const host::Prims& prims, const Path& id, const InstancerDescription& instancer) {
+  for (const auto& [prototype, indices] : instancer.indices) {
+    const Path* named = instancer_of(prims, prototype);
+    if (indices.empty() || (named && *named == id)) continue;
+    const std::string text = "prototypes:" + prototype.str() + ": ";
+    if (named)
+      return text + "it does not name this instancer (its field '" +
+             (host::FindPrim<MeshDescription>(prims, prototype) ? "instancer" : "parent") +
+             "'); its instances are not drawn";
+    std::vector<std::string> those_that_name_it, others;
+    for (const auto& prim : prims)
+      if (const Path* other = instancer_of(prims, prim.first))
+        (*other == id ? those_that_name_it : others).push_back(prim.first.str());
+    return text + "there is no mesh or instancer of that path; its instances are not drawn" +
+           support::DidYouMean(prototype.str(), those_that_name_it, support::DidYouMean(prototype.str(), others));
+  }
+  return {};
+}
+
+}  // namespace
+
+void tell_unmatched_instancers(DelegateData& data) {
+  const std::set<Path> changed = std::exchange(data.scene->unmatched, {});
+  if (changed.empty()) return;
+  const host::Prims& prims = data.scene->scene.GetPrims();
+  std::set<Path>& told = data.scene->told_instancers;
+  const auto tell = [&](const Path& instancer, const std::string& fault) {
+    if (told.insert(instancer).second)
+      sink_of(data.reports)({Severity::warning, "instancer.prototype", instancer.str(), fault});
+  };
+  for (const Path& id : changed) {
+    const auto* instancer = host::FindPrim<InstancerDescription>(prims, id);
+    if (!instancer) continue;
+    const std::string fault = fault_of_prototypes(prims, id, *instancer);
+    if (fault.empty())
+      told.erase(id);
+    else
+      tell(id, fault);
+  }
+  for (const Path& id : changed) {
+    const Path* named = instancer_of(prims, id);
+    const auto* instancer = named ? host::FindPrim<InstancerDescription>(prims, *named) : nullptr;
+    if (instancer && !instancer->indices.contains(id))
+      tell(*named, id.str() + " names this instancer, which has no prototypes:" + id.str() + "; it is not drawn");
+  }
 }
 
 void add_delegate_functions(AlabasterApi* api) {

@@ -198,6 +198,8 @@ struct SceneData {
   description::SceneFile loaded;
   std::set<std::string> loaded_texts;  // those of every load: another thread may still read them
   std::atomic<bool> is_shown{false};   // a delegate draws it
+  std::set<Path> unmatched;            // instancers, and meshes with one, that the host has set since the last frame
+  std::set<Path> told_instancers;      // with a fault of what they list, which has been reported
   const Process process{};
 };
 
@@ -232,6 +234,9 @@ struct DelegateData {
 
 /// Reports, once, that the scene names a colour configuration which the delegate, made before, does not have.
 void tell_other_colors(DelegateData& data);
+/// Reports, once for each instancer, names that instancers and meshes which the host has set do not have for each
+/// other. Only in what the host has set: readers of files may leave out a prototype, and an index has no such lists.
+void tell_unmatched_instancers(DelegateData& data);
 /// Refuses what cannot happen in the midst of a recording.
 void refuse_while_recording(const DelegateData& data, const char* function);
 

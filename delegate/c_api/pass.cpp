@@ -95,6 +95,7 @@ void start(PassData& pass, const AlabasterFrame& in, RenderPassState state) {
   refuse_while_recording(owner, "pass_start");
   if (!owner.scene) throw bad_argument("the delegate draws no scene");
   tell_other_colors(owner);
+  tell_unmatched_instancers(owner);
   std::vector<std::shared_ptr<BufferData>> bound;
   for (const AlabasterBinding& binding : items(in.bindings, in.binding_count, "bindings")) {
     const std::string aov = text_or(binding.aov, "");

@@ -88,6 +88,10 @@ AlabasterStatus with_fields(AlabasterScene* handle, const char* path, const Para
     const host::SetResult result = call(&data->scene, id, fields);
     if (!result.found) throw Failure(ALABASTER_NOT_FOUND, result.fault);
     if (!result.fault.empty()) throw bad_argument(std::string(path) + ": " + result.fault);
+    const auto& prims = data->scene.GetPrims();
+    const auto* mesh = host::FindPrim<host::MeshDescription>(prims, id);
+    if (mesh ? !mesh->instancer.empty() : host::FindPrim<host::InstancerDescription>(prims, id) != nullptr)
+      data->unmatched.insert(id);
   });
 }
 
@@ -102,6 +106,18 @@ AlabasterStatus scene_edit(AlabasterScene* handle, const char* path, const Alaba
   return with_fields(handle, path, {fields, count}, [](auto* scene, const Path& id, const host::Fields& read) {
     return host::EditPrim(scene, id, read);
   });
+}
+
+/// Why a part of an instancer's values cannot be replaced; "" if not for what this compares.
+std::string misfit(const Token& name, const Value& held, size_t first, const Value& given) {
+  const std::string values = "the values of " + name.str();
+  if (!given.is_array()) return values + " must be an array: one for each instance";
+  const TypeInfo &own = GetTypeInfo(held.type()), &other = GetTypeInfo(given.type());
+  if (own.components != other.components || (own.bytes == 0) != (other.bytes == 0))
+    return values + " are of type " + own.name + ", and those given are of type " + other.name;
+  if (first <= held.count() && given.count() <= held.count() - first) return {};
+  return values + " are " + std::to_string(held.count()) + ", and " + std::to_string(given.count()) + " from number " +
+         std::to_string(first) + " on go beyond their end";
 }
 
 void edit_instances(AlabasterScene* handle, const char* path, size_t first, const std::map<Token, Value>& elements) {
@@ -119,8 +135,12 @@ void edit_instances(AlabasterScene* handle, const char* path, size_t first, cons
                                              support::DidYouMeanPath(name.str(), found->second.primvars));
     names += (names.empty() ? "" : ", ") + name.str();
   }
-  if (!data.scene.SetInstanceValues(id, first, elements))
-    throw bad_argument("the values of " + names + " are of another type than the instancer's or beyond its end");
+  if (data.scene.SetInstanceValues(id, first, elements)) return;
+  for (const auto& [name, value] : elements)
+    if (const std::string fault = misfit(name, found->second.primvars.at(name), first, value); !fault.empty())
+      throw bad_argument(id.str() + ": " + fault);
+  throw bad_argument(id.str() + ": the values of " + names +
+                     " are of another type than the instancer's, or its samples end before them");
 }
 
 AlabasterStatus scene_set_instances(AlabasterScene* handle, const char* path, const char* primvar, size_t first,

@@ -295,8 +295,8 @@ constexpr Field kInstancers[] = {
          "Rotations R of the instances; the real part first."),
     open("primvars:hydra:instanceScales", array_of(ALABASTER_FLOAT3), "Scales S of the instances."),
     open("primvars:NAME", kAny,
-         "Numbers of looks, one to four for each instance: they replace those of the mesh, and those of outer "
-         "instancers."),
+         "Values by instance, one to four numbers for each: materials read them by a node AlabasterPrimvar "
+         "(artists.md). They replace those of the mesh, and those of outer instancers."),
     open("primvars:NAME:role", kWord, "Meaning of the values.", kRoles),
     open("primvars:NAME:samples", kSamples, "Values at times, of transforms, translations, rotations and scales."),
     open("prototypes:PATH", array_of(ALABASTER_INT),

@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "delegate/host/open_fields.h"
+#include "delegate/support/float_values.h"
 #include "delegate/support/lookup.h"
 
 namespace alabaster::hd::host {
@@ -12,8 +13,8 @@ namespace {
 using support::find_in;
 using support::value_in;
 
-/// Copies an array of one of the types that Sync takes as they are, with the elements from `first` on replaced. False:
-/// it is of another type, `part` is, or it ends before them.
+/// Copies an array with the elements from `first` on replaced. Numbers of two types become the floats that Sync makes
+/// of them. False: an element has another number of components, or the array ends before them.
 bool replace_part(Value* array, size_t first, const Value& part) {
   bool fits = false;
   const auto try_type = [&]<class T>(const Array<T>&) {
@@ -26,7 +27,13 @@ bool replace_part(Value* array, size_t first, const Value& part) {
   };
   try_type(Array<Vec3f>()), try_type(Array<Quatf>()), try_type(Array<Matrix4d>());
   try_type(Array<float>()), try_type(Array<Vec2f>()), try_type(Array<Vec4f>());
-  return fits;
+  if (fits || !array->is_array() || !part.is_array()) return fits;
+  Value floats = support::FloatValues(*array);
+  const Value elements = support::FloatValues(part);
+  if (floats.type() == array->type() && elements.type() == part.type()) return false;  // tried above
+  if (!replace_part(&floats, first, elements)) return false;
+  *array = std::move(floats);
+  return true;
 }
 
 std::vector<PrimvarDescriptor> descriptors_of(const MeshDescription& mesh) {

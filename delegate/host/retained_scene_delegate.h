@@ -163,7 +163,7 @@ class ALABASTER_API RetainedSceneDelegate : public SceneDelegate {
 
   /// Replaces elements of an instancer's primvars, from `first` on; in their motion samples, too: these stand still.
   /// Costs a copy of each array, SetInstancer a comparison, too. False, and nothing is
-  /// changed: there is no such primvar, or an array is of another type than its elements or ends before them.
+  /// changed: there is no such primvar, or an array's elements have another number of components or end before them.
   bool SetInstanceValues(const Path& instancer, size_t first, const std::map<Token, Value>& elements);
   bool SetInstanceValues(const Path& instancer, const Token& primvar, size_t first, const Value& elements) {
     return SetInstanceValues(instancer, first, {{primvar, elements}});

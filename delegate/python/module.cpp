@@ -91,7 +91,8 @@ void add_fields_of_prims(py::class_<Scene>& scene) {
           },
           py::call_guard<FreeReturned>(), py::arg("path"), py::arg("first"),
           "Replaces instances from number first on, in arrays that set_instancer was given: transforms, translations, "
-          "rotations, scales. Costs what it changes.");
+          "rotations, scales, and values by instance by their names (tint=colors of 'primvars:tint'). Costs what it "
+          "changes.");
 }
 
 }  // namespace

@@ -31,6 +31,16 @@ c_api::Parameters all_fields(const std::string& kind, const py::object& given, c
   return fields;
 }
 
+/// Throws for a field that prims of this kind do not have. Those of a material are its nodes'.
+void check_names(const std::string& path, const std::string& kind, const py::object& given, const py::dict& options) {
+  if (kind == "material") return;
+  const c_api::Scene scratch = c_api::make_scene();
+  for (const py::object& fields : {given, py::object(options)})
+    if (!fields.is_none())
+      for (const auto& named : entries(fields, "fields"))
+        c_api::set(scratch, path, kind, {{field_name(named.first), Value()}});
+}
+
 }  // namespace
 
 Scene::Scene(py::object report)
@@ -98,7 +108,14 @@ py::dict Scene::prims() {
 }
 
 void Scene::set(const std::string& path, const std::string& kind, const py::object& fields, const py::dict& options) {
-  const c_api::Parameters held = all_fields(kind, fields, options);
+  const c_api::Parameters held = [&] {
+    try {
+      return all_fields(kind, fields, options);
+    } catch (const py::builtin_exception&) {  // a misspelt name is the cause of a value that cannot be read
+      check_names(path, kind, fields, options);
+      throw;
+    }
+  }();
   const std::vector<AlabasterParameter> raw = c_api::pass(held);
   run([&](const AlabasterApi& api, AlabasterScene* scene) {
     return api.scene_set(scene, path.c_str(), kind.c_str(), raw.data(), raw.size());
@@ -106,7 +123,15 @@ void Scene::set(const std::string& path, const std::string& kind, const py::obje
 }
 
 void Scene::edit(const std::string& path, const py::object& fields, const py::dict& options) {
-  const c_api::Parameters held = all_fields("", fields, options);
+  const c_api::Parameters held = [&] {
+    try {
+      return all_fields("", fields, options);
+    } catch (const py::builtin_exception&) {
+      const py::dict all = prims();
+      if (const py::str name(path); all.contains(name)) check_names(path, py::str(all[name]), fields, options);
+      throw;
+    }
+  }();
   const std::vector<AlabasterParameter> raw = c_api::pass(held);
   run([&](const AlabasterApi& api, AlabasterScene* scene) {
     return api.scene_edit(scene, path.c_str(), raw.data(), raw.size());
@@ -114,13 +139,21 @@ void Scene::edit(const std::string& path, const py::object& fields, const py::di
 }
 
 void Scene::set_instance_values(const std::string& path, size_t first, const py::dict& options) {
-  check_options(options, {"transforms", "translations", "rotations", "scales"});
+  py::dict named;
+  for (const auto& [name, values] : entries(options, "options")) {
+    const bool is_field = name.find(':') != std::string::npos || field_name(name).starts_with("primvars:");
+    named[py::str(is_field ? name : "primvars:" + name)] = values;
+  }
   c_api::Parameters all;
-  add_fields("instancer", options, "options", &all);
+  add_fields("instancer", named, "options", &all);
   c_api::Parameters primvars;
   for (auto& [field, value] : all) {
     if (field.ends_with(":samples"))
       throw py::value_error("instances that are set one by one stand still: their values have no motion");
+    for (const char* suffix : {":interpolation", ":role", ":indices"})
+      if (field.ends_with(suffix))
+        throw py::value_error(field.substr(0, field.rfind(':')) +
+                              ": values by instance are numbers alone, without interpolation, role or indices");
     if (value.type() != ALABASTER_NONE) primvars.emplace_back(field.substr(field.find(':') + 1), std::move(value));
   }
   const std::vector<AlabasterParameter> raw = c_api::pass(primvars);

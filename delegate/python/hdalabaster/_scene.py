@@ -102,7 +102,9 @@ class SceneMethods:
                       translations: Union[None, _Array, Primvar] = None, rotations: Union[None, _Array, Primvar] = None,
                       scales: Union[None, _Array, Primvar] = None, motion: _Motion = None, **fields: Unpack[Instancer]) -> None:
         """prototypes={mesh: indices of its instances}. transforms (n, 4, 4), translations (n, 3), rotations (n, 4; the real part
-        first), scales (n, 3), motion=[(time, transform), ...], and fields of an instancer. The meshes name the instancer, too."""
+        first), scales (n, 3), motion=[(time, transform), ...], and fields of an instancer. The meshes name the instancer, too.
+        Values by instance are fields, which edit sets: edit('/many', {'primvars:tint': colors}). Materials read them by a node
+        AlabasterPrimvar."""
         given = {"transforms": transforms, "translations": translations, "rotations": rotations, "scales": scales, "motion": motion, **fields}
         given.update(("prototypes:" + name, indices) for name, indices in _entries(prototypes, "prototypes"))
         self.set(path, "instancer", given)
@@ -122,10 +124,11 @@ class SceneMethods:
             given.update((f"{node}.{name}", value) for name, value in _entries(inputs, f"node '{node}'"))
         self.set(path, "material", given)
 
-    def set_light(self, path: str, type: str, transform: _Matrix = None, visible: bool = True, **parameters: _Parameter) -> None:
-        """type: rectLight, diskLight, cylinderLight, sphereLight, distantLight or domeLight. Parameters of schemas/lights.json:
-        intensity=2, color=(1, .9, .8)."""
-        self.set(path, type, {"transform": transform, "visible": visible, **parameters})
+    def set_light(self, path: str, type: str, transform: _Matrix = None, visible: bool = True, *, motion: _Motion = None,
+                  **parameters: _Parameter) -> None:
+        """type: rectLight, diskLight, cylinderLight, sphereLight, distantLight or domeLight. motion=[(time, transform), ...], and
+        parameters of schemas/lights.json: intensity=2, color=(1, .9, .8)."""
+        self.set(path, type, {"transform": transform, "visible": visible, "motion": motion, **parameters})
 
     def set_camera(self, path: str, transform: _Matrix = None, *, motion: _Motion = None, **parameters: _Parameter) -> None:
         """Looks along -z of its transform. motion=[(time, transform), ...], and parameters of schemas/camera.json."""

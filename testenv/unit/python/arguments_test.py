@@ -235,6 +235,16 @@ class Arguments(unittest.TestCase):
         with self.assertRaisesRegex(ValueError, "transform must have 4 x 4"):
             self.scene.set_transform("/square", [[1, 0, 0, 0, 0, 1, 0, 0], [0, 0, 1, 0, 0, 0, 0, 1]])
 
+    def test_a_misspelt_field_is_named_before_its_value_is_read(self):
+        moves = [(0, BACK), (1, BACK)]
+        text = "/camera: a camera has no field 'transform:sample'; did you mean 'transform:samples'"
+        for call in (lambda: self.scene.set("/camera", "camera", {"transform:sample": moves}),
+                     lambda: self.scene.edit("/camera", {"transform:sample": moves})):
+            with self.assertRaisesRegex(hdalabaster.ArgumentError, text):
+                call()
+        with self.assertRaisesRegex(TypeError, "focalLength must be a number"):
+            self.scene.edit("/camera", focalLength=moves, horizontalAperture=0.036)
+
     def test_fractions_are_no_whole_numbers(self):
         nan, infinite = float("nan"), float("inf")
         for name in "samples", "maxDepth", "seed":

@@ -53,6 +53,62 @@ class Edits(unittest.TestCase):
         render = draw(renderer, aovs=["instanceId"])
         self.assertNotEqual(pixel(render, 8, 8, "instanceId"), 1)
 
+    def test_a_part_of_the_values_by_instance_is_replaced(self):
+        scene = square()
+        scene.set_mesh("/square", CORNERS, [[0, 1, 2, 3]], instancer="/many", material="/tinted")
+        scene.set_material("/tinted", nodes={"surface": {"baseColor": ("tint", "rgb"), "roughness": ("worn", "r")},
+                                             "tint": {"type": "AlabasterPrimvar", "varname": "tint"},
+                                             "worn": {"type": "AlabasterPrimvar", "varname": "worn_out"}})
+        scene.set_instancer("/many", {"/square": [0, 1]}, translations=[(-9, 0, 0), (0, 0, 0)],
+                            **{"primvars:tint": [(0.5, 0.5, 0.5)] * 2, "primvars:worn_out": [1, 1]})
+        renderer = hdalabaster.Renderer(scene, samples=4)
+
+        def seen():
+            render = draw(renderer, aovs=["albedo", "primvars:tint", "primvars:worn_out"])
+            red, _, blue = pixel(render, 8, 8, "albedo")
+            return pixel(render, 8, 8, "primvars:tint"), pixel(render, 8, 8, "primvars:worn_out")[0], (red > blue) - (red < blue)
+        self.assertEqual(seen(), ([0.5, 0.5, 0.5], 1, 0))
+        red = memoryview(bytearray(24)).cast("f", (2, 3))
+        red[1, 0] = 0.75
+        scene.set_instance_values("/many", 0, tint=red, worn_out=[0, 0.5])
+        self.assertEqual(seen(), ([0.75, 0, 0], 0.5, 1))
+        scene.set_instance_values("/many", 1, **{"primvars:tint": [(0, 0, 0.25)]}, translations=[(0, 0, 0)])
+        last = ([0, 0, 0.25], 0.5, -1)
+        self.assertEqual(seen(), last)
+        rest = [(1, 1, 1)] * 2
+        for wrong, text in [(dict(tint=rest), "the values of tint are 2, and 2 from number 1 on go beyond their end"),
+                            (dict(tint=[0.5]), "tint are of type float3, and those given are of type float"),
+                            (dict(tnit=rest), "no primvar tnit; did you mean 'tint'"),
+                            (dict(tint=hdalabaster.Primvar(rest, indices=[0, 1])), "numbers alone"),
+                            (dict(tint="red"), "must be an array")]:
+            with self.assertRaisesRegex(hdalabaster.Error if "Primvar" not in str(wrong) else ValueError, text):
+                scene.set_instance_values("/many", 1, **wrong)
+        self.assertEqual(seen(), last)
+
+    # promise: embedding.instances.unmatched
+    def test_instancers_and_meshes_that_do_not_find_each_other_are_reported_once(self):
+        heard = []
+        scene = square()
+        renderer = hdalabaster.Renderer(scene, report=lambda *message: heard.append(message[1:]), samples=1)
+
+        def messages(prototypes):
+            scene.set_instancer("/many", prototypes, translations=[(0, 0, 0), (1, 0, 0)])
+            for _ in range(2):
+                draw(renderer)
+            return [heard.pop() for _ in range(len(heard))]
+        fault = "instancer.prototype", "/many"
+        unnamed = "prototypes:/square: it does not name this instancer (its field 'instancer'); its instances are not drawn"
+        self.assertEqual(messages({"/square": [0, 1]}), [(*fault, unnamed)])
+        scene.edit("/square", instancer="/many")
+        self.assertEqual(messages({"/square": [0, 1]}), [])
+        unknown = "prototypes:/sqare: there is no mesh or instancer of that path; its instances are not drawn; did you mean '/square'?"
+        self.assertEqual(messages({"/sqare": [0, 1]}), [(*fault, unknown)])
+        self.assertEqual(messages({"/sqare": [0, 1], "/square": [1]}), [], "is known")
+        self.assertEqual(messages({"/gone": [], "/square": [1]}), [], "an empty list draws nothing")
+        scene.set_mesh("/other", CORNERS, [[0, 1, 2, 3]], instancer="/many")
+        self.assertEqual(messages({"/square": [0, 1]}),
+                         [(*fault, "/other names this instancer, which has no prototypes:/other; it is not drawn")])
+
     def test_a_body_with_contents_has_the_bytes_of_a_fresh_scene(self):
         def picture(renderer):
             return bytes(draw(renderer).pixels("color"))
