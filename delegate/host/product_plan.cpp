@@ -186,6 +186,10 @@ std::vector<RenderVar> WantedVars(const RenderProduct& product) {
   return vars;
 }
 
+std::string LightPathsFault(const RenderVar& var) {
+  return light_paths_fault(var.aov.str());
+}
+
 RenderVar UsualRenderVar(const std::string& name) {
   const std::string aov = aov_of_light_paths(name);
   const AovInfo* known = find_aov(aov);

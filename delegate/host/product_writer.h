@@ -52,6 +52,8 @@ ALABASTER_API const std::vector<std::string>& ProductAovs();
 /// The AOV under its own name in the data type that suits it: ids and counts int, distances float, all else half. That
 /// of "lpe:EXPRESSION" is the one that shows these light paths; where there is none, the variable has this name.
 ALABASTER_API RenderVar UsualRenderVar(const std::string& name);
+/// Why no AOV shows the light paths of a variable "lpe:EXPRESSION"; empty: one does, or it is no such variable.
+std::string LightPathsFault(const RenderVar& var);
 
 enum class ProductStatus {
   done,

@@ -5,7 +5,6 @@
 
 #include "core/files/real_path.h"
 #include "delegate/archive/archive.h"
-#include "delegate/host/light_paths.h"
 #include "delegate/host/product_writer.h"
 #include "delegate/support/extension.h"
 #include "delegate/support/process_usage.h"
@@ -145,7 +144,7 @@ class StageSource : public host::SceneSource {
       if (!settings) continue;
       for (RenderProduct& product : settings->products)
         std::erase_if(product.vars, [&, where = path.str()](const RenderVar& var) {
-          const std::string fault = host::light_paths_fault(var.aov.str());
+          const std::string fault = host::LightPathsFault(var);
           if (!fault.empty() && sink)
             sink({Severity::warning, "usd.unread", file_ + ": " + where,
                   "layer " + var.name + " is not written: " + fault});
