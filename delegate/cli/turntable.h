@@ -5,8 +5,8 @@
 
 namespace alabaster::cli {
 
-/// Turns all cameras of a loaded scene about the vertical line through the point that the description's camera looks at,
-/// else through the middle of the objects. One thread.
+/// Turns all cameras of a loaded scene about the vertical line through the point that the description's camera looks
+/// at, else through the middle of the objects. One thread.
 class Turntable {
  public:
   /// `lights`: they turn with the cameras, as if the objects turned the other way.
