@@ -4,6 +4,7 @@
 #include <cstdio>
 #include <filesystem>
 #include <fstream>
+#include <limits>
 #include <nlohmann/json.hpp>
 
 #include "delegate/cli/commands.h"
@@ -75,8 +76,9 @@ class FarmStatus {
       if (!farm) throw json::other_error::create(0, "", nullptr);
       home_ = farm->at("home").get<std::string>();
       const auto number = [&](const char* key) {
+        constexpr int64_t kMost = std::numeric_limits<uint32_t>::max();
         const auto value = farm->at(key).get<int64_t>();
-        if (value < 1 || value > int64_t(~uint32_t(0))) throw json::other_error::create(0, key, nullptr);
+        if (value < 1 || value > kMost) throw json::other_error::create(0, key, nullptr);
         return static_cast<uint64_t>(value);
       };
       const uint64_t tasks = number("tasks");
