@@ -11,7 +11,9 @@ import unittest.mock
 import weakref
 
 import bpy
+import mathutils
 import numpy
+from bpy_extras.object_utils import world_to_camera_view
 
 import hdalabaster
 import scenes
@@ -49,6 +51,24 @@ class Frames(unittest.TestCase):
         kept = []
         passes.fill(held, numpy.array([[0.0, 2.0]], numpy.float32), "cameraDepth")
         self.assertEqual(kept[0].reshape(-1).tolist(), [numpy.float32(passes.FAR), 2.0])
+
+    def test_pass_vector_is_the_way_to_the_next_frame(self):
+        """Without motion blur: where the middle of a mesh appears then, less where it appears now."""
+        scene, ob = bpy.context.scene, next(ob for ob in bpy.data.objects if ob.type == "MESH")
+        scene.render.use_motion_blur, bpy.context.view_layer.use_pass_vector = False, True
+        first, seen = ob.location.copy(), []
+        for frame, place in enumerate((first, first + mathutils.Vector((0.1, 0.05, 0)))):
+            ob.location = place
+            ob.keyframe_insert("location", frame=scene.frame_current + frame)
+            bpy.context.view_layer.update()
+            at = world_to_camera_view(scene, scene.camera, place)
+            seen.append(numpy.array([at.x * 40, at.y * 30]))
+        kept = {}
+        with unittest.mock.patch.object(passes, "fill", side_effect=lambda render_pass, pixels, aov: kept.update({aov: pixels.copy()})):
+            bpy.ops.render.render()
+        motion = kept["motion"].reshape(-1, kept["motion"].shape[-1])[:, :2]
+        moved = numpy.median(motion[numpy.abs(motion).sum(axis=1) > 0.01], axis=0)
+        numpy.testing.assert_allclose(moved, seen[1] - seen[0], rtol=0.2, atol=0.05)
 
     def test_border(self):
         render = bpy.context.scene.render

@@ -120,9 +120,11 @@ class Hair(unittest.TestCase):
         numpy.testing.assert_allclose(made["widths"], 2 * numpy.array(radii, numpy.float32))
 
 
-    @unittest.skipIf(bpy.app.version < (4, 2, 0), "Blender has no operator that makes them")
     def test_point_clouds_have_the_colours_that_materials_read(self):
-        bpy.ops.object.pointcloud_random_add()
+        try:
+            bpy.ops.object.pointcloud_random_add()
+        except AttributeError:
+            self.skipTest("Blender has no operator that makes them")
         data = bpy.context.object.data
         tint = data.attributes.new("tint", "FLOAT_COLOR", "POINT")
         tint.data.foreach_set("color", numpy.linspace(0, 1, 4 * len(data.points), dtype=numpy.float32))

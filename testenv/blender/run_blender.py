@@ -178,7 +178,7 @@ def main():
             return widths(options, base, folder)
         if not options.results and not options.scene:
             print(run(options, "addon_test.py", base, folder).strip().splitlines()[-1])
-            run(options, "exit_test.py", {**base, "hydra": str(TOP / "delegate/hydra/blender")}, folder)
+            run(options, "exit_test.py", base, folder)
         version, rows, job = compare(options, base, folder)
         failed = judge(rows, 0.0 if options.results else 0.7)  # noise of few samples
         if options.results:
