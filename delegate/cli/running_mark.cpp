@@ -86,13 +86,14 @@ std::string RunningMark::begin(const std::string& file) {
       -1, ' ', false, json::error_handler_t::replace);
   text.back() = ',';
   text += "\"signal\":0}\n";
+  set_told_of_end(descriptor, off_t(text.size()) - 3);  // before anybody reads that it runs
   if (ftruncate(descriptor, 0) != 0 || pwrite(descriptor, text.data(), text.size(), 0) != ssize_t(text.size())) {
     const std::string why = std::strerror(errno);
+    set_told_of_end(-1, 0);
     close(descriptor);
     return "It cannot be written: " + why + ". Check the space on the disk.";
   }
   file_ = file, descriptor_ = descriptor;
-  set_told_of_end(descriptor, off_t(text.size()) - 3);
   touching_ = std::jthread([this](const std::stop_token& stop) { touch(stop); });
   return {};
 }
