@@ -113,13 +113,17 @@ Instance look_of(const InstanceDescription& d) {
   return instance;
 }
 
+bool has_ends(const InstanceDescription& d) {
+  return d.mesh_ends || !d.ends.empty();
+}
+
 Instance place(const InstanceDescription& d, const Vec3d& origin) {
   const Matrix4d m = moved_to(d.object_to_world, origin);
   Instance instance = look_of(d);
   instance.object_to_world = to_affine(m);
   instance.world_to_object = to_affine(m.inverse());
   for (const Matrix4d& pose : d.poses) instance.poses.push_back(to_affine(moved_to(pose, origin)));
-  if (d.mesh_ends || !d.ends.empty()) {
+  if (has_ends(d)) {
     const auto end = [&](size_t i) {
       return d.ends.empty() ? instance.object_to_world : to_affine(moved_to(d.ends[i], origin));
     };
@@ -356,9 +360,11 @@ struct SnapshotCompiler::Compilation {
 
   // The instances, and so many bytes of lights.
   void hold(size_t light_bytes) {
-    snapshot->memory->resize(drawn.size() * sizeof(Instance) + light_bytes,
-                             "a scene of " + std::to_string(drawn.size()) + " instances and " +
-                                 std::to_string(description.lights.size()) + " lights");
+    const auto ends = std::count_if(drawn.begin(), drawn.end(), [](const auto* d) { return has_ends(*d); });
+    snapshot->memory->resize(
+        drawn.size() * sizeof(Instance) + static_cast<size_t>(ends) * sizeof(InstanceEnds) + light_bytes,
+        "a scene of " + std::to_string(drawn.size()) + " instances and " + std::to_string(description.lights.size()) +
+            " lights");
   }
 
   bool place_all() {
