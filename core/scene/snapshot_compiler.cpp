@@ -472,7 +472,8 @@ struct SnapshotCompiler::Compilation {
     cancel.check();
     keep_alive({drawn, looks}, snapshot.get());
     const DiagnosticSink keep = [&](const Diagnostic& d) { faults.push_back(d); };
-    const ReportedScene reported{description, {drawn, looks}, *snapshot, keep, cancel};
+    const DrawnInstances all{drawn, looks};
+    const ReportedScene reported{description, all, *snapshot, keep, cancel};
     if (snapshot->features.subsurface) report_bodies(reported);
     report_lights_without_size(reported);
     const bool alike = same_lights && snapshot->top == last->top && are_linked_alike();
