@@ -17,6 +17,7 @@ enum class Aov {
   normal,
   albedo,
   ambient_occlusion,
+  shadow,  // on shadow catchers, by colour
   prim_id,
   instance_id,
   element_id,
@@ -101,6 +102,7 @@ inline constexpr AovInfo kAovs[] = {
     {Aov::normal, "normal", AovSource::samples, AovValue::number, 0, "N", "XYZ"},
     {Aov::albedo, "albedo", AovSource::samples, AovValue::color, 0, "albedo", "RGB"},
     {Aov::ambient_occlusion, "ambientOcclusion", AovSource::samples, AovValue::number, 0, "ambientOcclusion", "X"},
+    {Aov::shadow, "shadow", AovSource::samples, AovValue::number, 0, "shadow", "RGB"},
     {Aov::prim_id, "primId", AovSource::closest, AovValue::integer, -1, "primId", "X"},
     {Aov::instance_id, "instanceId", AovSource::closest, AovValue::integer, -1, "instanceId", "X"},
     {Aov::element_id, "elementId", AovSource::closest, AovValue::integer, -1, "elementId", "X"},

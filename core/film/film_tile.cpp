@@ -103,6 +103,7 @@ FilmTile::FilmTile(size_t pixels, AovSet aovs, const FilmExtras& extras)
   if (aovs & aov_bit(Aov::normal)) normal_.resize(pixels);
   if (aovs & aov_bit(Aov::albedo)) albedo_.resize(pixels);
   if (aovs & aov_bit(Aov::ambient_occlusion)) ambient_occlusion_.resize(pixels);
+  if (aovs & aov_bit(Aov::shadow)) caught_.resize(pixels), shadowed_.resize(pixels), unshadowed_.resize(pixels);
   if (aovs & kClosestAovs) distance_.assign(pixels, kFar);
   add_planes(kDepths, aovs, pixels, &depths_);
   add_planes(kIds, aovs, pixels, &ids_);
@@ -124,7 +125,7 @@ void FilmTile::clear() {
     std::fill(plane.begin(), plane.end(), typename std::decay_t<decltype(plane)>::value_type{});
   };
   blank(samples_), blank(color_), blank(alpha_), blank(normal_), blank(albedo_), blank(halves_), blank(rays_);
-  blank(ambient_occlusion_), blank(nonfinite_), blank(marks_);
+  blank(ambient_occlusion_), blank(caught_), blank(shadowed_), blank(unshadowed_), blank(nonfinite_), blank(marks_);
   std::fill(distance_.begin(), distance_.end(), kFar);
   for (auto& plane : depths_) std::fill(plane.values.begin(), plane.values.end(), background<float>(plane.aov));
   for (auto& plane : ids_) std::fill(plane.values.begin(), plane.values.end(), background<int32_t>(plane.aov));
@@ -159,6 +160,9 @@ std::vector<std::span<std::byte>> FilmTile::planes() {
   add(normal_);
   add(albedo_);
   add(ambient_occlusion_);
+  add(caught_);
+  add(shadowed_);
+  add(unshadowed_);
   add(distance_);
   for (auto& plane : depths_) add(plane.values);
   for (auto& plane : ids_) add(plane.values);
@@ -183,7 +187,7 @@ bool FilmTile::accept_planes() {
   const auto valid = [](const std::vector<RgbSum>& sums) {
     return std::all_of(sums.begin(), sums.end(), [](const RgbSum& sum) { return sum.is_valid(); });
   };
-  return valid(color_) && valid(marks_) &&
+  return valid(color_) && valid(marks_) && valid(shadowed_) && valid(unshadowed_) &&
          std::all_of(layers_.begin(), layers_.end(), [&](const LayerPlane& layer) { return valid(layer.sums); }) &&
          std::all_of(light_groups_.begin(), light_groups_.end(), valid) &&
          std::all_of(samples_.begin(), samples_.end(), [](uint32_t n) { return n <= kMostSummedSamples; });
@@ -201,9 +205,14 @@ void FilmTile::add(size_t pixel, const FilmSample& s, const LightLayers* layers,
   if (samples == 1) ++covered_;
   color_[pixel].add(s.color);
   alpha_[pixel].add(s.alpha);
+  if (s.is_caught && !caught_.empty()) [[unlikely]] {
+    ++caught_[pixel];
+    shadowed_[pixel].add(s.shadowed);
+    unshadowed_[pixel].add(s.unshadowed);
+  }
   if (std::has_single_bit(samples)) compare_halves(pixel);
   if (marks_per_pixel_ > 0 && std::has_single_bit(begin_ + samples))
-    marks_[mark(pixel, begin_ + samples)] = color_[pixel];
+    marks_[mark(pixel, begin_ + samples)] = light_sum(pixel);
   if (!normal_.empty()) accumulate({s.normal.x, s.normal.y, s.normal.z}, &normal_[pixel]);
   if (!albedo_.empty()) accumulate({s.albedo.r, s.albedo.g, s.albedo.b}, &albedo_[pixel]);
   if (!ambient_occlusion_.empty()) ambient_occlusion_[pixel].add(s.ambient_occlusion);
@@ -232,6 +241,7 @@ void FilmTile::append(const FilmTile& next) {
     samples_[pixel] += next.samples_[pixel];
     if (!distance_.empty() && next.distance_[pixel] < distance_[pixel]) take_closest(pixel, next);
     if (!rays_.empty()) rays_[pixel] += next.rays_[pixel];
+    if (!caught_.empty()) caught_[pixel] += next.caught_[pixel];
     if (!nonfinite_.empty()) nonfinite_[pixel] += next.nonfinite_[pixel];
   }
   append_plane(next.color_, &color_);
@@ -239,6 +249,8 @@ void FilmTile::append(const FilmTile& next) {
   append_plane(next.normal_, &normal_);
   append_plane(next.albedo_, &albedo_);
   append_plane(next.ambient_occlusion_, &ambient_occlusion_);
+  append_plane(next.shadowed_, &shadowed_);
+  append_plane(next.unshadowed_, &unshadowed_);
   for (size_t i = 0; i < layers_.size(); ++i) append_plane(next.layers_[i].sums, &layers_[i].sums);
   for (size_t i = 0; i < light_groups_.size(); ++i) append_plane(next.light_groups_[i], &light_groups_[i]);
   prims_.append(next.prims_), materials_.append(next.materials_);
@@ -283,10 +295,33 @@ float mean_difference(const std::array<double, 3>& all, const std::array<float, 
 
 }  // namespace
 
+RgbSum FilmTile::light_sum(size_t pixel) const {
+  RgbSum sum = color_[pixel];
+  if (!shadowed_.empty()) sum.add(shadowed_[pixel]);
+  return sum;
+}
+
+namespace {
+
+// The share of the unshadowed light that does not arrive. The sums are those of the same samples, so that it is exact
+// where nothing casts a shadow, or all.
+double shadow_of(double shadowed, double unshadowed) {
+  return unshadowed > 0 ? 1 - std::clamp(shadowed / unshadowed, 0.0, 1.0) : 0;
+}
+
+}  // namespace
+
+// The sum over the pixel's samples.
+double FilmTile::shadow_alpha(size_t pixel) const {
+  if (caught_.empty() || caught_[pixel] == 0) return 0;
+  const auto some = shadowed_[pixel].value(), all = unshadowed_[pixel].value();
+  return caught_[pixel] * shadow_of(some[0] + some[1] + some[2], all[0] + all[1] + all[2]);
+}
+
 // The pixel has just reached a power of two.
 void FilmTile::compare_halves(size_t pixel) {
   Halves& h = halves_[pixel];
-  const auto sums = color_[pixel].value();
+  const auto sums = light_sum(pixel).value();
   const uint32_t n = samples_[pixel];
   if (n > 1) {
     h.earlier = h.previous;
@@ -299,7 +334,7 @@ void FilmTile::compare_halves(size_t pixel) {
 PixelNoise FilmTile::noise(size_t pixel) const {
   const uint32_t n = samples_[pixel];
   if (n == 0) return {};
-  const auto sums = color_[pixel].value();
+  const auto sums = light_sum(pixel).value();
   const Halves& h = halves_[pixel];
   const uint32_t m = std::bit_floor(n);
   return {n,         static_cast<float>((sums[0] + sums[1] + sums[2]) / (3.0 * n)), h.latest, h.previous,
@@ -315,6 +350,11 @@ void FilmTile::take(size_t pixel, const FilmTile& from) {
   if (!normal_.empty()) normal_[pixel] = from.normal_[pixel];
   if (!albedo_.empty()) albedo_[pixel] = from.albedo_[pixel];
   if (!ambient_occlusion_.empty()) ambient_occlusion_[pixel] = from.ambient_occlusion_[pixel];
+  if (!caught_.empty()) {
+    caught_[pixel] = from.caught_[pixel];
+    shadowed_[pixel] = from.shadowed_[pixel];
+    unshadowed_[pixel] = from.unshadowed_[pixel];
+  }
   take_closest(pixel, from);
   if (!rays_.empty()) rays_[pixel] = from.rays_[pixel];
   if (!nonfinite_.empty()) nonfinite_[pixel] = from.nonfinite_[pixel];
@@ -373,10 +413,19 @@ void FilmTile::resolve(size_t pixel, Aov aov, float* out, size_t count) const {
       return each([&](size_t i, double scale, float* to) {
         look_ahead(color_, i);
         average(color_[i], scale, to);
-        to[3] = static_cast<float>(alpha_[i].value() * scale);
+        to[3] = static_cast<float>((alpha_[i].value() + shadow_alpha(i)) * scale);
       });
     case Aov::alpha:
-      return each_average(alpha_);
+      return each([&](size_t i, double scale, float* to) {
+        *to = static_cast<float>((alpha_[i].value() + shadow_alpha(i)) * scale);
+      });
+    case Aov::shadow:
+      return each([&](size_t i, double scale, float* to) {
+        for (size_t c = 0; c < 3; ++c)
+          to[c] = caught_.empty() ? 0
+                                  : static_cast<float>(caught_[i] * scale *
+                                                       shadow_of(shadowed_[i].value()[c], unshadowed_[i].value()[c]));
+      });
     case Aov::error:
       return each([&](size_t i, double, float* to) { *to = noise(i).deviation(); });
     case Aov::normal:

@@ -58,7 +58,9 @@ struct FilmSample {
   Rgb albedo{0.0f};
   float ambient_occlusion = 0;  // 1: nothing occludes
   int32_t prim_id = -1, instance_id = -1, element_id = -1, material_id = -1;
-  bool is_held_out = false;             // by the surface of these ids, which counts for no id
+  bool is_held_out = false;  // by the surface of these ids, which counts for no id
+  bool is_caught = false;    // by a shadow catcher, which gets this light of lights, shadowed and not:
+  Rgb shadowed{0.0f}, unshadowed{0.0f};
   bool nonfinite = false;               // the colour was not finite, and was made black
   const HitVectors* vectors = nullptr;  // of a hit, where any of kVectorAovs is drawn
   const Rgb* light_groups = nullptr;    // by plane, where any is drawn (LightByGroup)
@@ -215,6 +217,9 @@ class FilmTile {
     return pixel * marks_per_pixel_ + static_cast<size_t>(std::countr_zero(power)) % marks_per_pixel_;
   }
   void compare_halves(size_t pixel);
+  /// The sum whose noise is the pixel's: of color, and of the light on shadow catchers as if they were white surfaces.
+  RgbSum light_sum(size_t pixel) const;
+  double shadow_alpha(size_t pixel) const;
   void append_halves(size_t pixel, const FilmTile& next);
   void take_closest(size_t pixel, const FilmTile& from);
 
@@ -226,6 +231,8 @@ class FilmTile {
   std::vector<UnitSum> alpha_;
   UnitSums normal_, albedo_;
   std::vector<UnitSum> ambient_occlusion_;
+  std::vector<uint32_t> caught_;  // samples that shadow catchers have met, and the sums of their light
+  std::vector<RgbSum> shadowed_, unshadowed_;
   std::vector<Halves> halves_;
   std::vector<LayerPlane> layers_;  // those that are requested
   std::vector<std::vector<RgbSum>> light_groups_;

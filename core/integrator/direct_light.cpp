@@ -41,6 +41,33 @@ bool reaches_smooth_surface(const PathContext& context, const Vertex& v) {
   return !context.scene.top->occluded({from, v.origins[Vertex::kSmooth].p - from, 1, context.time});
 }
 
+void catch_shadows(const PathContext& context, const Vertex& v, const MediumStack& media, FilmSample* out) {
+  out->is_caught = true;
+  if (is_cloudy(context, media)) return;
+  const LightSet& lights = context.scene.lights_of(*v.instance);
+  const LightSampleContext at(ConstantDomes::sampled, v.smooth_normal(), context.time);
+  const RayOrigin& from = v.origins[Vertex::kFacet];
+  for (size_t k = 0; k < lights.draws(at); ++k) {
+    const std::optional<LightSample> light = lights.draw(k, from.p, from.horizon, v.u.light, at);
+    if (!light || !v.is_above_facet(light->wi)) continue;
+    const float cosine = dot(v.smooth_normal(), light->wi);
+    if (!(cosine > 0)) continue;
+    Rgb sent = light->radiance * (cosine * kInvPi / light->pdf);
+    if (light->scales) sent *= light->scales->diffuse;
+    if (!media.empty()) sent *= media.transmittance(light->distance);
+    if (!is_finite(sent)) continue;
+    const Rgb visible = visibility(context, from.p, *light, media);
+    Rgb visible_there(1.0f);
+    if (visible != visible_there) {
+      ++context.counters.shadow_rays;
+      const Ray ray{from.p, light->wi, light->shadow_length(), context.time};
+      visible_there = visibility_among_catchers(context, ray, light->shadow_link, media);
+    }
+    out->shadowed += sent * visible;
+    out->unshadowed += sent * visible_there;
+  }
+}
+
 void sample_lights(const PathContext& context, const VertexBsdf& bsdf, Vertex* vertex, Path* path) {
   if (!bsdf.has_lobes()) return;
   const Vertex& v = *vertex;

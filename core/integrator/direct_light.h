@@ -19,6 +19,10 @@ struct LightWeight {
 /// sampling alone.
 void sample_lights(const PathContext& context, const VertexBsdf& bsdf, Vertex* v, Path* path);
 
+/// The light that a shadow catcher at the vertex gets straight from lights: as a white Lambertian surface sends it on,
+/// by light sampling alone. Catchers keep light away from both sums, other meshes from `shadowed`.
+void catch_shadows(const PathContext& context, const Vertex& v, const MediumStack& media, FilmSample* out);
+
 /// True if no geometry lies between the facet and the smooth surface over it: where bodies touch, light must not slip
 /// in between them.
 bool reaches_smooth_surface(const PathContext& context, const Vertex& v);

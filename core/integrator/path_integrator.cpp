@@ -129,13 +129,17 @@ bool find_next_vertex(const PathContext& context, const PixelSampler& sampler, P
   // A diffusion profile has no way through the medium, only ways into it.
   if (!met_within && context.mode() == SubsurfaceMode::walk && is_within_medium(context, *v, *path)) set_within(v);
 
-  // Record the first hit and the denoiser's features; end at a hold-out.
+  // Record the first hit and the denoiser's features; end at a hold-out or a shadow catcher.
   if (path->depth == 0) record_first_hit(context, *v, *path, sampler, passed, first_hit);
   if (path->features) record_features(context, *v, *path);
-  if (path->depth == 0 && v->instance->options.holdout && first_hit) [[unlikely]] {  // only lights on the way show
-    path->held_out = first_hit->is_held_out = true;
+  const MeshOptions& options = v->instance->options;
+  if (path->depth == 0 && (options.holdout || options.shadow_catcher) && first_hit) [[unlikely]] {
+    path->held_out = first_hit->is_held_out = true;  // only lights on the way show
     first_hit->alpha = first_hit->ambient_occlusion = 0;
-    return end(context, "a hold-out");
+    if (options.holdout) return end(context, "a hold-out");
+    if (is_black(path->radiance) && context.aovs & aov_bit(Aov::shadow))
+      catch_shadows(context, *v, path->media, first_hit);
+    return end(context, "a shadow catcher");
   }
 
   // Add the surface's emission.

@@ -21,20 +21,28 @@ bool is_found_behind(const Instance& instance, const TriangleHit& hit, const Vec
   return dot(hit.normal, instance.at(hit, &moved).world_to_object.vector(dir)) > 0;
 }
 
-class LinkedTransmittance final : public HitFilter {
+// The same where only the instances of which `casts` is true cast shadows.
+template <class Casts>
+class SomeTransmittance final : public HitFilter {
  public:
-  LinkedTransmittance(const PathContext& context, const Vec3f& dir, uint32_t shadow_link, const MediumStack& media)
-      : all_(context, dir, media), scene_(context.scene), shadow_link_(shadow_link) {}
+  SomeTransmittance(const PathContext& context, const Vec3f& dir, const MediumStack& media, const Casts& casts)
+      : all_(context, dir, media), scene_(context.scene), casts_(casts) {}
   bool stops(const TriangleHit& hit) const noexcept override {
-    return scene_.casts_shadow(scene_.instance(hit.instance), shadow_link_) && all_.stops(hit);
+    return casts_(scene_.instance(hit.instance)) && all_.stops(hit);
   }
   Rgb value() const { return all_.value(); }
 
  private:
   const Transmittance all_;
   const SceneSnapshot& scene_;
-  const uint32_t shadow_link_;
+  const Casts& casts_;
 };
+
+template <class Casts>
+Rgb visibility_among(const PathContext& context, const Ray& ray, const MediumStack& media, const Casts& casts) {
+  const SomeTransmittance transmittance(context, ray.dir, media, casts);
+  return context.scene.top->occluded(ray, &transmittance) ? Rgb(0.0f) : transmittance.value();
+}
 
 // What goes straight on through a surface that was hit. Black but for clear sheets.
 Rgb straight_through(const PathContext& context, const Vec3f& dir, const TriangleHit& hit, const MediumStack& media) {
@@ -189,8 +197,15 @@ Rgb Transmittance::value() const {
 }
 
 Rgb linked_visibility(const PathContext& context, const Ray& ray, uint32_t shadow_link, const MediumStack& media) {
-  const LinkedTransmittance transmittance(context, ray.dir, shadow_link, media);
-  return context.scene.top->occluded(ray, &transmittance) ? Rgb(0.0f) : transmittance.value();
+  return visibility_among(context, ray, media,
+                          [&](const Instance& instance) { return context.scene.casts_shadow(instance, shadow_link); });
+}
+
+Rgb visibility_among_catchers(const PathContext& context, const Ray& ray, uint32_t shadow_link,
+                              const MediumStack& media) {
+  return visibility_among(context, ray, media, [&](const Instance& instance) {
+    return instance.options.shadow_catcher && context.scene.casts_shadow(instance, shadow_link);
+  });
 }
 
 }  // namespace alabaster

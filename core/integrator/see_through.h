@@ -79,5 +79,8 @@ class Transmittance final : public HitFilter {
 
 /// The share of the light of a shadow link that arrives along the ray. Surfaces that are not in it cast no shadow.
 Rgb linked_visibility(const PathContext& context, const Ray& ray, uint32_t shadow_link, const MediumStack& media);
+/// The same where shadow catchers alone cast shadows.
+Rgb visibility_among_catchers(const PathContext& context, const Ray& ray, uint32_t shadow_link,
+                              const MediumStack& media);
 
 }  // namespace alabaster

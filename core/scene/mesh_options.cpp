@@ -12,6 +12,9 @@ std::span<const Parameter<MeshOptions>> mesh_parameters() {
       {"holdout", &O::holdout, -kUnbounded, kUnbounded, {},
        "none", "True if the mesh is a hole in the picture: colour and alpha are 0 where the camera sees it directly. "
        "Shadows, reflections and bounced light are as without it."},
+      {"shadowCatcher", &O::shadow_catcher, -kUnbounded, kUnbounded, {},
+       "none", "True if the camera sees of the mesh only the shadows that others cast on it: colour is 0, and alpha is "
+       "the share of the light of lights that they keep away. Reflections and bounced light are as without it."},
   };
   // clang-format on
   return kTable;

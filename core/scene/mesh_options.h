@@ -18,6 +18,7 @@ struct MeshOptions {
   // Rows of mesh_parameters():
   bool visible_to_camera = true;  // false: CameraCull::all
   bool holdout = false;           // a camera's path that meets it first ends there, without colour
+  bool shadow_catcher = false;    // the same, and alpha is the shadow that other meshes cast there
   bool operator==(const MeshOptions&) const = default;
 };
 

@@ -115,6 +115,7 @@ struct SceneFeatures {
   bool motion = false;              // an instance or a light moves, or a shape deforms: rays have a time
   bool visible_background = false;  // a dome that the camera sees: the background is opaque
   bool lobe_scales = false;         // a light has scales for lobes: rays keep the shares of those that they left by
+  bool shadow_catchers = false;     // some instance is one: films keep the light there
 };
 
 struct InstanceArray;

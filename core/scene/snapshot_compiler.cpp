@@ -380,6 +380,7 @@ struct SnapshotCompiler::Compilation {
       before = d;
       snapshot->features.see_through |= instance.see_through && !shows_fronts_alone(instance);
       snapshot->features.clear_sheets |= has_clear_sheets(instance);
+      snapshot->features.shadow_catchers |= instance.options.shadow_catcher;
       snapshot->features.motion |= !instance.is_still();
       if (has_clear_interior(instance)) snapshot->clear_bodies.extend(bounds_in_render_space(instance));
       snapshot->instances.push_back(std::move(instance));
@@ -407,6 +408,7 @@ struct SnapshotCompiler::Compilation {
       missing_tiles->find(d, array.look);
       snapshot->features.see_through |= array.look.see_through && !shows_fronts_alone(array.look);
       snapshot->features.clear_sheets |= has_clear_sheets(array.look);
+      snapshot->features.shadow_catchers |= array.look.options.shadow_catcher;
       if (has_clear_interior(array.look)) snapshot->clear_bodies.extend(array.placed->bounds());
     }
     return true;

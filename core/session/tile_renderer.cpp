@@ -133,6 +133,7 @@ FilmSample TileRenderer::trace_sample(const SampleAddress& at, const PixelSample
   ++counters->samples;
   if (exposure_ != 1) {
     result.color *= exposure_;
+    result.shadowed *= exposure_, result.unshadowed *= exposure_;
     parts.layers->scale(exposure_);
     if (parts.light_groups) parts.light_groups->scale(exposure_);
   }

@@ -20,7 +20,7 @@ namespace {
 using nlohmann::json;
 
 // The number rises whenever the state or the header changes its meaning.
-constexpr std::string_view kMagic = "Alabaster checkpoint 8\n", kAnyMagic = "Alabaster checkpoint ";
+constexpr std::string_view kMagic = "Alabaster checkpoint 9\n", kAnyMagic = "Alabaster checkpoint ";
 
 struct BlockHead {
   uint64_t size = 0, checksum = 0;

@@ -16,14 +16,21 @@ namespace alabaster::hd::rendering {
 namespace {
 constexpr const char* kFreeCamera = "free camera";  // in reports
 
+// Of the film. Shadow catchers give alpha, which is always there, what AOV shadow needs.
+AovSet aovs_of(const PassInputs& in) {
+  AovSet aovs = 0;
+  for (const auto& binding : in.bindings) aovs |= aov_bit(binding.aov);
+  if (aovs && in.scene && !in.shows_checkpoint && in.scene->features.shadow_catchers) aovs |= aov_bit(Aov::shadow);
+  return aovs;
+}
+
 // The memory of the session for a frame of these inputs, that of the denoiser, and each bound buffer twice: as shown
 // and as being resolved (or as the host's copy). `more`: AOVs of the film besides those that are bound.
 size_t bytes_of(const PassInputs& in, AovSet more = 0) {
   constexpr double kMost = 0x1p60;
-  AovSet aovs = more;
+  const AovSet aovs = with_guides(aovs_of(in)) | more;
   double bytes = 0;
   for (const auto& binding : in.bindings) {
-    aovs |= with_guides(aov_bit(binding.aov));
     const RenderBufferDescriptor buffer = binding.buffer->wanted();
     bytes += 2.0 * buffer.dimensions.x * buffer.dimensions.y * static_cast<double>(FormatSize(buffer.format));
   }
@@ -44,8 +51,7 @@ RenderRequest request_of(const PassInputs& in) {
   request.height = in.framed.height;
   request.data_window = in.framed.data_window;
   request.settings = in.settings;
-  request.aovs = 0;
-  for (const auto& binding : in.bindings) request.aovs |= aov_bit(binding.aov);
+  request.aovs = aovs_of(in);
   request.primvars = in.primvars;
   request.light_groups = in.light_groups;
   request.denoiser = in.denoiser;
@@ -192,6 +198,9 @@ void PassControl::add_bindings(const DrawRequest& asked, PassInputs* in, std::ve
     if (in->scene && is_light_group(name))
       if (const std::string fault = light_group_fault(name, in->scene->light_groups); !fault.empty())
         faults->push_back({alabaster::Severity::warning, "pass.lightGroup", name, fault});
+    if (in->scene && aov->first == Aov::shadow && !in->scene->features.shadow_catchers)
+      faults->push_back(
+          {alabaster::Severity::warning, "pass.shadow", name, "no mesh is a shadowCatcher, and the AOV is black"});
     if (const std::string fault = size_fault(asked.state.framing, buffer->wanted()); !fault.empty())
       faults->push_back(
           {alabaster::Severity::warning, "pass.size", buffer->id().str(), "the buffer of AOV '" + name + "' " + fault});

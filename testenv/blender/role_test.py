@@ -81,9 +81,13 @@ class Roles(SyncedScene):
         self.assertIn("Holdout", self.notes[0])
 
     def test_what_is_not_translated_is_noted(self):
-        self.ball.is_shadow_catcher, self.ball.visible_glossy = True, False
+        self.ball.visible_glossy = False
         self.sync.sync(bpy.context.evaluated_depsgraph_get())
-        self.assertEqual(["shadow catcher" in note or "ray visibility" in note for note in self.notes], [True, True])
+        self.assertEqual(["ray visibility" in note for note in self.notes], [True])
+
+    def test_a_shadow_catcher(self):
+        self.assertEqual(self.after(lambda: setattr(self.ball, "is_shadow_catcher", True)), [("set_mesh", "/mesh/own")])
+        self.assertIn("  shadowCatcher true\n", self.shown())
 
     def test_what_the_camera_does_not_see(self):
         for edit in (lambda: setattr(self.ball, "visible_camera", False), lambda: self.own_in("indirect", indirect_only=True)):

@@ -11,6 +11,7 @@ class Role(NamedTuple):
     """All that tells a mesh of one object from the same mesh of another, besides its materials."""
     body: str = ""  # the subsurface set; "": none
     holdout: bool = False
+    catcher: bool = False  # of shadows
     seen: bool = True  # by the camera
     group: str = ""  # of the light that it emits; "": none
     categories: tuple = ()  # that the parameters lightLink and shadowLink of lights name
@@ -53,7 +54,7 @@ class Roles:
             self.note(f"object '{ob.name}': {text}")
         holdout = ob.is_holdout or parent.holdout_get(view_layer=self.layer)
         seen = ob.visible_camera and parent.visible_camera and (holdout or not parent.indirect_only_get(view_layer=self.layer))
-        return Role(self.sets.get(ob.name_full, ""), holdout or all(shaders), seen, self.group(ob), self.categories(ob, parent))
+        return Role(self.sets.get(ob.name_full, ""), holdout or all(shaders), ob.is_shadow_catcher or parent.is_shadow_catcher, seen, self.group(ob), self.categories(ob, parent))
 
     def group(self, owner):
         """The light group of an object or a world. Blender tells the depsgraph of no edit of it."""
@@ -76,8 +77,6 @@ class Roles:
 
 
 def left_out(ob):
-    if ob.is_shadow_catcher:
-        yield "a shadow catcher is drawn as any other object"
     if not (ob.visible_diffuse and ob.visible_glossy and ob.visible_transmission and ob.visible_shadow):
         yield "of its ray visibility only the camera's is translated"
     if LINKS_LIGHT and (ob.original.light_linking.receiver_collection or ob.original.light_linking.blocker_collection):

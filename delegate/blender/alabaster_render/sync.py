@@ -328,7 +328,8 @@ def set_mesh(scene, group, mesh, placement):
                 for name, one in arguments.pop("primvars", {}).items()}
     if "kind" in mesh:
         arguments.update(("primvars:" + name, one) for name, one in primvars.items())
-        roles = {"subsurfaceSet": group.role.body or None, "holdout": group.role.holdout or None, "visibleToCamera": None if group.role.seen else False,
+        roles = {"subsurfaceSet": group.role.body or None, "holdout": group.role.holdout or None,
+                 "shadowCatcher": group.role.catcher or None, "visibleToCamera": None if group.role.seen else False,
                  "lightGroup": group.role.group or None}
         arguments["widths"] = hdalabaster.Primvar(arguments["widths"], "vertex")
         scene.set(group.path, arguments.pop("kind"), {**arguments, **roles, "material": group.slots[0], "categories": group.role.categories, **placement})
@@ -340,6 +341,8 @@ def set_mesh(scene, group, mesh, placement):
         primvars["lightGroup"] = hdalabaster.Primvar(group.role.group, "constant")
     if group.role.holdout:
         primvars["holdout"] = hdalabaster.Primvar(True, "constant")
+    if group.role.catcher:
+        primvars["shadowCatcher"] = hdalabaster.Primvar(True, "constant")
     if not group.role.seen:
         primvars["visibleToCamera"] = hdalabaster.Primvar(False, "constant")
     subsets = {}

@@ -30,6 +30,7 @@ class Mesh(TypedDict, total=False):
     categories: Optional[Sequence[str]]
     visibleToCamera: Optional[bool]
     holdout: Optional[bool]
+    shadowCatcher: Optional[bool]
     subsurfaceSet: Optional[str]
     lightGroup: Optional[str]
 
@@ -48,6 +49,7 @@ class BasisCurves(TypedDict, total=False):
     categories: Optional[Sequence[str]]
     visibleToCamera: Optional[bool]
     holdout: Optional[bool]
+    shadowCatcher: Optional[bool]
     subsurfaceSet: Optional[str]
     lightGroup: Optional[str]
 
@@ -62,6 +64,7 @@ class Points(TypedDict, total=False):
     categories: Optional[Sequence[str]]
     visibleToCamera: Optional[bool]
     holdout: Optional[bool]
+    shadowCatcher: Optional[bool]
     subsurfaceSet: Optional[str]
     lightGroup: Optional[str]
 

@@ -1,8 +1,9 @@
 """Every pass of one scene of Blender, ours beside Cycles 5.0.1's, as a labelled sheet: pass_sheet.py BUILD.
 
 Both render the scene in Blender's Python: ours what the add-on makes of it, for a pass what its row in PASSES says. Under each
-pair stand the means of both and the RMS difference of blocks of 8 x 8 pixels over the mean of Cycles. Three windows of the sheet
-are shown at 400 per cent: edges of ids without and with motion blur, and motion. AOVs that this build lacks are left out, and named.
+pair stand the means of both and the RMS difference of blocks of 8 x 8 pixels over the mean of Cycles. Windows of the sheet are shown
+at 400 per cent: edges of ids without and with motion blur and lens, motion, and the floor as a shadow catcher. AOVs that this build
+lacks are left out, and named.
 """
 import argparse
 import json
@@ -17,7 +18,9 @@ GROUPS = ["warm", "screens", "sky"]
 MOST_LETTERS = 72  # of a label
 FAR = 1e9  # Cycles' depth where there is nothing is 1e10
 
-# Our pass, Cycles' by an expression of its passes, and how both are shown. A sum of ours is written with +.
+# Our pass, Cycles' by an expression of its passes (1 is white), and how both are shown. A sum of ours is written with +. The scene
+# is drawn sharp, blurred by motion and lens, and with a floor that catches shadows before nothing.
+SHARP, BLURRED, CAUGHT = "", ", motion blur and lens", ", on a floor that is a shadow catcher"
 PASSES = [
     ("color", "Combined", "light"), ("alpha", "Alpha", "number"),
     ("directDiffuse+directSubsurface", "Diffuse Direct*Diffuse Color", "light"), ("indirectDiffuse+indirectSubsurface", "Diffuse Indirect*Diffuse Color", "light"),
@@ -28,18 +31,21 @@ PASSES = [
     *((f"lightGroup:{name}", f"Combined_{name}", "light") for name in GROUPS), ("lightGroup:", "Combined-" + "-".join(f"Combined_{name}" for name in GROUPS), "light"),
     ("albedo", "Denoising Albedo", "light"), ("normal", "Normal", "signed"), ("cameraDepth", "Depth", "distance"),
     ("position", "Position", "signed"), ("uv", "UV", "signed"), ("motion", "Vector", "motion"), ("Peye", "", "signed"), ("Neye", "", "signed"),
-    ("ambientOcclusion", "Ambient Occlusion", "number"), ("shadow", "Shadow Catcher", "number"),
+    ("ambientOcclusion", "Ambient Occlusion", "number"),
     ("primId", "Object Index", "id"), ("materialId", "Material Index", "id"), ("instanceId", "", "id"), ("elementId", "", "id"),
     ("cryptoObject", "CryptoObject", "crypto"), ("cryptoMaterial", "CryptoMaterial", "crypto"), ("cryptoAsset", "CryptoAsset", "crypto"),
     ("sampleCount", "", "number"), ("error", "", "number"), ("denoised", "", "light"),
 ]
+BLURRED_PASSES = [one for one in PASSES if one[0] in ("color", "cryptoObject", "cryptoMaterial")]
+CAUGHT_PASSES = [("color", "Combined", "light"), ("alpha", "Alpha", "number"), ("shadow", "1-Shadow Catcher", "light")]
 # Of those rows, at 400 per cent: the row, the window's middle in parts of the picture, and what is blurred.
-CLOSE = [("cryptoObject", (0.36, 0.47), False), ("cryptoMaterial", (0.36, 0.47), False), ("cryptoObject", (0.79, 0.6), True),
-         ("color", (0.79, 0.6), True), ("motion", (0.79, 0.6), False), ("primId", (0.36, 0.47), False)]
+CLOSE = [("cryptoObject", (0.36, 0.47), SHARP), ("cryptoMaterial", (0.36, 0.47), SHARP), ("cryptoObject", (0.79, 0.6), BLURRED),
+         ("color", (0.79, 0.6), BLURRED), ("motion", (0.79, 0.6), SHARP), ("primId", (0.36, 0.47), SHARP),
+         ("shadow", (0.45, 0.8), CAUGHT), ("alpha", (0.45, 0.8), CAUGHT)]
 
 
 # In Blender's Python ---------------------------------------------------------------------------------
-def make_scene(job, blurred):
+def make_scene(job, how):
     """A wax ball, a metal one and a glass one, an image on the floor, a cube that moves, a glowing screen, two lamps, a sky."""
     import bpy
     import scenes
@@ -80,6 +86,8 @@ def make_scene(job, blurred):
     for name in GROUPS:
         layer.lightgroups.add(name=name)
     eye = scenes.camera((0.2, -5.2, 2.3), (0.25, 0, 0.7), 42)
+    blurred = how == BLURRED
+    floor.is_shadow_catcher = scene.render.film_transparent = how == CAUGHT
     if blurred:
         eye.data.dof.use_dof, eye.data.dof.focus_distance, eye.data.dof.aperture_fstop = True, 5.0, 1.4
     for number, ob in enumerate((floor, wax, metal, glass, cube, screen), 1):
@@ -102,7 +110,7 @@ def glow(scenes):
     return material
 
 
-def of_cycles(job, scene, layer, blurred):
+def of_cycles(job, scene, layer, how):
     """Each pass by name: an array (height, width, channels), rows from the top."""
     import bpy
 
@@ -116,7 +124,7 @@ def of_cycles(job, scene, layer, blurred):
                  *(f"{kind}_{part}" for kind in ("diffuse", "glossy", "transmission") for part in ("direct", "indirect", "color")),
                  "cryptomatte_object", "cryptomatte_material", "cryptomatte_asset"):
         setattr(layer, "use_pass_" + name, True)
-    layer.use_pass_vector = not blurred
+    layer.use_pass_vector = how != BLURRED
     layer.cycles.denoising_store_passes = layer.cycles.use_pass_shadow_catcher = True
     settings = scene.render.image_settings
     if hasattr(settings, "media_type"):
@@ -124,7 +132,7 @@ def of_cycles(job, scene, layer, blurred):
     settings.file_format, settings.color_depth, settings.exr_codec = "OPEN_EXR_MULTILAYER", "32", "ZIP"
     if hasattr(settings, "use_exr_interleave"):
         settings.use_exr_interleave = True
-    file = scene.render.filepath = f"{job['work']}/cycles_{'blurred' if blurred else 'sharp'}.exr"
+    file = scene.render.filepath = f"{job['work']}/cycles{(SHARP, BLURRED, CAUGHT).index(how)}.exr"
     bpy.ops.render.render(write_still=True)
     return layers_of(job, file)
 
@@ -141,10 +149,11 @@ def layers_of(job, file):
     order = "RXUGYVBZAW"
     found = {layer: numpy.stack([planes[letter] for letter in sorted(planes, key=order.find)], -1) for layer, planes in by_layer.items()}
     found["Alpha"], found["Combined"] = found["Combined"][..., 3:], found["Combined"][..., :3]
+    found["1"] = numpy.ones_like(found["Combined"])
     return found
 
 
-def of_ours(job, scene, blurred, names):
+def of_ours(job, scene, how, names):
     """The same of our AOVs; those that this build lacks are left out."""
     import bpy
     import hdalabaster
@@ -156,12 +165,12 @@ def of_ours(job, scene, blurred, names):
     held = hdalabaster.Scene(report=lambda *told: print("ours:", *told))
     exporter = sync.SceneSync(held, False, lambda text: print("note:", text))
     shutter = motion.Shutter(depsgraph.scene_eval)
-    if not blurred:  # motion is that of frames
+    if how != BLURRED:  # motion is that of frames
         shutter.moves = True
     motion.sample(types_of_engine(scene), depsgraph, shutter, exporter)
     exporter.sync(depsgraph)
     frame = engine.AlabasterRenderEngine.frame_of(types_of_engine(scene), depsgraph, shutter, exporter)
-    if not blurred:
+    if how != BLURRED:
         frame["camera"].update(shutterOpen=0.0, shutterClose=0.0)
     renderer = hdalabaster.Renderer(held, report=lambda *told: print("ours:", *told), **settings.delegate_settings(scene, False))
     wanted = sorted({one for name in names for one in name.split("+")})
@@ -306,38 +315,33 @@ def in_blender(job):
     import alabaster_render
 
     alabaster_render.register()
-    taken, absent = {}, []
-    for blurred in (False, True):
-        scene, layer = make_scene(job, blurred)
-        theirs = of_cycles(job, scene, layer, blurred)
-        scene, layer = make_scene(job, blurred)
-        names = [name for name, *_ in PASSES] if not blurred else ["color", "cryptoObject", "cryptoMaterial"]
-        ours, absent_now = of_ours(job, scene, blurred, names)
-        absent += [] if blurred else absent_now
+    rows, pairs, absent = [], {}, []
+    for how, passes in ((SHARP, PASSES), (BLURRED, BLURRED_PASSES), (CAUGHT, CAUGHT_PASSES)):
+        scene, layer = make_scene(job, how)
+        theirs = of_cycles(job, scene, layer, how)
+        scene, layer = make_scene(job, how)
+        ours, absent_now = of_ours(job, scene, how, [name for name, *_ in passes])
+        absent += absent_now
         for kind in ("CryptoObject", "CryptoMaterial", "CryptoAsset"):
             ranks = [theirs[f"{kind}{rank:02}"] for rank in range(3) if f"{kind}{rank:02}" in theirs]
             if ranks:
                 theirs[kind] = numpy.concatenate(ranks, -1)
-        taken[blurred] = ours, theirs
-    rows, pairs = [], {}
-    for name, expression, how in PASSES:
-        for blurred in (False, True):
-            ours = value_of(name, taken[blurred][0])
-            theirs = value_of(expression, taken[blurred][1]) if expression else None
-            if ours is None:
+        for name, expression, kind in passes:
+            one, other = value_of(name, ours), value_of(expression, theirs) if expression else None
+            if one is None:
                 continue
-            scale = scale_of(how, [p for p in (ours, theirs) if p is not None])
-            pictures = [shown(p, how, scale, first) if p is not None else None for first, p in enumerate((ours, theirs))]
-            pairs[name, blurred] = pictures
-            if not blurred:
-                rows.append({"label": name + (f"  |  {expression}" if expression else ""), "words": words_of(how, ours, theirs), "files": [
-                    write_picture(f"{job['work']}/pass{len(rows)}_{side}.ppm", p) for side, p in enumerate(pictures)]})
-                print(f"{name:38} {rows[-1]['words']}")
-    for name, middle, blurred in CLOSE:
-        if (name, blurred) in pairs:
+            scale = scale_of(kind, [p for p in (one, other) if p is not None])
+            pairs[name, how] = [shown(p, kind, scale, first) if p is not None else None for first, p in enumerate((one, other))]
+            if how == BLURRED:
+                continue
+            rows.append({"label": name + (f"  |  {expression}" if expression else "") + how, "words": words_of(kind, one, other), "files": [
+                write_picture(f"{job['work']}/pass{len(rows)}_{side}.ppm", p) for side, p in enumerate(pairs[name, how])]})
+            print(f"{name:38} {rows[-1]['words']}")
+    for name, middle, how in CLOSE:
+        if (name, how) in pairs:
             files = [write_picture(f"{job['work']}/close{len(rows)}_{side}.ppm", cropped(p, middle, job["width"])) if p is not None else None
-                     for side, p in enumerate(pairs[name, blurred])]
-            rows.append({"label": f"{name} at 400 %" + (", motion blur and lens" if blurred else ""), "words": "", "files": files})
+                     for side, p in enumerate(pairs[name, how])]
+            rows.append({"label": f"{name} at 400 %{how}", "words": "", "files": files})
     print("\nPEER " + json.dumps({"cpuSeconds": [0], "version": bpy.app.version_string, "rows": rows, "absent": absent}), flush=True)
 
 

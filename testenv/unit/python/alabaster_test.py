@@ -265,6 +265,30 @@ class Renders(unittest.TestCase):
         scene.set_primvar("/square", "visibleToCamera", False, "constant")
         self.assertEqual(pixel(draw(renderer, aovs=["color", "primId"]), 8, 8, "primId"), -1)
 
+    # promise: artists.shadow_catcher, pipeline.aov.shadow
+    def test_a_plate_under_a_shadow_catcher_is_the_picture(self):
+        scene = square()
+        scene.set_material("/wax", baseColor=(0.5, 0.5, 0.5), roughness=0, specular=0, ior=1)
+        scene.set_material("/black", baseColor=(0, 0, 0), specular=0, ior=1)
+        scene.set_light("/dome", "domeLight", color=(0.1, 0.2, 0.4))
+        scene.set_light("/lamp", "rectLight", moved(0.6, 0.3, 2), color=(40, 30, 5), width=0.5, height=0.5)
+        renderer = hdalabaster.Renderer(scene, samples=256, filter="box", maxDepth=1)
+        plate = draw(renderer)
+        scene.set_mesh("/card", [(0.4 * x, 0.4 * y, 0.5) for x, y, _ in CORNERS], [[0, 1, 2, 3]], material="/black")
+        picture = draw(renderer)
+        scene.set_primvar("/square", "shadowCatcher", True, "constant")
+        caught = draw(renderer, aovs=["color", "shadow", "cryptoObject"])
+        seen = [(x, y) for x in range(16) for y in range(16) if pixel(picture, x, y)[3] == 1]
+        for x, y in seen:
+            shadow, alpha, wanted = pixel(caught, x, y, "shadow"), pixel(caught, x, y)[3], pixel(picture, x, y)
+            card = pixel(caught, x, y, "cryptoObject")[1]
+            for c in range(3):
+                self.assertAlmostEqual(pixel(plate, x, y)[c] * (1 - card - shadow[c]), wanted[c], delta=0.03, msg=(x, y, c))
+            self.assertAlmostEqual(alpha, card + sum(shadow) / 3, delta=0.3 if 0 < card < 1 else 0.12)
+        deep = max(pixel(caught, x, y, "shadow")[0] for x, y in seen)
+        self.assertGreater(deep, 0.5)
+        self.assertEqual(pixel(caught, 0, 0, "cryptoObject")[:2], [0, 0])
+
     def test_records_files(self):
         scene = square()
         scene.set_render_settings("/settings", camera="/camera", width=16, height=16, samples=2)

@@ -31,6 +31,9 @@ FilmSample sample(size_t pixel, uint32_t number, LightLayers* layers) {
   s.prim_id = s.instance_id = s.element_id = static_cast<int32_t>(number);
   s.material_id = static_cast<int32_t>(random() % 3) - 1;
   s.is_held_out = random() % 5 == 0;
+  s.is_caught = random() % 3 == 0;
+  s.unshadowed = {light(random), light(random), random() % 3 ? light(random) : 0};
+  s.shadowed = random() % 2 ? s.unshadowed : s.unshadowed * 0.3f;
   for (Rgb& part : layers->parts) part = {light(random), light(random), light(random)};
   return s;
 }

@@ -36,15 +36,16 @@ TEST(Film, AveragesColorAndKeepsTheClosestId) {
 }
 
 // A film's tiles hold: 4 bytes of count, a sum of color (80 bytes) and of alpha (8), 6 floats of noise, 3 sums of
-// normal (8 each), 3 of albedo and one of ambientOcclusion, a sum of each of the 14 layers, the distance to the closest
-// sample, a word for each of its 7 values and 3 floats of each of its vectors (5 and 8 primvars), a count of samples
-// that were not finite; and the film 3 floats that are denoised. A part holds up to four more sums of color.
+// normal (8 each), 3 of albedo and one of ambientOcclusion, 2 sums of shadow and a count, a sum of each of the 14
+// layers, the distance to the closest sample, a word for each of its 7 values and 3 floats of each of its vectors (5
+// and 8 primvars), a count of samples that were not finite; and the film 3 floats that are denoised. A part holds up to
+// four more sums of color.
 TEST(Film, BytesAreKnownBeforehand) {
   constexpr size_t kSum = 80, kLeast = 4 + kSum + 8 + 24;
   EXPECT_EQ(film_bytes({0, 0, 10, 7}, 0), 70u * kLeast);
   EXPECT_EQ(film_bytes({-5, 3, 5, 10}, aov_bit(Aov::depth) | aov_bit(Aov::prim_id)), 70u * (kLeast + 12));
   EXPECT_EQ(film_bytes({0, 0, 1 << 20, 1 << 20}, ~AovSet{0}),
-            (size_t(1) << 40) * (kLeast + 24 + 24 + 8 + 4 + 28 + 14 * kSum + 13 * 12 + 4 + 12 + 2 * 12));
+            (size_t(1) << 40) * (kLeast + 24 + 24 + 8 + 4 + 2 * kSum + 4 + 28 + 14 * kSum + 13 * 12 + 4 + 12 + 2 * 12));
   EXPECT_EQ(film_bytes({0, 0, 10, 7}, aov_bit(Aov::specular) | aov_bit(Aov::emission)), 70u * (kLeast + 2 * kSum));
   EXPECT_EQ(film_bytes({4, 4, 0, 9}, ~AovSet{0}), 0u);
   EXPECT_EQ(film_bytes({0, 0, 10, 7}, 0, {false, {256, 511}}), 70u * kLeast);

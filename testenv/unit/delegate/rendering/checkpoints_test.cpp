@@ -170,7 +170,7 @@ TEST_F(Checkpoints, MoreSamplesThanAreAskedForAreRefused) {
 
 TEST_F(Checkpoints, AnotherVersionIsRefused) {
   std::string all = (written(), bytes());
-  const std::string format = "Alabaster checkpoint 8";
+  const std::string format = "Alabaster checkpoint 9";
   ASSERT_TRUE(all.starts_with(format));
   all[format.size() - 1] = '1';
   replace(all);
