@@ -59,6 +59,18 @@ def hold_outs():
     sky((0.5, 0.7, 1.0), 0.5)
 
 
+def shadow_catcher():
+    """A floor and a wall that stand for a real room, below a sun and a sky: balls cast shadows on both, and they none on each other. All are
+    dark: Cycles counts light that bounces onto catchers, too."""
+    camera((0, -7, 2.5), (0, 0, 0.6))
+    ground = floor(diffuse("dark", (0.02, 0.02, 0.02)))
+    wall = mesh("wall", [(-4, 2, 0), (4, 2, 0), (4, 2, 3), (-4, 2, 3)], [(0, 1, 2, 3)], ground.data.materials[0])
+    ground.is_shadow_catcher = wall.is_shadow_catcher = bpy.context.scene.render.film_transparent = True
+    row([diffuse("red", (0.06, 0.02, 0.01)), diffuse("green", (0.02, 0.05, 0.02)), diffuse("blue", (0.01, 0.02, 0.06))])
+    light("SUN", 3, (-2, -3, 4), angle=0.1)
+    sky((0.5, 0.7, 1.0), 0.5)
+
+
 def not_seen_by_the_camera():
     """By the object, and by a collection that is only indirect. The mirror and the floor show what the camera does not see."""
     camera((0, -7, 2.5), (0, 0, 0.6))
@@ -147,6 +159,6 @@ def linked_lights():
     sky((1, 1, 1), 0.1)
 
 
-SCENES = {function.__name__: function for function in (hold_outs, not_seen_by_the_camera, deforming_meshes)}
+SCENES = {function.__name__: function for function in (hold_outs, shadow_catcher, not_seen_by_the_camera, deforming_meshes)}
 if MODERN:
     SCENES["linked_lights"] = linked_lights
