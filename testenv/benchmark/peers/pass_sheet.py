@@ -150,6 +150,8 @@ def layers_of(job, file):
     found = {layer: numpy.stack([planes[letter] for letter in sorted(planes, key=order.find)], -1) for layer, planes in by_layer.items()}
     found["Alpha"], found["Combined"] = found["Combined"][..., 3:], found["Combined"][..., :3]
     found["1"] = numpy.ones_like(found["Combined"])
+    if "Vector" in found:  # the motion since the frame before, and to the next one
+        found["Vector"] = found["Vector"][..., 2:]
     return found
 
 
