@@ -45,7 +45,7 @@ int view(const Arguments& a, WindowDriver* driver) {
 }
 
 int run(int argc, char** argv, WindowDriver* driver) {
-  CLI::App app("A window on a scene: look around, pick, edit, save.", "alabaster view");
+  CLI::App app("A window on a scene: look around, pick, edit, light, compare, save.", "alabaster view");
   Arguments a;
   cli::Words words{"view"};
   words.insert(words.end(), argv + std::min(argc, 1), argv + argc);

@@ -29,18 +29,19 @@ std::optional<SceneReload::State> SceneReload::state_of(const std::string& file)
 void SceneReload::watch(const cli::SceneSession& shown) {
   std::set<std::string> now = cli::scene_files(shown, scene_file_);
   now.insert(shown.colors().ocio);
-  std::erase_if(files_, [&](const auto& file) { return now.erase(file.first) == 0; });
-  for (const std::string& file : now) files_.emplace_back(file, state_of(file));
+  std::erase_if(files_, [&](const auto& file) { return now.erase(file.name) == 0; });
+  for (const std::string& file : now) files_.push_back({file, state_of(file)});
 }
 
 void SceneReload::look() {
   const auto now = std::chrono::steady_clock::now();
   for (size_t i = 0; i < std::min(kLooks, files_.size()) && !is_busy(); ++i) {
-    const auto& [file, read] = files_[next_ = (next_ + 1) % files_.size()];
-    const std::optional<State> state = state_of(file);
+    File& file = files_[next_ = (next_ + 1) % files_.size()];
+    const std::optional<State> state = state_of(file.name);
     // Programs remove a file before they write it again.
-    if (!state || state == read || state == newest_) continue;
-    changed_ = true, newest_ = state, changed_at_ = now;
+    if (!state || state == file.seen) continue;
+    file.seen = state;
+    changed_ = true, changed_at_ = now;
   }
   if (changed_ && by_itself && now - changed_at_ > kWritten) begin();
 }
@@ -48,7 +49,7 @@ void SceneReload::look() {
 void SceneReload::begin() {
   if (is_busy()) return;
   changed_ = false;
-  for (auto& [file, read] : files_) read = state_of(file);
+  for (File& file : files_) file.seen = state_of(file.name);
   loading_ = std::async(std::launch::async, [this]() -> std::unique_ptr<cli::SceneSession> {
     try {
       return load_();

@@ -34,17 +34,21 @@ class SceneReload {
     uintmax_t size = 0;
     bool operator==(const State&) const = default;
   };
+  struct File {
+    std::string name;
+    std::optional<State>
+        seen;  // the last state that was looked at, at first that which was read; empty: it was missing
+  };
   static std::optional<State> state_of(const std::string& file);  // empty: there is none
   void watch(const cli::SceneSession& shown);
 
   const Load load_;
   const std::string scene_file_;
   const hd::DiagnosticSink sink_;
-  std::vector<std::pair<std::string, std::optional<State>>> files_;  // as they were when they were read
-  size_t next_ = 0;                                                  // to look at
+  std::vector<File> files_;
+  size_t next_ = 0;  // to look at
   bool changed_ = false;
-  std::optional<State> newest_;                       // of the file that has changed
-  std::chrono::steady_clock::time_point changed_at_;  // when that was seen
+  std::chrono::steady_clock::time_point changed_at_;  // when the last change was seen
   std::future<std::unique_ptr<cli::SceneSession>> loading_;
 };
 

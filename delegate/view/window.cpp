@@ -178,7 +178,9 @@ class Window {
   }
 
   void follow_files() {
+    const bool was_offered = reload_->has_changed();
     reload_->look();
+    if (reload_->has_changed() && !was_offered) panels_.tell("A file of the scene has changed: Reload, or key L.");
     std::unique_ptr<cli::SceneSession> loaded = reload_->take();
     if (!loaded) return;
     fetcher_.forget();

@@ -9,7 +9,7 @@ namespace {
 using hd::Matrix4d;
 using hd::Vec3d;
 
-Vec3d row(const Matrix4d& m, int i) {
+Vec3d axis_of(const Matrix4d& m, int i) {
   return {m[i][0], m[i][1], m[i][2]};
 }
 
@@ -19,12 +19,12 @@ TEST(LightPlacement, AnAimedLightKeepsItsPlaceAndSizeAndStandsLevel) {
     for (const Vec3d& up : {Vec3d(0, 1, 0), Vec3d(0, 0, 1)}) {
       const Matrix4d m = aimed(light, target, up);
       EXPECT_EQ(m.translation(), light.translation());
-      EXPECT_LT((row(m, 2).normalized() + (target - light.translation()).normalized()).length(), 1e-12);
-      EXPECT_NEAR(row(m, 0).length(), 2, 1e-12);
-      EXPECT_NEAR(row(m, 1).length(), 3, 1e-12);
-      EXPECT_NEAR(row(m, 2).length(), 0.5, 1e-12);
-      EXPECT_NEAR(row(m, 0).dot(up), 0, 1e-12) << "level";
-      EXPECT_GE(row(m, 1).dot(up), -1e-12) << "upright";
+      EXPECT_LT((axis_of(m, 2).normalized() + (target - light.translation()).normalized()).length(), 1e-12);
+      EXPECT_NEAR(axis_of(m, 0).length(), 2, 1e-12);
+      EXPECT_NEAR(axis_of(m, 1).length(), 3, 1e-12);
+      EXPECT_NEAR(axis_of(m, 2).length(), 0.5, 1e-12);
+      EXPECT_NEAR(axis_of(m, 0).dot(up), 0, 1e-12) << "level";
+      EXPECT_GE(axis_of(m, 1).dot(up), -1e-12) << "upright";
       EXPECT_NEAR(m.determinant(), light.determinant(), 1e-9);
     }
   EXPECT_EQ(aimed(light, light.translation(), Vec3d(0, 1, 0)), light) << "it is there";
@@ -40,7 +40,7 @@ TEST(LightPlacement, AHighlightObeysTheLawOfReflection) {
   EXPECT_NEAR(way.length(), 7, 1e-12);
   const Vec3d half = (way.normalized() + to_eye).normalized();
   EXPECT_LT((half - surface.normal).length(), 1e-12);
-  EXPECT_LT((row(m, 2) - way.normalized()).length(), 1e-12) << "it shines at the point";
+  EXPECT_LT((axis_of(m, 2) - way.normalized()).length(), 1e-12) << "it shines at the point";
 }
 
 TEST(LightPlacement, ToolsAreThoseThatMakeADifference) {

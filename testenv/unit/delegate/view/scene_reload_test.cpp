@@ -91,7 +91,7 @@ TEST_F(SceneReloadTest, WhatCannotBeLoadedIsReportedAndTheNextChangeIsOffered) {
 
 TEST_F(SceneReloadTest, ByItselfItWaitsUntilTheFileRests) {
   reload->by_itself = true;
-  touch("lit.gltf");
+  for (const char* name : {"lit.gltf", "patch.bin"}) touch(name);
   reload->look();
   EXPECT_FALSE(reload->is_busy()) << "it may be half written";
   const auto begun = std::chrono::steady_clock::now();
