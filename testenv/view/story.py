@@ -222,9 +222,9 @@ def denoising(window, scene):
     whole, half = window.play(scene, [
         "size 1000 640", "wait converged", *PLAIN_VIEW, 'choose View "Raw"', "type Exposure -1", "press Denoised", "wait converged",
         "wait seconds 1", "screenshot denoised.ppm", "state", 'press "Side by side"', "wait converged", "wait seconds 1",
-        "screenshot both.ppm", "press Rendered", "wait seconds 1", *save_picture("plain.png"), "press Material",
+        "screenshot both.ppm", "key w", "press Rendered", "wait seconds 1", "screenshot kept.ppm", "key w", "wait seconds 1", *save_picture("plain.png"), "press Material",
         "screenshot plain.ppm", "state"])
-    plain, shown, both = (window.picture(f"{n}.ppm") for n in ("plain", "denoised", "both"))
+    plain, shown, both, kept = (window.picture(f"{n}.ppm") for n in ("plain", "denoised", "both", "kept"))
     x, y = plain.find(window.picture("plain.png"))
     width, height = half["size"]
     red = (x + int(MIDDLES["red"][0] * width), y + int(MIDDLES["red"][1] * height))
@@ -233,6 +233,8 @@ def denoising(window, scene):
     check_near(shown.at(*green), twice, 2, "the denoised picture")
     check_near(both.at(*green), twice, 2, "right of the divider")
     check_near(both.at(*red), plain.at(*red), 0, "left of the divider")
+    check_near(kept.at(*red), [min(255, 2 * c) for c in plain.at(*red)], 2, "a denoised picture that was kept")
+    check_near(kept.at(*green), plain.at(*green), 0, "beside the present one as rendered")
     for options in ([], ["--set", "targetError=0.0001"]):
         paused, going = window.play(target_scene.write(window.folder, samples=100000), [
             "size 1000 640", "press Denoised", "wait samples 40", "key space", "wait seconds 1", "state", "press Continue",
