@@ -358,8 +358,9 @@ CLI::App* add_check(CLI::App& app, CheckArguments* a) {
 
 // All that follows `view` belongs to the window's program, --help included.
 void add_view(CLI::App& app) {
-  app.add_subcommand(
-      "view", "Opens a window on a scene: look around, pick, edit, save. 'alabaster view --help' lists its options.");
+  app.add_subcommand("view",
+                     "Opens a window on a scene: look around, pick, edit, light, compare, save. 'alabaster view "
+                     "--help' lists its options.");
 }
 
 CLI::App* add_convert(CLI::App& app, ConvertArguments* a) {

@@ -76,6 +76,15 @@ Vec3d point_at(const Matrix4d& camera, const Sight& sight, double x, double y, d
   return world;
 }
 
+std::optional<hd::Vec2d> place_of(const Matrix4d& camera, const Sight& sight, const Vec3d& point) {
+  Vec3d local;
+  camera.inverse().multVecMatrix(point, local);
+  if (!(local.z < 0)) return std::nullopt;
+  const double scale = sight.orthographic ? 1 : -local.z;
+  return hd::Vec2d((local.x / scale - sight.right) / sight.width + 0.5,
+                   0.5 - (local.y / scale - sight.up) / sight.height);
+}
+
 void zoom(hd::CameraDescription* camera, const Vec3d& pivot, double factor) {
   if (!is_orthographic(*camera)) {
     camera->transform = dollied(camera->transform, pivot, factor);

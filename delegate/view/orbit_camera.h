@@ -1,6 +1,8 @@
 // How a camera follows a mouse. World space; no horizon is tilted that was level.
 #pragma once
 
+#include <optional>
+
 #include "delegate/api/scene_types.h"
 
 namespace alabaster::view {
@@ -21,11 +23,15 @@ struct Sight {
   bool orthographic = false;
   double width = 0, height = 0;  // scene units
   double right = 0, up = 0;      // of its middle from the view axis, by a shift of the lens
+  bool operator==(const Sight&) const = default;
 };
 Sight sight_of(const hd::CameraDescription& camera, const hd::Framing& framing, hd::WindowPolicy policy);
 
 /// The point that place (x, y) of the picture, from 0 to 1 with y down, shows at `depth` along the view axis.
 hd::Vec3d point_at(const hd::Matrix4d& camera, const Sight& sight, double x, double y, double depth);
+
+/// The place of the picture that shows a point of the world. Empty: it lies behind the camera.
+std::optional<hd::Vec2d> place_of(const hd::Matrix4d& camera, const Sight& sight, const hd::Vec3d& point);
 
 /// Zooms: a perspective camera moves towards `pivot`, an orthographic one gets a film of `factor` times the size.
 void zoom(hd::CameraDescription* camera, const hd::Vec3d& pivot, double factor);

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cctype>
 #include <filesystem>
+#include <limits>
 
 #include "delegate/host/product_writer.h"
 
@@ -40,10 +41,26 @@ std::string short_name(const hd::Path& path) {
   return digits != 0 && digits != std::string::npos && name[digits] == '_' ? name.substr(digits + 1) : name;
 }
 
+// The row of a light's place: three lengths, of which a slider covers the scene's size to both sides.
+ParameterRow position_row() {
+  ParameterRow row;
+  row.name = "position", row.label = "Position", row.unit = "mm";
+  row.description = "Place of the light in the scene: x, y and z.";
+  row.kind = RowKind::color, row.in_millimetres = row.is_length = true;
+  row.minimum = -std::numeric_limits<double>::infinity(), row.maximum = -row.minimum;
+  return row;
+}
+
+void keep_among(const std::vector<hd::Path>& all, hd::Path* chosen) {
+  if (std::find(all.begin(), all.end(), *chosen) == all.end()) *chosen = all.empty() ? hd::Path() : all[0];
+}
+
 }  // namespace
 
-Panels::Panels(ViewSession* session, Widgets* widgets, Messages* messages, const std::string& scene_file)
+Panels::Panels(ViewSession* session, SceneReload* reload, Widgets* widgets, Messages* messages,
+               const std::string& scene_file)
     : session_(session),
+      reload_(reload),
       widgets_(widgets),
       messages_(messages),
       scene_file_(scene_file),
@@ -56,8 +73,6 @@ Panels::Panels(ViewSession* session, Widgets* widgets, Messages* messages, const
   const std::string stem = (file.parent_path() / file.stem()).string();
   picture_file_ = stem + "_view.png";
   description_file_ = stem + "_view.json";
-  if (!session_->edits().materials().empty()) material_ = session_->edits().materials()[0];
-  if (!session_->edits().lights().empty()) light_ = session_->edits().lights()[0];
 }
 
 void Panels::show(const std::optional<Picked>& picked) {
@@ -80,7 +95,11 @@ void Panels::handle_keys() {
   if (pressed(' ')) session_->pause(!session_->paused());
   if (pressed('r')) session_->reset_camera();
   if (pressed('h')) side_shown_ = !side_shown_;
-  if (pressed('d')) session_->compare(Compare((int(session_->compared()) + 1) % 3));
+  const int ways = session_->kept_look() ? 2 : 3;  // a kept look takes the place of side by side
+  if (pressed('d')) session_->compare(Compare((int(session_->compared()) + 1) % ways));
+  if (pressed('w')) keep_or_drop();
+  if (pressed('x')) session_->swap_looks();
+  if (pressed('l')) reload_->begin();
   if (pressed('[')) session_->set_exposure(session_->exposure() - 0.5f);
   if (pressed(']')) session_->set_exposure(session_->exposure() + 0.5f);
   if (pressed('s')) save_picture();
@@ -161,6 +180,7 @@ void Panels::draw_picked() {
 void Panels::draw_materials() {
   draw_picked();
   ImGui::Separator();
+  keep_among(session_->edits().materials(), &material_);
   if (session_->edits().materials().empty()) return ImGui::TextDisabled("The scene has no material to edit.");
   pick_prim("material", session_->edits().materials(), &material_);
   ImGui::BeginChild("parameters");
@@ -169,13 +189,72 @@ void Panels::draw_materials() {
 }
 
 void Panels::draw_lights() {
-  if (session_->edits().lights().empty())
-    return ImGui::TextWrapped("The scene has no light prims: its materials emit.");
-  pick_prim("light", session_->edits().lights(), &light_);
-  ImGui::TextDisabled("%s", session_->edits().light_type(light_).c_str());
+  light_is_shown_ = true;
+  SceneEdits& edits = session_->edits();
+  std::string added = "Add a light";
+  ImGui::SetNextItemWidth(-1);
+  if (widgets_->menu("add", {std::begin(kNewLights), std::end(kNewLights)}, &added)) {
+    const hd::Vec2d at = picked_ ? picked_->place : hd::Vec2d(0.5, 0.5);
+    light_ = session_->add_light(added, at.x, at.y);
+  }
+  help("It lights what was picked, or the middle of the picture, from the left and above.");
+  keep_among(edits.lights(), &light_);
+  if (edits.lights().empty()) return ImGui::TextWrapped("The scene has no light prims: its materials emit.");
+  pick_prim("light", edits.lights(), &light_);
+  draw_light_tools();
   ImGui::BeginChild("parameters");
+  draw_position();
   draw_prim(light_, light_rows_);
   ImGui::EndChild();
+}
+
+void Panels::draw_light_tools() {
+  SceneEdits& edits = session_->edits();
+  const std::string type = edits.light_type(light_);
+  ImGui::AlignTextToFramePadding();
+  ImGui::TextDisabled("%s", type.c_str());
+  struct Choice {
+    LightTool tool;
+    const char *name, *help;
+  };
+  constexpr Choice kTools[] = {
+      {LightTool::move, "Move", "A drag on the picture moves the light with the mouse, parallel to the picture."},
+      {LightTool::aim, "Aim", "A click or drag on the picture aims the light at the point under the mouse."},
+      {LightTool::highlight, "Highlight",
+       "A click or drag on the picture puts the light where it shines at the point under the mouse, and is mirrored "
+       "there. It keeps its distance."}};
+  for (const Choice& choice : kTools) {
+    if (!can_use(choice.tool, type)) continue;
+    ImGui::SameLine();
+    if (!widgets_->button(choice.name, choice.help, light_tool_ == choice.tool)) continue;
+    light_tool_ = light_tool_ == choice.tool ? LightTool::none : choice.tool;
+    if (light_tool_ != LightTool::none) session_->bind_surface();
+  }
+  if (!can_use(light_tool_, type)) light_tool_ = LightTool::none;
+  if (!edits.is_added(light_)) return;
+  ImGui::SameLine();
+  if (!widgets_->button("Remove", "Removes this light, which was added here.")) return;
+  session_->edit(light_, [&] { return edits.remove_light(light_), std::string(); });
+  keep_among(edits.lights(), &light_);
+}
+
+// Place and direction are one parameter, as the light's transform is.
+void Panels::draw_position() {
+  SceneEdits& edits = session_->edits();
+  const std::string type = edits.light_type(light_);
+  if (type.empty() || type == "domeLight" || type == "distantLight") {
+    if (!edits.is_changed(light_, "transform")) return;
+  }
+  const hd::Matrix4d transform = edits.transform(light_);
+  static const ParameterRow kRow = position_row();
+  bool reset = false;
+  hd::Value value = hd::Vec3f(transform.translation());
+  if (draw_row(kRow, edits.is_changed(light_, "transform"), &reset, &value)) {
+    hd::Matrix4d moved = transform;
+    for (int i = 0; i < 3; ++i) moved[3][i] = double(value.get_or(hd::Vec3f(0))[i]);
+    session_->edit(light_, [&] { return edits.place(light_, moved); });
+  }
+  if (reset) session_->edit(light_, [&] { return edits.reset(light_, "transform"); });
 }
 
 void Panels::draw_camera() {
@@ -211,6 +290,7 @@ void Panels::draw_camera() {
 }
 
 void Panels::draw_side() {
+  light_is_shown_ = false;
   if (!ImGui::BeginTabBar("tabs")) return;
   const ImGuiTabItemFlags flags = select_material_tab_ ? ImGuiTabItemFlags_SetSelected : 0;
   select_material_tab_ = false;

@@ -44,6 +44,12 @@ bool PictureFetcher::busy() const {
   return busy_ || asked_;
 }
 
+void PictureFetcher::forget() {
+  std::unique_lock lock(mutex_);
+  idle_.wait(lock, [this] { return !busy_ && !asked_; });
+  for (Side& side : sides_) side.request = {}, side.memory = {}, side.numbers = {};
+}
+
 void PictureFetcher::run() {
   std::unique_lock lock(mutex_);
   for (;;) {
@@ -60,6 +66,7 @@ void PictureFetcher::run() {
     }
     lock.lock();
     busy_ = false;
+    idle_.notify_one();
   }
 }
 

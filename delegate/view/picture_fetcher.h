@@ -38,6 +38,7 @@ struct PictureRequest {
   DataKind kind = DataKind::light;
   std::shared_ptr<const hd::PixelTransform> display;  // of kind light
   uint64_t version = 0;                               // another one writes all pixels again
+  std::shared_ptr<const hd::RenderBuffer> kept;       // `buffer`, where it must outlive the request
   bool operator==(const PictureRequest&) const = default;
 };
 
@@ -53,6 +54,8 @@ class PictureFetcher {
   /// Exchanges *picture for the newest one of the request; false if it is the newest already. Never waits long.
   bool take(bool right, Picture* picture);
   bool busy() const;
+  /// Waits, and then uses no buffer until the next fetch.
+  void forget();
 
  private:
   /// The range of the numbers that a buffer holds, and what it was found in.
@@ -79,6 +82,7 @@ class PictureFetcher {
 
   mutable std::mutex mutex_;
   std::condition_variable wake_;
+  std::condition_variable idle_;
   bool asked_ = false, busy_ = false, end_ = false;
   PictureRequest requests_[2];
   Side sides_[2];

@@ -28,9 +28,16 @@ void write_over(ImDrawList* list, ImVec2 at, const char* text) {
   list->AddText(at, IM_COL32(235, 235, 235, 255), text);
 }
 
+std::string look_text(const char* name, const std::string& aov, bool is_denoised, uint32_t samples, double noise) {
+  std::string text = name + std::string("   ") + (aov == "color" ? "" : aov + ", ") + std::to_string(samples) +
+                     (samples == 1 ? " sample" : " samples");
+  if (noise >= 0) text += ", noise " + percent(noise);
+  return is_denoised ? text + ", denoised" : text;
+}
+
 }  // namespace
 
-void PicturePanel::draw(const Textures& textures) {
+void PicturePanel::draw(const Textures& textures, const ViewStatus& status) {
   const ImVec2 room = ImGui::GetContentRegionAvail(), corner = ImGui::GetCursorScreenPos();
   const float density = ImGui::GetIO().DisplayFramebufferScale.x;
   frame_ = PictureFrame::fit({corner.x, corner.y}, {room.x, room.y}, session_->aspect(), density > 0 ? density : 1);
@@ -42,14 +49,15 @@ void PicturePanel::draw(const Textures& textures) {
   handle_mouse();
   ImDrawList* const list = ImGui::GetWindowDrawList();
   if (textures.left != 0) list->AddImage(texture_id(textures.left), low, high);
-  if (session_->compared() == Compare::side_by_side && textures.right != 0) draw_side_by_side(textures);
+  if (session_->is_divided() && textures.right != 0) draw_divided(textures, status);
+  if (!light_.empty()) draw_light();
   if (picked_ && marked_) {
     list->AddCircle(point(frame_.cursor(picked_->place)), 5 * unit(), IM_COL32(255, 170, 40, 255), 0, 2 * unit());
   }
 }
 
-// The denoised picture right of the divider.
-void PicturePanel::draw_side_by_side(const Textures& textures) {
+// The other picture right of the divider.
+void PicturePanel::draw_divided(const Textures& textures, const ViewStatus& status) {
   ImDrawList* const list = ImGui::GetWindowDrawList();
   const ImVec2 low = point(frame_.low()), high = point(frame_.high());
   const float x = std::floor(divider()), u = unit();
@@ -59,9 +67,41 @@ void PicturePanel::draw_side_by_side(const Textures& textures) {
   for (const float side : {-7 * u, 7 * u})
     list->AddTriangleFilled({x + side, high.y - 12 * u}, {x, high.y - 18 * u}, {x, high.y - 6 * u},
                             IM_COL32(255, 255, 255, 220));
-  const char* const kLeft = "as rendered";
-  write_over(list, {x - ImGui::CalcTextSize(kLeft).x - 12 * u, low.y + 8 * u}, kLeft);
-  write_over(list, {x + 12 * u, low.y + 8 * u}, "denoised");
+  std::string left = "as rendered", right = "denoised";
+  if (const KeptLook* const kept = session_->kept_look()) {
+    left = look_text("A", kept->aov, kept->is_denoised, kept->samples, kept->noise);
+    if (!session_->is_kept_framing()) left += ", of another view";
+    const bool is_denoised = session_->compared() != Compare::rendered && !status.denoiser.empty();
+    right = look_text("B", session_->aov(), is_denoised, status.samples, status.noise);
+  }
+  write_over(list, {x - ImGui::CalcTextSize(left.c_str()).x - 12 * u, low.y + 8 * u}, left.c_str());
+  write_over(list, {x + 12 * u, low.y + 8 * u}, right.c_str());
+}
+
+// Its place and where it shines, where it has these and the picture shows them; and what the mouse does.
+void PicturePanel::draw_light() {
+  ImDrawList* const list = ImGui::GetWindowDrawList();
+  const float u = unit();
+  if (tool_ != LightTool::none) {
+    const std::string hint = std::string(tool_ == LightTool::move  ? "Drag: moves "
+                                         : tool_ == LightTool::aim ? "Click or drag: aims "
+                                                                   : "Click or drag: highlight of ") +
+                             light_.str();
+    write_over(list, {frame_.low().x + 12 * u, frame_.high().y - 28 * u}, hint.c_str());
+  }
+  const std::string type = session_->edits().light_type(light_);
+  if (!can_use(LightTool::move, type)) return;
+  const hd::Matrix4d light = session_->edits().transform(light_), &camera = session_->camera().transform;
+  const hd::Vec3d from = light.translation(), way(-light[2][0], -light[2][1], -light[2][2]);
+  const auto at = place_of(camera, session_->sight(), from);
+  if (!at || at->x < 0 || at->x > 1 || at->y < 0 || at->y > 1) return;
+  const ImVec2 middle = point(frame_.cursor(*at));
+  constexpr ImU32 kYellow = IM_COL32(255, 220, 90, 255);
+  const double length = 0.15 * (camera.translation() - from).length();
+  const auto end = place_of(camera, session_->sight(), from + way.normalized() * length);
+  if (end && type != "sphereLight") list->AddLine(middle, point(frame_.cursor(*end)), kYellow, 2 * u);
+  list->AddCircleFilled(middle, 5 * u, kYellow);
+  list->AddCircle(middle, 9 * u, kYellow, 0, 1.5f * u);
 }
 
 hd::Vec2d PicturePanel::place(ImVec2 mouse) const {
@@ -69,7 +109,7 @@ hd::Vec2d PicturePanel::place(ImVec2 mouse) const {
 }
 
 float PicturePanel::divider() const {
-  return frame_.low().x + divider_ * (frame_.high().x - frame_.low().x);
+  return frame_.low().x + float(session_->divider()) * (frame_.high().x - frame_.low().x);
 }
 
 double PicturePanel::depth_near(const hd::Vec2d& at) {
@@ -111,11 +151,42 @@ void PicturePanel::press() {
   drag_ = Drag::orbit;
   if (io.MouseDown[ImGuiMouseButton_Middle] || io.KeyShift) drag_ = Drag::pan;
   if (io.MouseDown[ImGuiMouseButton_Right]) drag_ = Drag::zoom;
-  if (session_->compared() == Compare::side_by_side && std::abs(io.MousePos.x - divider()) < kDividerReach * unit())
-    drag_ = Drag::divider;
+  if (tool_ != LightTool::none && drag_ == Drag::orbit) drag_ = Drag::light;
+  if (session_->is_divided() && std::abs(io.MousePos.x - divider()) < kDividerReach * unit()) drag_ = Drag::divider;
   pressed_camera_ = session_->camera();
   const hd::Vec2d at = place(io.MousePos);
   pivot_ = point_at(pressed_camera_.transform, session_->sight(), at.x, at.y, depth_near(at));
+  if (drag_ == Drag::light) press_light();
+}
+
+// The picture of depths and normals that was pressed serves the whole drag: each edit begins another one.
+void PicturePanel::press_light() {
+  pressed_light_ = session_->edits().transform(light_);
+  light_distance_ = (pressed_light_.translation() - pivot_).length();
+  if (!session_->read_surface()) drag_ = Drag::none;
+  if (tool_ != LightTool::move) move_light(place(pressed_at_));
+}
+
+void PicturePanel::move_light(const hd::Vec2d& to) {
+  hd::Matrix4d light = pressed_light_;
+  if (tool_ == LightTool::move) {
+    // It stays under the mouse if it is in sight.
+    const hd::Matrix4d& camera = pressed_camera_.transform;
+    const hd::Vec3d back(camera[2][0], camera[2][1], camera[2][2]);
+    const double own = (camera.translation() - light.translation()).dot(back.normalized());
+    const double depth = own > 0 ? own : depth_;
+    const hd::Vec2d from = place(pressed_at_);
+    const Sight sight = session_->sight();
+    light = light * hd::Matrix4d().setTranslation(point_at(camera, sight, to.x, to.y, depth) -
+                                                  point_at(camera, sight, from.x, from.y, depth));
+  } else {
+    const auto surface = session_->surface_at(to.x, to.y);
+    if (!surface) return;
+    light = tool_ == LightTool::aim
+                ? aimed(light, surface->point, session_->up())
+                : mirrored(light, *surface, session_->to_eye(surface->point), light_distance_, session_->up());
+  }
+  session_->edit(light_, [&] { return session_->edits().place(light_, light); });
 }
 
 void PicturePanel::move() {
@@ -127,7 +198,10 @@ void PicturePanel::move() {
     case Drag::none:
       return;
     case Drag::divider:
-      divider_ = std::clamp(float(to.x), 0.0f, 1.0f);
+      session_->set_divider(to.x);
+      return;
+    case Drag::light:
+      move_light(to);
       return;
     case Drag::orbit:  // half a turn across the picture
       camera.transform = orbited(camera.transform, pivot_, -way.x * kTurn / 2, way.y * kTurn / 4, session_->up());

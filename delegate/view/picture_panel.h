@@ -19,7 +19,9 @@ class PicturePanel {
   explicit PicturePanel(ViewSession* session) : session_(session) {}
 
   /// Fills the current ImGui window. The picture keeps the shape of the scene's frame.
-  void draw(const Textures& textures);
+  void draw(const Textures& textures, const ViewStatus& status);
+  /// A tool that left drags use on a light, and the light to show; none and empty: none.
+  void use(LightTool tool, const hd::Path& light) { tool_ = tool, light_ = light; }
   const PictureFrame& frame() const { return frame_; }
 
   const std::optional<Picked>& picked() const { return picked_; }
@@ -29,11 +31,14 @@ class PicturePanel {
   std::optional<hd::Vec2d> hovered() const { return hovered_; }
 
  private:
-  enum class Drag { none, orbit, pan, zoom, divider };
-  void draw_side_by_side(const Textures& textures);
+  enum class Drag { none, orbit, pan, zoom, divider, light };
+  void draw_divided(const Textures& textures, const ViewStatus& status);
+  void draw_light();
   void handle_mouse();
   void press();
   void move();
+  void press_light();
+  void move_light(const hd::Vec2d& to);
   void wheel(double steps);
   hd::Vec2d place(ImVec2 mouse) const;
   float divider() const;
@@ -41,7 +46,6 @@ class PicturePanel {
 
   ViewSession* session_;
   PictureFrame frame_;
-  float divider_ = 0.5f;  // share of the picture
   Drag drag_ = Drag::none;
   bool moved_ = false, clicked_ = false;
   bool marked_ = false;  // the picked place is where it was
@@ -49,6 +53,10 @@ class PicturePanel {
   hd::CameraDescription pressed_camera_;
   hd::Vec3d pivot_{0, 0, 0};
   double depth_ = 0;  // of the last pivot; 0: none yet
+  LightTool tool_ = LightTool::none;
+  hd::Path light_;              // empty: none is shown
+  hd::Matrix4d pressed_light_;  // where it was
+  double light_distance_ = 1;   // of the light to the point that was pressed
   std::optional<Picked> picked_;
   std::optional<hd::Vec2d> hovered_;
 };

@@ -30,18 +30,22 @@ int view(const Arguments& a, WindowDriver* driver) {
   options.driver = driver;
   hd::description::LoadOptions load = scene_load_options(a.scene);
   load.keep_going = true;  // an image that is missing is a message in the window, and may appear
-  cli::SceneSession session;
-  open_scene(a.scene, load, console, sink, &session);
-  for (const std::string& note : session.file.notes) messages.add({hd::Severity::info, "scene.note", "", note});
-  session.start(sink);
+  const auto open = [&] {
+    auto session = std::make_unique<cli::SceneSession>();
+    open_scene(a.scene, load, console, sink, session.get());
+    for (const std::string& note : session->file.notes) messages.add({hd::Severity::info, "scene.note", "", note});
+    session->start(sink);
+    return session;
+  };
   options.scene_file = a.scene.scene;
   options.title = std::filesystem::path(a.scene.scene).filename().string() + " - Alabaster";
-  ViewSession shown(&session, sink);
-  return run_window(&shown, &messages, options, &console);
+  ViewSession shown(open(), sink);
+  SceneReload reload(open, a.scene.scene, shown.loaded(), sink);
+  return run_window(&shown, &reload, &messages, options, &console);
 }
 
 int run(int argc, char** argv, WindowDriver* driver) {
-  CLI::App app("A window on a scene: look around, pick, edit, save.", "alabaster view");
+  CLI::App app("A window on a scene: look around, pick, edit, light, compare, save.", "alabaster view");
   Arguments a;
   cli::Words words{"view"};
   words.insert(words.end(), argv + std::min(argc, 1), argv + argc);

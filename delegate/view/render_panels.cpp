@@ -10,11 +10,7 @@ namespace {
 
 constexpr float kNamedWidth = 74;   // of a toolbar with names, in letters
 constexpr double kReadAgain = 0.2;  // seconds between two looks at the pixel under the mouse
-constexpr double kTold = 5;         // seconds that the status tells of a file
-
-std::string percent(double share) {
-  return cli::formatted(share < 0.0995 ? "%.2g %%" : "%.0f %%", 100 * share);
-}
+constexpr double kTold = 5;         // seconds that the status tells of what was done
 
 std::string duration(double seconds) {
   if (seconds < 0) return "unknown";
@@ -75,11 +71,36 @@ void Panels::draw_compare() {
   constexpr std::pair<const char*, Compare> kChoices[] = {
       {"Rendered", Compare::rendered}, {"Denoised", Compare::denoised}, {"Side by side", Compare::side_by_side}};
   for (const auto& [name, how] : kChoices) {
+    if (session_->kept_look() && how == Compare::side_by_side) continue;
     ImGui::SameLine();
     if (widgets_->button(name, "The picture is denoised after its last sample, or when it is paused. Key D",
                          session_->compared() == how))
       session_->compare(how);
   }
+  ImGui::SameLine(0, ImGui::GetFontSize());
+  if (widgets_->button("Keep A",
+                       "Keeps this look as A, left of a line that the mouse drags, while B, right of it, goes on being "
+                       "edited. Again: lets A go. Key W",
+                       session_->kept_look() != nullptr))
+    keep_or_drop();
+  if (session_->kept_look()) {
+    ImGui::SameLine();
+    if (widgets_->button("Swap", "Goes back to the edits and settings of A, and keeps B as A. Key X"))
+      session_->swap_looks();
+  }
+  ImGui::SameLine(0, ImGui::GetFontSize());
+  if (widgets_->button(
+          reload_->is_busy() ? "Loading" : "Reload",
+          "Reads the scene's files again, and keeps the edits and the camera. It is lit when a file has changed. Key L",
+          reload_->has_changed() || reload_->is_busy()))
+    reload_->begin();
+}
+
+void Panels::keep_or_drop() {
+  if (session_->kept_look())
+    session_->drop_look();
+  else if (!session_->keep_look())
+    tell("There is no picture to keep yet.");
 }
 
 void Panels::draw_quality() {
@@ -134,9 +155,14 @@ void Panels::draw_render() {
   ImGui::EndChild();
 }
 
+void Panels::tell(const std::string& text) {
+  told_ = text;
+  told_at_ = ImGui::GetTime();
+}
+
 void Panels::tell_saved(bool written, const std::string& file) {
   saved_ = written ? "Wrote " + file : file + " was not written: see Messages.";
-  saved_at_ = ImGui::GetTime();
+  tell(saved_);
 }
 
 void Panels::save_picture() {
@@ -159,6 +185,11 @@ void Panels::draw_save() {
     tell_saved(session_->save_description(description_file_, scene_file_), description_file_);
   ImGui::Separator();
   ImGui::TextWrapped("%s", saved_.c_str());
+  ImGui::Separator();
+  ImGui::TextWrapped("Reload, or key L, reads the scene's files again.");
+  widgets_->tick("reload by itself", &reload_->by_itself);
+  ImGui::SameLine();
+  ImGui::TextUnformatted("as soon as a file has changed");
 }
 
 void Panels::draw_status(const ViewStatus& status, const std::optional<hd::Vec2d>& mouse) {
@@ -172,7 +203,7 @@ void Panels::draw_status(const ViewStatus& status, const std::optional<hd::Vec2d
   if (status.denoised >= 0 && status.denoised < 1) line += "   denoising " + percent(status.denoised);
   if (!status.fault.empty()) line += "   " + status.fault;
   if (status.scene_faults > 0) line += "   " + std::to_string(status.scene_faults) + " faults: see Messages";
-  if (ImGui::GetTime() - saved_at_ < kTold) line = saved_;
+  if (ImGui::GetTime() - told_at_ < kTold) line = told_;
   ImGui::TextUnformatted(line.c_str());
   if (mouse && ImGui::GetTime() - values_at_ > kReadAgain) {
     values_ = session_->values_at(mouse->x, mouse->y);

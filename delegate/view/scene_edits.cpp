@@ -43,8 +43,12 @@ SceneEdits::SceneEdits(hd::host::RetainedSceneDelegate* scene) : scene_(scene) {
     const std::string node = hd::host::DisneySurface(path, network);
     if (!node.empty()) materials_.push_back(path), prims_[path] = {"", node + ".", hd::host::GetFields(path, network)};
   }
-  for (const auto& [path, light] : scene->GetLights())
-    lights_.push_back(path), prims_[path] = {light.type.str(), "", hd::host::GetFields(path, light)};
+  for (const auto& [path, light] : scene->GetLights()) show_light(path, light);
+}
+
+void SceneEdits::show_light(const hd::Path& path, const hd::host::LightDescription& light) {
+  lights_.insert(std::upper_bound(lights_.begin(), lights_.end(), path), path);
+  prims_[path] = {light.type.str(), "", hd::host::GetFields(path, light)};
 }
 
 const SceneEdits::Prim* SceneEdits::find(const hd::Path& prim) const {
@@ -53,7 +57,7 @@ const SceneEdits::Prim* SceneEdits::find(const hd::Path& prim) const {
 }
 
 const hd::Value* SceneEdits::change(const hd::Path& prim, const std::string& parameter) const {
-  for (const Changes* changes : {&changed_materials_, &changed_lights_})
+  for (const Changes* changes : {&record_.materials, &record_.lights})
     if (const auto found = changes->find(prim); found != changes->end())
       if (const auto value = found->second.find(parameter); value != found->second.end()) return &value->second;
   return nullptr;
@@ -82,12 +86,15 @@ std::string SceneEdits::texture(const hd::Path& material, const std::string& par
 }
 
 std::string SceneEdits::set(const hd::Path& prim, const ParameterRow& row, const hd::Value& shown) {
+  return apply(prim, row.name, stored_value(row, shown));
+}
+
+std::string SceneEdits::apply(const hd::Path& prim, const std::string& parameter, const hd::Value& value) {
   const Prim* const found = find(prim);
   if (!found) return "it is no prim that can be edited here";
-  const hd::Value value = stored_value(row, shown);
-  const std::string name = found->node + row.name;
+  const std::string name = found->node + parameter;
   std::string fault = hd::host::EditPrim(scene_, prim, {{name, {}}, {name, value}}).fault;
-  if (fault.empty()) (found->light_type.empty() ? changed_materials_ : changed_lights_)[prim][row.name] = value;
+  if (fault.empty()) (found->light_type.empty() ? record_.materials : record_.lights)[prim][parameter] = value;
   return fault;
 }
 
@@ -96,15 +103,80 @@ std::string SceneEdits::reset(const hd::Path& prim, const std::string& parameter
   if (!found) return "it is no prim that can be edited here";
   Fields fields{{found->node + parameter, {}}};
   for (const auto& loaded : found->loaded)
-    if (loaded.first == fields[0].first) fields.push_back(loaded);
+    if (loaded.first == fields[0].first || (parameter == "transform" && loaded.first == "transform:samples"))
+      fields.push_back(loaded);
   std::string fault = hd::host::EditPrim(scene_, prim, fields).fault;
   if (!fault.empty()) return fault;
-  for (Changes* changes : {&changed_materials_, &changed_lights_})
+  for (Changes* changes : {&record_.materials, &record_.lights})
     if (const auto of_prim = changes->find(prim); of_prim != changes->end()) {
       of_prim->second.erase(parameter);
       if (of_prim->second.empty()) changes->erase(of_prim);
     }
   return fault;
+}
+
+hd::Matrix4d SceneEdits::transform(const hd::Path& light) const {
+  const auto* const found = hd::host::FindPrim<hd::host::LightDescription>(scene_->GetPrims(), light);
+  return found ? found->transform : hd::Matrix4d();
+}
+
+hd::Path SceneEdits::add_light(const hd::host::LightDescription& light) {
+  const std::string type = light.type.str(), name = type.substr(0, type.find("Light"));
+  const auto is_used = [&](const hd::Path& path) {
+    return scene_->GetPrims().contains(path) || std::any_of(lights_.begin(), lights_.end(), [&](const hd::Path& other) {
+             return scene_->GetName(other) == scene_->GetName(path);
+           });
+  };
+  hd::Path path = hd::Path("/lights").append(name);
+  for (int i = 2; is_used(path); ++i) path = hd::Path("/lights").append(name + "_" + std::to_string(i));
+  scene_->SetLight(path, light);
+  show_light(path, light);
+  record_.added[path] = light;
+  return path;
+}
+
+void SceneEdits::remove_light(const hd::Path& light) {
+  if (record_.added.erase(light) == 0) return;
+  scene_->Remove(light);
+  std::erase(lights_, light);
+  prims_.erase(light);
+  record_.lights.erase(light);
+}
+
+std::vector<std::pair<hd::Path, std::string>> SceneEdits::restore(const EditRecord& wanted) {
+  std::vector<std::pair<hd::Path, std::string>> faults;
+  const EditRecord before = record_;
+  const auto note = [&](const hd::Path& prim, const std::string& fault) {
+    if (!fault.empty()) faults.emplace_back(prim, fault);
+  };
+  for (const auto& [path, light] : before.added) remove_light(path);
+  for (const Changes* changes : {&before.materials, &before.lights})
+    for (const auto& [prim, values] : *changes)
+      for (const auto& [parameter, value] : values)
+        if (find(prim)) note(prim, reset(prim, parameter));
+  for (const auto& [path, light] : wanted.added) {
+    if (scene_->GetPrims().contains(path)) {
+      note(path, "the scene has a prim of this path now");
+      continue;
+    }
+    scene_->SetLight(path, light);
+    show_light(path, light);
+    record_.added[path] = light;
+  }
+  const std::vector<ParameterRow> rows = parameter_rows("lights");
+  const auto suits = [&](const std::string& type, const std::string& parameter) {
+    const auto row = std::find_if(rows.begin(), rows.end(), [&](const auto& r) { return r.name == parameter; });
+    return type.empty() || row == rows.end() || row->applies_to.empty() ||
+           std::find(row->applies_to.begin(), row->applies_to.end(), type) != row->applies_to.end();
+  };
+  for (const Changes* changes : {&wanted.materials, &wanted.lights})
+    for (const auto& [prim, values] : *changes)
+      for (const auto& [parameter, value] : values) {
+        if (wanted.added.contains(prim) && !is_added(prim)) continue;
+        note(prim, suits(light_type(prim), parameter) ? apply(prim, parameter, value)
+                                                      : "a " + light_type(prim) + " has no '" + parameter + "'");
+      }
+  return faults;
 }
 
 }  // namespace alabaster::view

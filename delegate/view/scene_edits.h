@@ -12,6 +12,12 @@ namespace alabaster::view {
 
 using Changes = std::map<hd::Path, std::map<std::string, hd::Value>>;  // by prim and parameter
 
+/// All that was changed of a scene in a window.
+struct EditRecord {
+  Changes materials, lights;
+  std::map<hd::Path, hd::host::LightDescription> added;  // lights, as they were added
+};
+
 /// A value within the row's limits, in the type that the renderer takes: a float, int64_t, bool, Vec3f or string.
 hd::Value stored_value(const ParameterRow& row, const hd::Value& shown);
 
@@ -33,12 +39,25 @@ class SceneEdits {
   // These return the fault of an edit that the scene refuses, or "".
   /// A constant. A material's parameter loses its image.
   [[nodiscard]] std::string set(const hd::Path& prim, const ParameterRow& row, const hd::Value& value);
+  /// Puts a light somewhere, under the parameter "transform". One that moves stands still there.
+  [[nodiscard]] std::string place(const hd::Path& light, const hd::Matrix4d& transform) {
+    return apply(light, "transform", transform);
+  }
   /// Takes the changes of a parameter back.
   [[nodiscard]] std::string reset(const hd::Path& prim, const std::string& parameter);
   bool is_changed(const hd::Path& prim, const std::string& parameter) const { return change(prim, parameter); }
 
-  const Changes& changed_materials() const { return changed_materials_; }
-  const Changes& changed_lights() const { return changed_lights_; }
+  hd::Matrix4d transform(const hd::Path& light) const;
+  /// Adds a light under a name that no other light has; its path.
+  hd::Path add_light(const hd::host::LightDescription& light);
+  bool is_added(const hd::Path& light) const { return record_.added.contains(light); }
+  /// Removes a light that was added.
+  void remove_light(const hd::Path& light);
+
+  const EditRecord& record() const { return record_; }
+  /// Takes all changes back and makes those of a record, which may be of an earlier state of the scene. The prims of
+  /// which something could not be changed, each with the reason.
+  std::vector<std::pair<hd::Path, std::string>> restore(const EditRecord& wanted);
 
  private:
   struct Prim {
@@ -46,13 +65,15 @@ class SceneEdits {
     std::string node;         // the prefix of its fields: of a material the surface's name and a dot
     hd::host::Fields loaded;  // as the scene had it at first
   };
+  std::string apply(const hd::Path& prim, const std::string& parameter, const hd::Value& value);
+  void show_light(const hd::Path& path, const hd::host::LightDescription& light);
   const Prim* find(const hd::Path& prim) const;
   const hd::Value* change(const hd::Path& prim, const std::string& parameter) const;
 
   hd::host::RetainedSceneDelegate* scene_;
   std::vector<hd::Path> materials_, lights_;
   std::map<hd::Path, Prim> prims_;
-  Changes changed_materials_, changed_lights_;
+  EditRecord record_;
 };
 
 }  // namespace alabaster::view

@@ -11,9 +11,11 @@
 namespace alabaster::view {
 namespace {
 
+using hd::Matrix4d;
 using hd::Path;
 using hd::Value;
 using hd::Vec2i;
+using hd::Vec3d;
 using hd::support::number_in;
 using hd::support::text_in;
 
@@ -25,7 +27,7 @@ Path buffer_path(const std::string& aov) {
 }
 
 double size_of(hd::host::RetainedSceneDelegate& scene) {
-  hd::Vec3d low(1e300), high(-1e300);
+  Vec3d low(1e300), high(-1e300);
   for (const auto& [path, box] : hd::description::MeshBoxes(scene)) {
     if (path.str().starts_with("/studio/")) continue;
     for (int i = 0; i < 3; ++i) low[i] = std::min(low[i], box.min[i]), high[i] = std::max(high[i], box.max[i]);
@@ -43,22 +45,36 @@ double seconds_to(const ViewStatus& status, double target) {
   return std::max(0.0, status.seconds * (measured * ratio * ratio - 1));
 }
 
-std::vector<float> PixelReader::values(hd::RenderBuffer* buffer, double x, double y) {
-  if (!buffer) return {};
+bool PixelReader::read(hd::RenderBuffer* buffer) {
+  if (!buffer) return false;
   const auto components = size_t(std::clamp(hd::FormatComponents(buffer->GetFormat()), 1, 4));
   constexpr hd::Format kFormats[] = {hd::Format::float32, hd::Format::float32vec2, hd::Format::float32vec3,
                                      hd::Format::float32vec4};
   const hd::Format format = kFormats[components - 1];
   if (buffer != buffer_ || memory_.format != format) memory_ = {}, memory_.format = format, buffer_ = buffer;
-  if (!resolve(buffer, components, &memory_, &pixels_)) return {};
+  return resolve(buffer, components, &memory_, &pixels_);
+}
+
+std::vector<float> PixelReader::values(double x, double y) const {
+  if (pixels_.empty()) return {};
+  const auto components = size_t(hd::FormatComponents(memory_.format));
   const int column = std::clamp(int(x * memory_.size.x), 0, memory_.size.x - 1);
   const int row = std::clamp(int(y * memory_.size.y), 0, memory_.size.y - 1);
   const size_t at = (size_t(row) * size_t(memory_.size.x) + size_t(column)) * components;
   return {pixels_.begin() + std::ptrdiff_t(at), pixels_.begin() + std::ptrdiff_t(at + components)};
 }
 
-ViewSession::ViewSession(cli::SceneSession* loaded, hd::DiagnosticSink sink)
-    : loaded_(loaded), sink_(std::move(sink)), edits_(&loaded->scene) {
+ViewSession::ViewSession(std::unique_ptr<cli::SceneSession> loaded, hd::DiagnosticSink sink)
+    : loaded_(std::move(loaded)), sink_(std::move(sink)), edits_(&loaded_->scene) {
+  begin();
+  set_size({settings_.width, settings_.height});
+  for (const char* aov : kBoundAovs) bind(aov);
+  set_display("", "");
+  if (number_in(settings_.settings, "denoise") != 0) compare(Compare::denoised);
+}
+
+// Takes up what was loaded.
+void ViewSession::begin() {
   settings_ = loaded_->scene.GetAllRenderSettings().at(loaded_->file.settings);
   camera_ = first_camera_ = loaded_->scene.GetCameras().at(settings_.camera);
   scene_size_ = size_of(loaded_->scene);
@@ -67,12 +83,34 @@ ViewSession::ViewSession(cli::SceneSession* loaded, hd::DiagnosticSink sink)
   state_.windowPolicy = settings_.windowPolicy;
   displays_ = hd::host::ListDisplays(loaded_->colors(), sink_);
   // AOV color is shown as it was rendered; AOV denoised has the other picture.
-  const bool denoise = number_in(settings_.settings, "denoise") != 0;
   loaded_->delegate()->SetRenderSetting("denoise", false);
-  set_size({settings_.width, settings_.height});
-  for (const char* aov : kBoundAovs) bind(aov);
-  set_display("", "");
-  if (denoise) compare(Compare::denoised);
+}
+
+void ViewSession::reload(std::unique_ptr<cli::SceneSession> loaded) {
+  const bool is_placed = loaded_->file.framed || !(camera_ == first_camera_);
+  const hd::CameraDescription camera = camera_;
+  const EditRecord edits = edits_.record();
+  const auto settings = std::exchange(changed_settings_, {});
+  loaded_->delegate()->Stop();
+  pass_.reset();
+  depths_ = normals_ = values_ = {};
+  loaded_ = std::move(loaded);
+  edits_ = SceneEdits(&loaded_->scene);
+  begin();
+  if (is_placed) camera_ = camera;
+  for (const std::string& aov : bound_) set_buffer(aov);
+  if (!set_display(display_name_, view_name_)) set_display("", "");
+  restore(edits, settings);
+}
+
+void ViewSession::restore(const EditRecord& edits, const std::map<std::string, Value>& settings) {
+  for (const auto& [prim, fault] : edits_.restore(edits))
+    sink_({hd::Severity::warning, "view.restore", prim.str(), "A change that was made here is lost: " + fault + "."});
+  for (const auto& [key, value] : changed_settings_)
+    if (!settings.contains(key)) loaded_->delegate()->SetRenderSetting(key, {});
+  for (const auto& [key, value] : settings) loaded_->delegate()->SetRenderSetting(key, value);
+  changed_settings_ = settings;
+  changed();
 }
 
 ViewSession::~ViewSession() {
@@ -165,6 +203,35 @@ void ViewSession::compare(Compare how) {
   }
 }
 
+std::optional<KeptLook> ViewSession::present_look() const {
+  KeptLook look;
+  look.picture = KeptPicture::copy(buffer(shown_aov()));
+  if (!look.picture) return std::nullopt;
+  const ViewStatus now = status();
+  look.aov = aov_, look.is_denoised = shown_aov() == "denoised" && !now.denoiser.empty();
+  look.samples = now.samples, look.noise = now.noise;
+  look.camera = camera_, look.edits = edits_.record(), look.settings = changed_settings_;
+  return look;
+}
+
+bool ViewSession::keep_look() {
+  if (compare_ == Compare::side_by_side) compare(Compare::denoised);
+  kept_ = present_look();
+  return kept_.has_value();
+}
+
+void ViewSession::swap_looks() {
+  std::optional<KeptLook> present = kept_ ? present_look() : std::nullopt;
+  if (!present) return;
+  std::swap(kept_, present);
+  restore(present->edits, present->settings);
+}
+
+bool ViewSession::is_kept_framing() const {
+  if (!kept_) return false;
+  return kept_->camera.transform == camera_.transform && sight(kept_->camera) == sight();
+}
+
 bool ViewSession::set_display(const std::string& display, const std::string& view) {
   hd::RenderProduct product;
   product.display = display, product.view = view, product.exposure = exposure_;
@@ -234,9 +301,9 @@ bool ViewSession::camera_moves() const {
   return first_camera_.transformSamples.values.size() > 1;
 }
 
-Sight ViewSession::sight() const {
+Sight ViewSession::sight(const hd::CameraDescription& camera) const {
   const hd::Framing framing{{0, 0}, hd::Vec2f(size_), {0, 0, size_.x, size_.y}, 1};
-  return sight_of(camera_, framing, settings_.windowPolicy);
+  return sight_of(camera, framing, settings_.windowPolicy);
 }
 
 Value ViewSession::setting(const std::string& key) const {
@@ -293,8 +360,35 @@ std::optional<double> ViewSession::depth_at(double x, double y) {
   return double(depth[0]);
 }
 
+hd::Path ViewSession::add_light(const std::string& type, double x, double y) {
+  const Vec3d target = point_at(camera_.transform, sight(), x, y, depth_at(x, y).value_or(scene_size_));
+  const Path path = edits_.add_light(new_light(type, camera_.transform, target, up()));
+  changed();
+  return path;
+}
+
+bool ViewSession::read_surface() {
+  return depths_.read(buffer("cameraDepth")) && normals_.read(buffer("normal"));
+}
+
+std::optional<SurfacePoint> ViewSession::surface_at(double x, double y) const {
+  const std::vector<float> depth = depths_.values(x, y), normal = normals_.values(x, y);
+  if (depth.empty() || normal.size() < 3 || !(depth[0] > 0) || depth[0] > 1e30f) return std::nullopt;
+  SurfacePoint surface{point_at(camera_.transform, sight(), x, y, double(depth[0])),
+                       Vec3d(double(normal[0]), double(normal[1]), double(normal[2]))};
+  if (!(surface.normal.length() > 0.1)) return std::nullopt;  // of pixels that are mostly background
+  surface.normal.normalize();
+  return surface;
+}
+
+Vec3d ViewSession::to_eye(const Vec3d& point) const {
+  const Matrix4d& m = camera_.transform;
+  return (sight().orthographic ? Vec3d(m[2][0], m[2][1], m[2][2]) : m.translation() - point).normalized();
+}
+
 std::vector<float> ViewSession::values_at(double x, double y) {
-  return values_.values(buffer(aov_), x, y);
+  const bool on_left = is_divided() && x < divider_;
+  return values_.values((on_left || !is_divided() ? left() : right()).buffer, x, y);
 }
 
 PictureRequest ViewSession::request(const std::string& aov) const {
@@ -306,12 +400,18 @@ PictureRequest ViewSession::request(const std::string& aov) const {
   return r;
 }
 
+std::string ViewSession::shown_aov() const {
+  return compare_ == Compare::denoised && aov_ == "color" ? "denoised" : aov_;
+}
+
 PictureRequest ViewSession::left() const {
-  return request(compare_ == Compare::denoised && aov_ == "color" ? "denoised" : aov_);
+  PictureRequest r = request(shown_aov());
+  if (kept_) r.buffer = kept_->picture.get(), r.kept = kept_->picture, r.kind = data_kind(kept_->aov);
+  return r;
 }
 
 PictureRequest ViewSession::right() const {
-  return compare_ == Compare::side_by_side && aov_ == "color" ? request("denoised") : PictureRequest();
+  return !is_divided() ? PictureRequest() : request(kept_ ? shown_aov() : "denoised");
 }
 
 // True, and reported, if the file is one of the scene's.
@@ -339,7 +439,7 @@ bool ViewSession::save_description(const std::string& file, const std::string& s
   ViewChanges changes;
   changes.scene = &loaded_->scene, changes.loaded = &loaded_->file, changes.scene_file = scene_file;
   changes.options = loaded_->options(), changes.ocio = loaded_->colors().ocio;
-  changes.materials = edits_.changed_materials(), changes.lights = edits_.changed_lights();
+  changes.materials = edits_.record().materials, changes.lights = edits_.record().lights;
   changes.settings = changed_settings_;
   const bool was_denoised = number_in(settings_.settings, "denoise") != 0;
   const bool is_denoised = compare_ != Compare::rendered;

@@ -1,12 +1,15 @@
 // A scene on show: a pass that is always running, its buffers, the camera, the edits. Knows neither window nor widgets.
 #pragma once
 
+#include <algorithm>
 #include <optional>
 
 #include "delegate/cli/scene_session.h"
 #include "delegate/host/display_transform.h"
 #include "delegate/host/picker.h"
 #include "delegate/host/product_writer.h"
+#include "delegate/view/kept_picture.h"
+#include "delegate/view/light_placement.h"
 #include "delegate/view/orbit_camera.h"
 #include "delegate/view/picture_fetcher.h"
 #include "delegate/view/scene_edits.h"
@@ -41,8 +44,14 @@ struct Picked {
 /// Keeps what a buffer holds as numbers, for single pixels.
 class PixelReader {
  public:
-  /// The values of the pixel at a place from 0 to 1, y down, as many as the buffer has; empty if it shows nothing yet.
-  std::vector<float> values(hd::RenderBuffer* buffer, double x, double y);
+  /// Brings them up to date. False: the buffer shows nothing yet.
+  bool read(hd::RenderBuffer* buffer);
+  /// The values of the pixel at a place from 0 to 1, y down, as many as the buffer has, as they were read last; empty
+  /// if nothing was.
+  std::vector<float> values(double x, double y) const;
+  std::vector<float> values(hd::RenderBuffer* buffer, double x, double y) {
+    return read(buffer) ? values(x, y) : std::vector<float>();
+  }
 
  private:
   hd::RenderBuffer* buffer_ = nullptr;
@@ -52,12 +61,29 @@ class PixelReader {
 
 enum class Compare { rendered, denoised, side_by_side };
 
+/// A look that was kept: its picture as it was, and what makes it again.
+struct KeptLook {
+  std::shared_ptr<KeptPicture> picture;
+  std::string aov;
+  bool is_denoised = false;
+  uint32_t samples = 0;
+  double noise = -1;  // as of a status
+  hd::CameraDescription camera;
+  EditRecord edits;
+  std::map<std::string, hd::Value> settings;
+};
+
 /// One thread, but for the diagnostics sink.
 class ViewSession {
  public:
-  /// `loaded` has been loaded and started, and outlives this.
-  explicit ViewSession(cli::SceneSession* loaded, hd::DiagnosticSink sink);
+  /// `loaded` has been loaded and started.
+  ViewSession(std::unique_ptr<cli::SceneSession> loaded, hd::DiagnosticSink sink);
   ~ViewSession();
+
+  /// Shows a scene in the place of the present one, with its edits, its settings and the camera; one that nobody has
+  /// placed is the new scene's. What the new scene has no place for is reported. No one may still use a buffer.
+  void reload(std::unique_ptr<cli::SceneSession> loaded);
+  const cli::SceneSession& loaded() const { return *loaded_; }
 
   /// Syncs what was edited and restarts what it changes; to be called for each picture of the window. Never renders.
   void update();
@@ -75,6 +101,21 @@ class ViewSession {
   const std::string& aov() const { return aov_; }
   void compare(Compare how);
   Compare compared() const { return compare_; }
+
+  /// Keeps the look that is shown, A, left of the divider; the present one, B, is right of it. False: there is nothing
+  /// to keep yet.
+  bool keep_look();
+  void drop_look() { kept_.reset(); }
+  /// Null: none is kept.
+  const KeptLook* kept_look() const { return kept_ ? &*kept_ : nullptr; }
+  /// The present camera sees what the kept picture shows.
+  bool is_kept_framing() const;
+  /// Makes the edits and settings of the kept look, and keeps the present one.
+  void swap_looks();
+  /// The picture has a divider, at this share of its width.
+  bool is_divided() const { return kept_ || (compare_ == Compare::side_by_side && aov_ == "color"); }
+  double divider() const { return divider_; }
+  void set_divider(double share) { divider_ = std::clamp(share, 0.0, 1.0); }
 
   const std::vector<hd::host::ColorDisplay>& displays() const { return displays_; }
   /// False after a report. Empty names: the configuration's defaults.
@@ -97,6 +138,15 @@ class ViewSession {
     if (const std::string fault = make(); !fault.empty()) sink_({hd::Severity::error, "view.edit", prim.str(), fault});
     changed();
   }
+  /// Adds a light of a type of kNewLights for what the camera sees at a place; its path.
+  hd::Path add_light(const std::string& type, double x, double y);
+  /// Binds what surface_at() needs.
+  void bind_surface() { bind("normal"); }
+  /// Reads the pixels that surface_at() is about. False: they are not known yet.
+  bool read_surface();
+  std::optional<SurfacePoint> surface_at(double x, double y) const;
+  /// From a point to the eye; of length 1.
+  hd::Vec3d to_eye(const hd::Vec3d& point) const;
   const hd::CameraDescription& camera() const { return camera_; }
   /// A camera that moves in the scene stands still once it is placed elsewhere. The first time a message says so. Its
   /// lens stands still from now on.
@@ -106,7 +156,7 @@ class ViewSession {
   /// The picture shows its motion.
   bool is_camera_motion_kept() const { return camera_.transformSamples.values.size() > 1; }
   void reset_camera();
-  Sight sight() const;
+  Sight sight() const { return sight(camera_); }
   /// Length of the diagonal of the meshes' points; 1 if they have none.
   double scene_size() const { return scene_size_; }
   double units_per_millimetre() const { return double(loaded_->file.info.units_per_millimetre()); }
@@ -122,7 +172,7 @@ class ViewSession {
   std::optional<Picked> pick(double x, double y);
   /// Distance along the view axis; empty where the background is.
   std::optional<double> depth_at(double x, double y);
-  /// The values of the shown AOV, as rendered.
+  /// The values of what is shown at a place, as rendered or denoised.
   std::vector<float> values_at(double x, double y);
 
   /// The picture left of the divider, and the one right of it (null buffer: none).
@@ -135,15 +185,20 @@ class ViewSession {
   bool save_description(const std::string& file, const std::string& scene_file);
 
  private:
+  void begin();
+  std::string shown_aov() const;
+  std::optional<KeptLook> present_look() const;
+  void restore(const EditRecord& edits, const std::map<std::string, hd::Value>& settings);
   bool is_input(const std::string& file, const std::string& scene_file) const;
   void hold_camera();
   hd::RenderBuffer* buffer(const std::string& aov) const;
   void bind(const std::string& aov);
   bool set_buffer(const std::string& aov);
+  Sight sight(const hd::CameraDescription& camera) const;
   PictureRequest request(const std::string& aov) const;
   void changed();
 
-  cli::SceneSession* loaded_;
+  std::unique_ptr<cli::SceneSession> loaded_;
   hd::DiagnosticSink sink_;
   SceneEdits edits_;
   hd::RenderSettingsDescription settings_;
@@ -162,7 +217,9 @@ class ViewSession {
   std::shared_ptr<hd::host::DisplayTransform> display_;
   uint64_t display_version_ = 0;
   std::map<std::string, hd::Value> changed_settings_;
-  PixelReader depths_, values_;
+  std::optional<KeptLook> kept_;
+  double divider_ = 0.5;
+  PixelReader depths_, normals_, values_;
 };
 
 }  // namespace alabaster::view

@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "delegate/cli/console.h"
+
 namespace alabaster::view {
 namespace {
 
@@ -141,6 +143,10 @@ bool Widgets::tab(const std::string& name) {
   const bool open = ImGui::BeginTabItem(name.c_str());
   mark(name);
   return open;
+}
+
+std::string percent(double share) {
+  return cli::formatted(share < 0.0995 ? "%.2g %%" : "%.0f %%", 100 * share);
 }
 
 void help(const std::string& text) {

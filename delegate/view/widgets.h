@@ -45,6 +45,9 @@ inline float unit() {
   return ImGui::GetFontSize() / 15;
 }
 
+/// A share as people read it.
+std::string percent(double share);
+
 /// Explains the last item while the mouse rests on it.
 void help(const std::string& text);
 

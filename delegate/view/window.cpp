@@ -21,8 +21,8 @@ constexpr int kQuietFrames = 20;      // without new pixels, before it rests
 constexpr double kResizeRest = 0.15;  // seconds that a size must last before it is rendered
 constexpr const char* kFonts[] = {"/usr/share/fonts/truetype/dejavu/DejaVuSans.ttf",
                                   "/usr/share/fonts/TTF/DejaVuSans.ttf"};
-constexpr float kFontSize = 15, kSideWidth = 30;        // the width in letters
-constexpr float kLeastWidth = 900, kLeastHeight = 540;  // pixels of a plain screen that toolbar and panels need
+constexpr float kFontSize = 15, kSideWidth = 30;         // the width in letters
+constexpr float kLeastWidth = 1000, kLeastHeight = 540;  // pixels of a plain screen that toolbar and panels need
 
 std::string g_glfw_error;  // GLFW reports through a function without an argument of ours
 
@@ -133,11 +133,12 @@ class PictureTexture {
 
 class Window {
  public:
-  Window(ViewSession* session, Messages* messages, const WindowOptions& options)
+  Window(ViewSession* session, SceneReload* reload, Messages* messages, const WindowOptions& options)
       : session_(session),
+        reload_(reload),
         messages_(messages),
         driver_(options.driver),
-        panels_(session, &widgets_, messages, options.scene_file),
+        panels_(session, reload, &widgets_, messages, options.scene_file),
         picture_(session) {}
 
   int run(Screen* screen) {
@@ -152,6 +153,7 @@ class Window {
         continue;
       }
       screen->follow_scale();
+      follow_files();
       session_->update();
       status_ = session_->status();
       heed_failure();
@@ -173,6 +175,17 @@ class Window {
   void heed_failure() {
     if (status_.state != hd::PassState::failed || session_->compared() == Compare::rendered) return;
     session_->compare(Compare::rendered);
+  }
+
+  void follow_files() {
+    const bool was_offered = reload_->has_changed();
+    reload_->look();
+    if (reload_->has_changed() && !was_offered) panels_.tell("A file of the scene has changed: Reload, or key L.");
+    std::unique_ptr<cli::SceneSession> loaded = reload_->take();
+    if (!loaded) return;
+    fetcher_.forget();
+    session_->reload(std::move(loaded));
+    panels_.tell("The scene was loaded again.");
   }
 
   void bring_pictures() {
@@ -210,12 +223,13 @@ class Window {
     ImGui::PushStyleColor(ImGuiCol_WindowBg, ImVec4(0.06f, 0.06f, 0.06f, 1));
     begin("picture", {0, bar}, {size.x - side, size.y - 2 * bar});
     ImGui::PopStyleVar();
-    picture_.draw({textures_[0].id(), textures_[1].id()});
+    picture_.draw({textures_[0].id(), textures_[1].id()}, status_);
     ImGui::End();
     ImGui::PopStyleColor();
     if (side > 0) {
       begin("side", {size.x - side, bar}, {side, size.y - 2 * bar});
       panels_.draw_side();
+      picture_.use(panels_.light_tool(), panels_.shown_light());
       ImGui::End();
     }
     begin("status", {0, size.y - bar}, {size.x, bar});
@@ -240,20 +254,25 @@ class Window {
 
   // The newest pixels are on the screen, or are renewed faster than anybody waits.
   bool settled() const {
-    return asked_size_ == session_->size() && textures_[0].size() == session_->size() && quiet_ < 100000 &&
-           (status_.state != hd::PassState::converged || (quiet_ > 5 && !fetcher_.busy()));
+    const PictureTexture& live = textures_[session_->kept_look() ? 1 : 0];
+    return asked_size_ == session_->size() && live.size() == session_->size() && quiet_ < 100000 &&
+           !reload_->is_busy() && (status_.state != hd::PassState::converged || (quiet_ > 5 && !fetcher_.busy()));
   }
 
   // Nothing moves until the user does something: no need to draw sixty times a second.
   bool rests() const {
     const bool over =
         session_->paused() || status_.state == hd::PassState::converged || status_.state == hd::PassState::failed;
-    return over && !driver_ && quiet_ > kQuietFrames && !fetcher_.busy() && !ImGui::IsAnyItemActive();
+    return over && !driver_ && !reload_->is_busy() && quiet_ > kQuietFrames && !fetcher_.busy() &&
+           !ImGui::IsAnyItemActive();
   }
 
-  Stage stage(double begun) { return {window_, &picture_, &widgets_, session_, messages_, status_, settled(), begun}; }
+  Stage stage(double begun) {
+    return {window_, &picture_, &widgets_, session_, reload_, messages_, status_, settled(), begun};
+  }
 
   ViewSession* session_;
+  SceneReload* reload_;
   Messages* messages_;
   WindowDriver* const driver_;
   Widgets widgets_;
@@ -282,14 +301,15 @@ ScreenScale scale_of(GLFWwindow* window) {
   return scale;
 }
 
-int run_window(ViewSession* session, Messages* messages, const WindowOptions& options, cli::Console* console) {
+int run_window(ViewSession* session, SceneReload* reload, Messages* messages, const WindowOptions& options,
+               cli::Console* console) {
   Screen screen;
   if (!screen.open(options)) {
     console->error("window", "It could not be opened: " + (g_glfw_error.empty() ? "no OpenGL 3" : g_glfw_error) +
                                  ". A display with OpenGL 3 is needed: run it in a desktop session, or with xvfb-run.");
     return cli::kRender;
   }
-  return Window(session, messages, options).run(&screen);
+  return Window(session, reload, messages, options).run(&screen);
 }
 
 }  // namespace alabaster::view

@@ -3,6 +3,7 @@
 
 #include "delegate/view/messages.h"
 #include "delegate/view/picture_panel.h"
+#include "delegate/view/scene_reload.h"
 
 struct GLFWwindow;
 
@@ -14,6 +15,7 @@ struct Stage {
   const PicturePanel* picture = nullptr;
   Widgets* widgets = nullptr;
   const ViewSession* session = nullptr;
+  const SceneReload* reload = nullptr;
   const Messages* messages = nullptr;
   ViewStatus status;
   bool settled = false;  // the picture that is shown is of the size and of the pixels that it should be
@@ -37,7 +39,8 @@ struct WindowOptions {
 };
 
 /// Opens the window and returns the program's exit code when it is closed. Errors go to `console`.
-int run_window(ViewSession* session, Messages* messages, const WindowOptions& options, cli::Console* console);
+int run_window(ViewSession* session, SceneReload* reload, Messages* messages, const WindowOptions& options,
+               cli::Console* console);
 
 /// Pixels of the framebuffer, units of the window and the size that the desktop asks for.
 ScreenScale scale_of(GLFWwindow* window);

@@ -1,4 +1,5 @@
 """A user's story in the window, chapter by chapter, and the pixels and states that must follow."""
+import json
 import math
 
 import target_scene
@@ -67,7 +68,8 @@ PLAIN_VIEW = ['choose View "Un-tone-mapped"', "wait converged"]
 
 
 def tell(window):
-    for chapter in (picture_is_right, background_is_black, drags, lenses, edits, options_of_render, layers_and_display, pausing, denoising, saving, faults_of_scripts):
+    for chapter in (picture_is_right, background_is_black, drags, lenses, edits, options_of_render, layers_and_display, pausing, denoising, saving, wipes,
+                    lights, reloads, faults_of_scripts):
         before = checks
         chapter(window, target_scene.write(window.folder))
         print(f"{chapter.__name__.replace('_', ' ')}: {checks - before} checks", flush=True)
@@ -220,9 +222,9 @@ def denoising(window, scene):
     whole, half = window.play(scene, [
         "size 1000 640", "wait converged", *PLAIN_VIEW, 'choose View "Raw"', "type Exposure -1", "press Denoised", "wait converged",
         "wait seconds 1", "screenshot denoised.ppm", "state", 'press "Side by side"', "wait converged", "wait seconds 1",
-        "screenshot both.ppm", "press Rendered", "wait seconds 1", *save_picture("plain.png"), "press Material",
+        "screenshot both.ppm", "key w", "press Rendered", "wait seconds 1", "screenshot kept.ppm", "key w", "wait seconds 1", *save_picture("plain.png"), "press Material",
         "screenshot plain.ppm", "state"])
-    plain, shown, both = (window.picture(f"{n}.ppm") for n in ("plain", "denoised", "both"))
+    plain, shown, both, kept = (window.picture(f"{n}.ppm") for n in ("plain", "denoised", "both", "kept"))
     x, y = plain.find(window.picture("plain.png"))
     width, height = half["size"]
     red = (x + int(MIDDLES["red"][0] * width), y + int(MIDDLES["red"][1] * height))
@@ -231,6 +233,8 @@ def denoising(window, scene):
     check_near(shown.at(*green), twice, 2, "the denoised picture")
     check_near(both.at(*green), twice, 2, "right of the divider")
     check_near(both.at(*red), plain.at(*red), 0, "left of the divider")
+    check_near(kept.at(*red), [min(255, 2 * c) for c in plain.at(*red)], 2, "a denoised picture that was kept")
+    check_near(kept.at(*green), plain.at(*green), 0, "beside the present one as rendered")
     for options in ([], ["--set", "targetError=0.0001"]):
         paused, going = window.play(target_scene.write(window.folder, samples=100000), [
             "size 1000 640", "press Denoised", "wait samples 40", "key space", "wait seconds 1", "state", "press Continue",
@@ -254,6 +258,138 @@ def saving(window, scene):
     check(untouched["messages"] == [], str(untouched["messages"]))
     refused, = window.play(scene, ["wait covered", *save_description("target.json"), *save_picture("target.gltf"), "state"])
     check(len(refused["messages"]) == 2 and "choose another name" in refused["messages"][0], str(refused["messages"]))
+
+
+def wipes(window, scene):
+    """Key W keeps the look; a line that the mouse drags divides it from the one that is edited. Both follow the display."""
+    edited, moved, swapped, dropped = window.play(scene, [
+        "size 1000 640", "wait converged", *PLAIN_VIEW, 'choose View "Raw"', *save_picture("first.png"), "press Light",
+        "screenshot first.ppm", "key w", "type intensity 0.25", "wait converged", "wait seconds 0.5", "screenshot both.ppm", "state",
+        "drag left 0.5 0.9 0.7 0.9", "wait seconds 0.5", "screenshot dragged.ppm",
+        "type Exposure -1", "wait seconds 0.5", "screenshot darker.ppm", "type Exposure 0",
+        "drag left 0.3 0.9 0.35 0.9", "wait converged", "state", "key R", "wait converged",
+        "key x", "wait converged", "wait seconds 0.5", *save_picture("swapped.png"), "press Light", "screenshot swapped.ppm", "state",
+        "key w", "wait converged", "wait seconds 0.5", "screenshot dropped.ppm", "state"])
+    first = window.picture("first.ppm")
+    x, y = first.find(window.picture("first.png"))
+    width, height = edited["size"]
+
+    def seen(name, square):
+        place = MIDDLES[square]
+        return window.picture(name).at(x + int(place[0] * width), y + int(place[1] * height))
+
+    quarter = [c / 4 for c in seen("first.ppm", "green")]
+    check(edited["kept"] == {"samples": 4, "isFraming": True}, f"kept {edited['kept']}")
+    check_near(seen("both.ppm", "red"), seen("first.ppm", "red"), 0, "left of the line is what was kept")
+    check_near(seen("both.ppm", "green"), quarter, 1, "right of the line is what was edited")
+    check_near(seen("dragged.ppm", "green"), seen("first.ppm", "green"), 0, "the line was dragged beyond it")
+    check_near(seen("darker.ppm", "green"), [c / 2 for c in seen("first.ppm", "green")], 1, "what was kept follows the exposure")
+    check(not moved["kept"]["isFraming"], "a drag of the camera leaves what was kept behind")
+    check(swapped["kept"]["isFraming"], "key R")
+    check(window.picture("swapped.png").bytes == window.picture("first.png").bytes, "key X does not go back to the kept look")
+    check_near(seen("swapped.ppm", "green"), quarter, 1, "and keeps the present one")
+    check_near(seen("dropped.ppm", "red"), seen("first.ppm", "red"), 0, "key W again shows one picture")
+    check("kept" not in dropped, str(dropped))
+
+
+def saved_lights(window, name):
+    """By name: the last entry that a saved description has."""
+    return {light.get("name", light.get("match")): light for light in json.loads((window.folder / name).read_text())["lights"]}
+
+
+def lights(window, scene):
+    """A light is added, placed by its highlight, aimed, moved, reset and removed; so is one of the scene's, but for the last."""
+    document = json.loads(scene.read_text())
+    document["lights"] = [{"name": "sky", "type": "domeLight", "intensity": 0.02},
+                          {"name": "lamp", "type": "rectLight", "position": [1, 1, 3], "target": [0, 0, 0], "intensity": 1}]
+    scene.write_text(json.dumps(document))
+    spot = (0.56, 0.42)
+    state, = window.play(scene, [
+        "size 1000 640", "wait converged", *PLAIN_VIEW, *save_picture("first.png"), "click {} {}".format(*MIDDLES["green"]),
+        "press Material", "type specular 1", "type roughness 0.15",
+        "press Light", "choose add sphereLight", "type radius 50", "type intensity 9000", "wait converged", *save_description("added.json"),
+        "press Light", "press Highlight", "wait converged", "click {} {}".format(*spot), "wait converged",
+        *save_picture("highlight.png"), *save_description("highlight.json"),
+        "press Light", "press Aim", "click {} {}".format(*MIDDLES["blue"]), *save_description("aimed.json"),
+        "press Light", "press Move", "drag left 0.4 0.3 0.5 0.3", "choose light /lights/lamp", "press Aim",
+        "click {} {}".format(*MIDDLES["red"]), "type position.g 1700", "wait converged",
+        "press Save", "wait converged", *save_picture("moved.png"), *save_description("moved.json"),
+        "press Light", 'press "reset position"', "choose light /lights/sphere", 'press "reset position"', *save_description("reset.json"),
+        "press Light", "press Remove", "press Material", 'press "reset specular"', 'press "reset roughness"', "wait converged",
+        *save_picture("removed.png"), *save_description("removed.json"), "state"])
+    check(state["messages"] == [], str(state["messages"]))
+    added, highlight, aimed, moved, reset, removed = (
+        saved_lights(window, f"{n}.json") for n in ("added", "highlight", "aimed", "moved", "reset", "removed"))
+
+    def at(light):
+        return light["transform"][12:15]
+
+    across, sight = 0.48 * 4 / 3 * 5, 0.48 * 5  # where z is 0
+
+    def point(x, y):
+        return (x - 0.5) * across, (0.5 - y) * sight, 0
+
+    def way(start, end):
+        return [(b - a) / math.dist(start, end) for a, b in zip(start, end)]
+
+    px, py, _ = point(*spot)
+    check(at(added["sphere"])[0] < -1 and at(added["sphere"])[1] > 1, f"a new light stands at {at(added['sphere'])}, not at the upper left")
+    check_near(way(point(*spot), at(highlight["sphere"])), way((0, 0, 0), (px, py, 5)), 0.01, "the mirrored direction of the eye")
+    shown = window.picture("highlight.png")
+    blues = [(shown.at(i, j)[2], i, j) for j in range(int(0.2 * shown.height), shown.height // 2) for i in range(shown.width // 2, int(0.7 * shown.width))]
+    top = max(blues)[0]
+    bright = [(i / shown.width, j / shown.height) for blue, i, j in blues if blue > 0.8 * top]
+    check_near([sum(p[k] for p in bright) / len(bright) for k in (0, 1)], spot, 0.02, "the highlight in the picture")
+    back = [-c for c in aimed["sphere"]["transform"][8:11]]
+    check_near(back, way(at(aimed["sphere"]), point(*MIDDLES["blue"])), 0.01, "what it is aimed at")
+    check_near(at(aimed["sphere"]), at(highlight["sphere"]), 1e-9, "its place")
+    check(at(moved["sphere"])[0] > at(aimed["sphere"])[0] + 0.1, f"a drag to the right moves it from {at(aimed['sphere'])} to {at(moved['sphere'])}")
+    check_near(at(moved["sphere"])[1:], at(aimed["sphere"])[1:], 1e-6, "upwards and backwards")
+    lamp = moved["/lights/lamp"]["transform"]
+    check_near(lamp[12:15], (1, 1.7, 3), 1e-6, "the number that was typed")
+    check_near([-c for c in lamp[8:11]], way((1, 1, 3), point(*MIDDLES["red"])), 0.01, "what the scene's light is aimed at")
+    done = window.run("render", "moved.json", "-o", "again.png", "--size", "{}x{}".format(*state["size"]), "--view", "Un-tone-mapped", "--quiet")
+    check(done.returncode == 0, done.stderr)
+    check(window.picture("again.png").bytes == window.picture("moved.png").bytes, "the saved lights are others")
+    check_near(reset["sphere"]["transform"], added["sphere"]["transform"], 0, "a reset")
+    check("/lights/lamp" not in reset, str(reset))
+    check(sorted(removed) == ["lamp", "sky"], f"lights {sorted(removed)} are left")
+    check(window.picture("removed.png").bytes == window.picture("first.png").bytes, "what was removed or reset is still seen")
+
+
+def reloads(window, scene):
+    """A changed file is offered, and loaded with the edits that its prims still have; a broken one leaves the scene as it is."""
+    document = json.loads(scene.read_text())
+    del document["materials"]
+    scene.write_text(json.dumps(document))
+    whole = (window.folder / "target.gltf").read_text()
+    (window.folder / "whole.gltf").write_text(whole)
+    changed = json.loads(whole)
+    changed["materials"][0]["pbrMetallicRoughness"]["baseColorFactor"] = [0.05, 0.05, 0.8, 1]
+    changed["materials"][2]["name"] = "azure"
+    (window.folder / "changed.gltf").write_text(json.dumps(changed))
+    (window.folder / "broken.gltf").write_text(whole[:len(whole) // 2])
+    before, offered, loaded, broken, again = window.play(scene, [
+        "size 1000 640", "wait converged", *PLAIN_VIEW, "drag left 0.45 0.45 0.46 0.45", "wait converged",
+        "click {} {}".format(*MIDDLES["green"]), "type baseColor.r 1", "press Save", "click {} {}".format(*MIDDLES["blue"]),
+        "type baseColor.g 0.5", "wait converged", *save_picture("before.png"), "state",
+        "copy changed.gltf target.gltf", "wait seconds 1", "state", "press Reload", "wait converged", *save_picture("loaded.png"), "state",
+        "copy broken.gltf target.gltf", "wait seconds 1", "key l", "wait converged", *save_picture("broken.png"), "state",
+        "press Save", 'press "reload by itself"', "copy whole.gltf target.gltf", "wait seconds 3", "wait converged",
+        *save_picture("again.png"), *save_description("kept.json"), "state"])
+    check(not before["filesChanged"] and offered["filesChanged"] and not loaded["filesChanged"], "a changed file is offered once")
+    old, new = window.picture("before.png"), window.picture("loaded.png")
+    check_near(new.share(MIDDLES["green"]), old.share(MIDDLES["green"]), 2, "an edit stays")
+    check(new.share(MIDDLES["red"])[2] > 2 * new.share(MIDDLES["red"])[0], f"the file has another colour: {new.share(MIDDLES['red'])}")
+    check(new.share(MIDDLES["blue"])[1] < old.share(MIDDLES["blue"])[1] - 40, "the edit of a material that is gone is gone")
+    check(before["camera"] == loaded["camera"] == again["camera"], "the camera stays")
+    check(any("2_blue" in text and "lost" in text for text in loaded["messages"]), f"no message of the lost edit: {loaded['messages']}")
+    check(window.picture("broken.png").bytes == new.bytes, "a broken file changes the picture")
+    check(any("target.gltf" in text for text in broken["messages"]) and "stays" in broken["messages"][-1], str(broken["messages"]))
+    check_near(window.picture("again.png").share(MIDDLES["red"]), old.share(MIDDLES["red"]), 2, "the file as it was is loaded by itself")
+    done = window.run("render", "kept.json", "-o", "rendered.png", "--size", "{}x{}".format(*again["size"]), "--view", "Un-tone-mapped", "--quiet")
+    check(done.returncode == 0, done.stderr)
+    check(window.picture("rendered.png").bytes == window.picture("again.png").bytes, "the saved description is another scene")
 
 
 def dense_screens(plain, dense):

@@ -14,8 +14,9 @@ struct Form {
   const char* words;  // a letter each: p pixels, n a number, w a word
 };
 constexpr Form kForms[] = {
-    {"size", "pp"},   {"drag", "wnnnn"}, {"click", "nn"}, {"wheel", "nnn"},    {"key", "w"},  {"press", "w"},
-    {"choose", "ww"}, {"slide", "wn"},   {"type", "ww"},  {"screenshot", "w"}, {"state", ""}, {"quit", ""},
+    {"size", "pp"},      {"drag", "wnnnn"}, {"click", "nn"}, {"wheel", "nnn"}, {"key", "w"},
+    {"press", "w"},      {"choose", "ww"},  {"slide", "wn"}, {"type", "ww"},   {"copy", "ww"},
+    {"screenshot", "w"}, {"state", ""},     {"quit", ""},
 };
 
 /// The range of a number. No screen is larger, and GLFW ends the program at sizes below 0; a wait beyond an hour is a

@@ -10,6 +10,7 @@
 //   choose WIDGET ITEM           an item of a menu
 //   slide WIDGET SHARE           a slider: 0 is its left end
 //   type WIDGET TEXT             into a field or a slider
+//   copy FROM TO                 a file in the place of another, as a program beside the window does
 //   screenshot FILE.ppm          of the whole window
 //   state                        prints a line of JSON
 //   quit

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cctype>
 #include <cstdio>
+#include <filesystem>
 
 #include "delegate/cli/exit_codes.h"
 #include "delegate/support/output_file.h"
@@ -164,6 +165,11 @@ bool ScriptPlayer::start(const ScriptAction& a, const Stage& stage) {
     if (name.size() == 1) step.text = name, step.key = std::toupper(static_cast<unsigned char>(name[0]));
     if (step.key == 0) return fail(a, "there is no key '" + name + "'"), false;
     steps_.push_back(step);
+  } else if (a.name == "copy") {
+    std::error_code error;
+    constexpr auto kReplace = std::filesystem::copy_options::overwrite_existing;
+    if (!std::filesystem::copy_file(a.words[0], a.words[1], kReplace, error))
+      return fail(a, a.words[0] + " was not copied: " + error.message()), false;
   } else if (a.name == "screenshot") {
     screenshot_ = a.words[0];
   } else if (a.name == "state") {

@@ -24,6 +24,9 @@ std::string window_state(const Stage& stage, FrameTimes* times) {
                        {"face", picked->hit.face},
                        {"instances", picked->hit.instances.size()}};
   }
+  if (const KeptLook* const kept = session.kept_look())
+    state["kept"] = {{"samples", kept->samples}, {"isFraming", session.is_kept_framing()}};
+  state["filesChanged"] = stage.reload->has_changed();
   state["messages"] = json::array();
   for (const Messages::Entry& entry : stage.messages->all())
     state["messages"].push_back(entry.diagnostic.where + ": " + entry.diagnostic.text);

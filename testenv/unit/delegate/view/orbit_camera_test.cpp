@@ -26,13 +26,12 @@ void expect_near(const Vec3d& a, const Vec3d& b, const char* what) {
   EXPECT_NEAR((a - b).length(), 0, 1e-9) << what << ": " << a << " instead of " << b;
 }
 
-// A place of the picture for a point, the inverse of point_at.
+// The arguments of point_at that give the point.
 Vec3d seen_at(const Matrix4d& camera, const Sight& sight, const Vec3d& point) {
   Vec3d local;
   camera.inverse().multVecMatrix(point, local);
-  const double scale = sight.orthographic ? 1 : -local.z;
-  return {0.5 + (local.x / scale - sight.right) / sight.width, 0.5 - (local.y / scale - sight.up) / sight.height,
-          -local.z};
+  const hd::Vec2d at = place_of(camera, sight, point).value_or(hd::Vec2d(-1));
+  return {at.x, at.y, -local.z};
 }
 
 TEST(OrbitCamera, AQuarterTurnBringsTheCameraToTheSide) {
@@ -41,6 +40,13 @@ TEST(OrbitCamera, AQuarterTurnBringsTheCameraToTheSide) {
   expect_near(row(turned, 2), {1, 0, 0}, "back");
   expect_near(row(turned, 0), {0, 0, -1}, "right");
   expect_near(row(turned, 1), {0, 1, 0}, "up");
+}
+
+TEST(OrbitCamera, WhatIsBehindTheCameraHasNoPlaceInThePicture) {
+  const Sight sight{false, 0.72, 0.48, 0, 0};
+  EXPECT_TRUE(place_of(front(), sight, Vec3d(0, 0, 4.9)));
+  EXPECT_FALSE(place_of(front(), sight, Vec3d(0, 0, 5.1)));
+  EXPECT_FALSE(place_of(front(), sight, front().translation()));
 }
 
 TEST(OrbitCamera, APositivePitchRaisesTheCamera) {

@@ -4,6 +4,7 @@
 #include <nlohmann/json.hpp>
 
 #include "delegate/support/lookup.h"
+#include "delegate/view/light_placement.h"
 #include "testenv/unit/delegate/description/scene_fixture.h"
 #include "testenv/unit/delegate/view/row_of.h"
 
@@ -97,7 +98,7 @@ TEST_F(SavedDescription, AGltfFileWithEditsLoadsAsItWasShown) {
   ASSERT_EQ(edits.set(edits.materials()[0], row_of("disney_material", "scatterDistance"), Vec3f(0.1f, 0.3f, 0.7f)), "");
   ASSERT_EQ(edits.set(edits.materials()[0], row_of("disney_material", "roughness"), 0.1), "");
   ASSERT_EQ(edits.set(edits.lights()[0], row_of("lights", "intensity"), 12.34), "");
-  changes.materials = edits.changed_materials(), changes.lights = edits.changed_lights();
+  changes.materials = edits.record().materials, changes.lights = edits.record().lights;
   changes.settings = {{"samples", int32_t(7)}, {"subsurface", std::string("diffusion")}};
   hd::CameraDescription camera = scene.GetCameras().begin()->second;
   camera.transform.setAxisAngle(hd::Vec3d(0.1, 1, 0.2).normalized(), 0.3);
@@ -109,6 +110,23 @@ TEST_F(SavedDescription, AGltfFileWithEditsLoadsAsItWasShown) {
   const auto& settings = again.GetAllRenderSettings().at(file_again.settings).settings;
   EXPECT_EQ(settings.at("samples").number_or(0), 7);
   EXPECT_EQ(settings.at("subsurface").text_or(""), "diffusion");
+}
+
+TEST_F(SavedDescription, LightsThatWereAddedOrPlacedAreWhereTheyWere) {
+  const SceneFile loaded = load("lit.gltf");
+  ASSERT_TRUE(loaded.ok) << errors();
+  SceneEdits edits(&scene);
+  hd::Matrix4d turned;
+  turned.setAxisAngle(hd::Vec3d(0.1, 1, 0.2).normalized(), 0.3);
+  turned.setTranslation(hd::Vec3d(0.1, 1.0 / 3, -2));
+  ASSERT_EQ(edits.place(edits.lights()[0], turned), "");
+  for (const char* type : kNewLights) edits.add_light(new_light(type, turned, hd::Vec3d(0.7), hd::Vec3d(0, 1, 0)));
+  ASSERT_EQ(edits.set("/lights/rect", row_of("lights", "intensity"), 12.34), "");
+  ASSERT_EQ(edits.place("/lights/rect", turned), "");
+  changes.lights = edits.record().lights;
+  save_and_load("lit.gltf", loaded);
+  expect_same_lights();
+  EXPECT_EQ(again.GetLights().size(), 1 + std::size(kNewLights));
 }
 
 // A studio stands by the first camera: it must stay there although the camera has moved.
@@ -141,7 +159,7 @@ TEST_F(SavedDescription, ADescriptionKeepsWhatItHas) {
   SceneEdits edits(&scene);
   ASSERT_EQ(edits.set(edits.materials()[0], row_of("disney_material", "roughness"), 0.1), "");
   ASSERT_EQ(edits.set("/lights/key", row_of("lights", "width"), 0.5), "");
-  changes.materials = edits.changed_materials(), changes.lights = edits.changed_lights();
+  changes.materials = edits.record().materials, changes.lights = edits.record().lights;
   save_and_load("scene.json", loaded);
   expect_same_materials();
   expect_same_lights();

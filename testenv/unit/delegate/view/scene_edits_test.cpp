@@ -67,8 +67,8 @@ TEST_F(SceneEditsTest, AnEditReachesTheSceneAndTheRecord) {
   EXPECT_EQ(scene.GetLights().at(kKey).parameters.at("intensity"), Value(3.0f));
   EXPECT_TRUE(edits.is_changed(kSkin, "roughness"));
   EXPECT_FALSE(edits.is_changed(kSkin, "ior"));
-  EXPECT_EQ(edits.changed_materials().at(kSkin).size(), 2u);
-  EXPECT_EQ(edits.changed_lights().at(kKey).at("intensity"), Value(3.0f));
+  EXPECT_EQ(edits.record().materials.at(kSkin).size(), 2u);
+  EXPECT_EQ(edits.record().lights.at(kKey).at("intensity"), Value(3.0f));
 }
 
 TEST_F(SceneEditsTest, ValuesStayWithinTheirLimits) {
@@ -92,7 +92,7 @@ TEST_F(SceneEditsTest, AConstantTakesAnImagesPlaceAndAResetBringsItBack) {
   EXPECT_TRUE(edits.is_changed(kSkin, "ior")) << "the other edit stays";
   EXPECT_EQ(edits.reset(kSkin, "ior"), "");
   EXPECT_EQ(scene.GetMaterials().at(kSkin), loaded);
-  EXPECT_TRUE(edits.changed_materials().empty());
+  EXPECT_TRUE(edits.record().materials.empty());
 }
 
 TEST_F(SceneEditsTest, AFaultOfTheSceneIsReturnedAndNothingIsRecorded) {
@@ -105,6 +105,81 @@ TEST_F(SceneEditsTest, AFaultOfTheSceneIsReturnedAndNothingIsRecorded) {
   EXPECT_TRUE(edits.is_changed(kSkin, "ior")) << "it was not taken back";
 }
 
+TEST_F(SceneEditsTest, LightsAreAddedPlacedAndRemoved) {
+  SceneEdits edits(&scene);
+  const hd::host::LightDescription key = scene.GetLights().at(kKey);
+  hd::Matrix4d there;
+  there.setTranslation(hd::Vec3d(1, 2, 3));
+  EXPECT_EQ(edits.place(kKey, there), "");
+  EXPECT_EQ(edits.transform(kKey), there);
+  EXPECT_TRUE(edits.is_changed(kKey, "transform"));
+  hd::host::LightDescription rect;
+  rect.type = "rectLight";
+  const Path first = edits.add_light(rect), second = edits.add_light(rect);
+  EXPECT_EQ(first, Path("/lights/rect"));
+  EXPECT_EQ(edits.lights(), (std::vector<Path>{kKey, first, second})) << "each has a name of its own";
+  EXPECT_EQ(edits.set(second, row_of("lights", "intensity"), 3.0), "");
+  EXPECT_EQ(scene.GetLights().at(second).parameters.at("intensity"), Value(3.0f));
+  edits.remove_light(second);
+  edits.remove_light(kKey);
+  EXPECT_EQ(edits.lights(), (std::vector<Path>{kKey, first})) << "the scene's own stays";
+  EXPECT_FALSE(scene.GetLights().contains(second));
+  EXPECT_FALSE(edits.is_changed(second, "intensity"));
+  EXPECT_EQ(edits.reset(kKey, "transform"), "");
+  EXPECT_EQ(scene.GetLights().at(kKey), key);
+}
+
+// A light that moves stands still where it is placed, and moves again after a reset.
+TEST_F(SceneEditsTest, AResetOfAPlaceBringsMotionBack) {
+  hd::host::LightDescription moving = scene.GetLights().at(kKey);
+  moving.transformSamples = {{0, 1}, {hd::Matrix4d(), hd::Matrix4d().setTranslation(hd::Vec3d(1, 0, 0))}};
+  scene.SetLight(kKey, moving);
+  SceneEdits edits(&scene);
+  EXPECT_EQ(edits.place(kKey, hd::Matrix4d().setTranslation(hd::Vec3d(0, 5, 0))), "");
+  EXPECT_TRUE(scene.GetLights().at(kKey).transformSamples.values.empty());
+  EXPECT_EQ(edits.reset(kKey, "transform"), "");
+  EXPECT_EQ(scene.GetLights().at(kKey), moving);
+}
+
+// The scene meanwhile has lost its key, has a light where one was added, and another type of a light.
+TEST_F(SceneEditsTest, ARecordIsRestoredAsFarAsTheSceneHasPlace) {
+  hd::host::LightDescription rect, sphere;
+  rect.type = "rectLight", sphere.type = "sphereLight";
+  scene.SetLight("/lights/fill", rect);
+  SceneEdits edits(&scene);
+  EXPECT_EQ(edits.set(kSkin, row_of("disney_material", "ior"), 2.0), "");
+  EXPECT_EQ(edits.set(kKey, row_of("lights", "intensity"), 3.0), "");
+  EXPECT_EQ(edits.set("/lights/fill", row_of("lights", "width"), 3.0), "");
+  EXPECT_EQ(edits.set("/lights/fill", row_of("lights", "intensity"), 4.0), "");
+  const Path first = edits.add_light(rect), second = edits.add_light(rect);
+  EXPECT_EQ(edits.set(first, row_of("lights", "intensity"), 5.0), "");
+  const EditRecord record = edits.record();
+
+  EXPECT_TRUE(edits.restore({}).empty());
+  EXPECT_EQ(scene.GetMaterials().at(kSkin), loaded);
+  EXPECT_EQ(edits.lights().size(), 2u);
+  EXPECT_TRUE(edits.restore(record).empty());
+  EXPECT_EQ(edits.record().lights, record.lights);
+  EXPECT_EQ(edits.record().added, record.added);
+  EXPECT_EQ(scene.GetLights().at(first).parameters.at("intensity"), Value(5.0f));
+
+  hd::host::RetainedSceneDelegate other;
+  other.SetMaterial(kSkin, loaded);
+  other.SetLight("/lights/fill", sphere);
+  other.SetLight(first, sphere);
+  SceneEdits later(&other);
+  const auto faults = later.restore(record);
+  ASSERT_EQ(faults.size(), 3u);
+  EXPECT_EQ(faults[0].first, first) << "the scene's own is left alone";
+  EXPECT_EQ(faults[1].first, Path("/lights/fill"));
+  EXPECT_NE(faults[1].second.find("no 'width'"), std::string::npos) << faults[1].second;
+  EXPECT_EQ(faults[2].first, kKey);
+  EXPECT_EQ(other.GetLights().at(first), sphere);
+  EXPECT_EQ(other.GetLights().at("/lights/fill").parameters.at("intensity"), Value(4.0f));
+  EXPECT_TRUE(later.is_added(second));
+  EXPECT_TRUE(later.is_changed(kSkin, "ior"));
+}
+
 TEST_F(SceneEditsTest, PrimsThatAreNotThereAreLeftAlone) {
   SceneEdits edits(&scene);
   const hd::host::Prims prims = scene.GetPrims();
@@ -112,7 +187,7 @@ TEST_F(SceneEditsTest, PrimsThatAreNotThereAreLeftAlone) {
   EXPECT_NE(edits.set(kPreview, row_of("disney_material", "ior"), 2.0), "");
   EXPECT_NE(edits.reset("/nowhere", "ior"), "");
   EXPECT_TRUE(scene.GetPrims() == prims);
-  EXPECT_TRUE(edits.changed_materials().empty());
+  EXPECT_TRUE(edits.record().materials.empty());
 }
 
 }  // namespace

@@ -5,6 +5,7 @@
 #include <thread>
 
 #include "testenv/unit/delegate/description/scene_fixture.h"
+#include "testenv/unit/delegate/view/row_of.h"
 
 namespace alabaster::view {
 namespace {
@@ -16,20 +17,27 @@ class ViewSessionTest : public hd::description::SceneFiles {
  protected:
   ~ViewSessionTest() override { session.reset(); }
 
+  std::unique_ptr<cli::SceneSession> load_session(const std::string& file, const LoadOptions& options,
+                                                  const hd::DiagnosticSink& sink) const {
+    auto loaded = std::make_unique<cli::SceneSession>();
+    loaded->load(folder_ / file, options, sink);
+    loaded->choose_colors("built-in", sink, 3);
+    loaded->start(sink);
+    return loaded;
+  }
+
   // The patch before its camera below a white sky, in 32 x 24 pixels, refined nearly without end.
   void open(std::vector<std::string> overrides = {}, const std::string& file = "lit.gltf") {
-    LoadOptions options;
     options.dome = "1";
     options.overrides = {"resolution=[32,24]", "samples=1000000"};
     options.overrides.insert(options.overrides.end(), overrides.begin(), overrides.end());
-    const hd::DiagnosticSink sink = [this](const hd::Diagnostic& d) {
+    sink = [this](const hd::Diagnostic& d) {
       const std::lock_guard lock(mutex_);
       diagnostics.push_back(d);
     };
-    ASSERT_NO_THROW(loaded.load(folder_ / file, options, sink)) << errors();
-    ASSERT_NO_THROW(loaded.choose_colors("built-in", sink, 3));
-    ASSERT_NO_THROW(loaded.start(sink));
-    session = std::make_unique<ViewSession>(&loaded, sink);
+    std::unique_ptr<cli::SceneSession> loaded;
+    ASSERT_NO_THROW(loaded = load_session(file, options, sink)) << errors();
+    session = std::make_unique<ViewSession>(std::move(loaded), sink);
   }
 
   std::vector<std::string> told() {
@@ -56,7 +64,8 @@ class ViewSessionTest : public hd::description::SceneFiles {
     return false;
   }
 
-  cli::SceneSession loaded;
+  LoadOptions options;
+  hd::DiagnosticSink sink;
   std::unique_ptr<ViewSession> session;
 
  private:
@@ -114,6 +123,120 @@ TEST_F(ViewSessionTest, AnEditThatTheSceneRefusesIsReported) {
   ASSERT_EQ(told().size(), 1u);
   EXPECT_EQ(diagnostics[0].code, "view.edit");
   EXPECT_EQ(diagnostics[0].where, gone.str());
+}
+
+bool converged(const ViewStatus& s) {
+  return s.state == hd::PassState::converged;
+}
+
+// As the textures of the window have it.
+std::vector<uint8_t> levels(const PictureRequest& request) {
+  hd::PixelMemory memory;
+  memory.format = hd::Format::unorm8vec4, memory.transform = request.display.get();
+  std::vector<uint8_t> rgba;
+  EXPECT_TRUE(resolve(request.buffer, 4, &memory, &rgba));
+  return rgba;
+}
+
+TEST_F(ViewSessionTest, AKeptPictureIsShownAsTheBufferWas) {
+  open({"samples=4"});
+  EXPECT_FALSE(session->keep_look()) << "nothing is rendered yet";
+  ASSERT_TRUE(update_until(converged));
+  for (const char* aov : {"color", "cameraDepth", "normal"}) {
+    session->show_aov(aov);
+    ASSERT_TRUE(update_until(converged));
+    const std::vector<uint8_t> live = levels(session->left());
+    EXPECT_GT(std::count_if(live.begin(), live.end(), [](uint8_t level) { return level > 0 && level < 255; }), 100);
+    ASSERT_TRUE(session->keep_look());
+    EXPECT_EQ(session->kept_look()->samples, 4u);
+    EXPECT_NE(session->left().buffer, session->right().buffer);
+    EXPECT_EQ(levels(session->left()), live) << aov;
+    session->set_exposure(session->exposure() + 1);
+    EXPECT_EQ(levels(session->left()), levels(session->right())) << aov << ", brighter";
+    session->drop_look();
+  }
+}
+
+TEST_F(ViewSessionTest, ValuesAreThoseOfTheSideThatIsPointedAt) {
+  open({"samples=1"});
+  ASSERT_TRUE(update_until(converged));
+  session->set_divider(0.6);
+  const std::vector<float> before = session->values_at(0.55, 0.5);
+  ASSERT_TRUE(session->keep_look());
+  const hd::Path dome("/lights/dome");
+  const ParameterRow intensity = row_of("lights", "intensity");
+  session->edit(dome, [&] { return session->edits().set(dome, intensity, 0.25); });
+  ASSERT_TRUE(update_until(converged));
+  const std::vector<float> kept = session->values_at(0.55, 0.5), live = session->values_at(0.65, 0.5);
+  ASSERT_EQ(live.size(), 4u);
+  EXPECT_EQ(kept, before);
+  EXPECT_LT(live[0], 0.8f * kept[0]);
+}
+
+TEST_F(ViewSessionTest, LooksAreSwappedWithTheirLightsAndSettings) {
+  open({"samples=1"});
+  ASSERT_TRUE(update_until(converged));
+  ASSERT_TRUE(session->keep_look());
+  const hd::Path added = session->add_light("rectLight", 0.5, 0.5);
+  const ParameterRow depth = row_of("render_settings", "maxDepth");
+  session->set_setting(depth, 3);
+  ASSERT_TRUE(update_until(converged));
+  session->swap_looks();
+  EXPECT_TRUE(session->edits().record().added.empty());
+  EXPECT_FALSE(session->is_setting_changed("maxDepth"));
+  ASSERT_TRUE(update_until(converged));
+  session->swap_looks();
+  EXPECT_EQ(session->edits().lights().size(), 3u);
+  EXPECT_TRUE(session->edits().is_added(added));
+  EXPECT_EQ(session->setting("maxDepth").number_or(0), 3);
+}
+
+TEST_F(ViewSessionTest, ANewLightFallsOnWhatTheCameraSees) {
+  open({"samples=64"});
+  ASSERT_TRUE(update_until(converged));
+  const double before = double(session->values_at(0.5, 0.5)[0]);
+  for (const char* type : kNewLights) {
+    const hd::Path path = session->add_light(type, 0.5, 0.5);
+    ASSERT_TRUE(update_until(converged));
+    const double more = double(session->values_at(0.5, 0.5)[0]) - before;
+    EXPECT_GT(more, 0.05) << type;
+    EXPECT_LT(more, 1.2) << type;
+    session->edit(path, [&] { return session->edits().remove_light(path), std::string(); });
+  }
+}
+
+TEST_F(ViewSessionTest, AReloadKeepsEditsSettingsAndTheCameraThatWasPlaced) {
+  open({"samples=1"});
+  ASSERT_TRUE(update_until(converged));
+  const hd::Path skin = session->edits().materials()[0], light = session->add_light("diskLight", 0.5, 0.5);
+  const ParameterRow roughness = row_of("disney_material", "roughness");
+  session->edit(skin, [&] { return session->edits().set(skin, roughness, 0.125); });
+  session->set_setting(row_of("render_settings", "maxDepth"), 3);
+  ASSERT_TRUE(update_until(converged));
+
+  session->reload(load_session("lit.gltf", options, sink));
+  EXPECT_EQ(session->edits().value(skin, roughness), hd::Value(0.125f));
+  EXPECT_TRUE(session->edits().is_added(light));
+  EXPECT_EQ(session->setting("maxDepth").number_or(0), 3);
+  ASSERT_TRUE(update_until(converged));
+  EXPECT_NEAR(alpha(0.5, 0.5), 1, 1e-6);
+  EXPECT_EQ(told(), std::vector<std::string>());
+
+  const auto moved_to = [this](double z) {
+    std::string text = hd::description::patch_gltf(true, true);
+    text.replace(text.find("[0, 0, 5]"), 9, "[0, 0, " + std::to_string(int(z)) + "]");
+    write("lit.gltf", text);
+    session->reload(load_session("lit.gltf", options, sink));
+  };
+  moved_to(6);
+  EXPECT_EQ(session->camera().transform[3][2], 6) << "nobody has placed it";
+  hd::CameraDescription placed = session->camera();
+  placed.transform[3][0] = 0.5;
+  session->set_camera(placed);
+  moved_to(7);
+  EXPECT_EQ(session->camera().transform, placed.transform);
+  session->reset_camera();
+  EXPECT_EQ(session->camera().transform[3][2], 7);
 }
 
 TEST(SecondsTo, CountsFromNowOn) {
