@@ -12,6 +12,9 @@ std::span<const Parameter<MeshOptions>> mesh_parameters() {
       {"holdout", &O::holdout, -kUnbounded, kUnbounded, {},
        "none", "True if the mesh is a hole in the picture: colour and alpha are 0 where the camera sees it directly. "
        "Shadows, reflections and bounced light are as without it."},
+      {"cryptoInstances", &O::crypto_instances, -kUnbounded, kUnbounded, {},
+       "none", "True if each instance of the mesh has a Cryptomatte of its own, NAME.0, NAME.1 and on, by its number in "
+       "AOV instanceId; else all have the mesh's."},
   };
   // clang-format on
   return kTable;

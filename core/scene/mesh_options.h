@@ -18,6 +18,7 @@ struct MeshOptions {
   // Rows of mesh_parameters():
   bool visible_to_camera = true;  // false: CameraCull::all
   bool holdout = false;           // a camera's path that meets it first ends there, without colour
+  bool crypto_instances = false;  // read by who names what is drawn (SceneDescription::mattes)
   bool operator==(const MeshOptions&) const = default;
 };
 

@@ -64,7 +64,7 @@ class Frames(unittest.TestCase):
             at = world_to_camera_view(scene, scene.camera, place)
             seen.append(numpy.array([at.x * 40, at.y * 30]))
         kept = {}
-        with unittest.mock.patch.object(passes, "fill", side_effect=lambda render_pass, pixels, aov: kept.update({aov: pixels.copy()})):
+        with unittest.mock.patch.object(passes, "fill", side_effect=lambda _, pixels, aov, *__: kept.update({aov: pixels.copy()})):
             bpy.ops.render.render()
         motion = kept["motion"].reshape(-1, kept["motion"].shape[-1])[:, :2]
         moved = numpy.median(motion[numpy.abs(motion).sum(axis=1) > 0.01], axis=0)
@@ -225,9 +225,9 @@ class Frames(unittest.TestCase):
         shown = []
         fake = types.SimpleNamespace(check=lambda *_: None, test_break=lambda: time.monotonic() > pressed, update_stats=lambda *_: None,
                                      update_progress=lambda _: None, show=lambda *rest: shown.append(rest[-1]))
-        engine.AlabasterRenderEngine.refine(fake, renderer, render, None, [], (0, 0, 256, 256))
+        engine.AlabasterRenderEngine.refine(fake, renderer, render, None, [], (0, 0, 256, 256), {})
         self.assertLess(time.monotonic() - pressed, 1.0)
-        self.assertEqual((render.state, shown[-1]), ("stopped", True))
+        self.assertEqual((render.state, bool(shown[-1])), ("stopped", True))
 
     def test_unregistering_ends_frames_first(self):
         """Blender frees the engine below the threads that render with it."""
@@ -254,7 +254,7 @@ class Frames(unittest.TestCase):
         renderer = types.SimpleNamespace(command=lambda _: None, stats=dict, progress=lambda: {"samples_total": 0, "fraction": 0.0})
         with unittest.mock.patch.object(engine, "frames", frames):
             engine.AlabasterRenderEngine.refine(fake, renderer, types.SimpleNamespace(wait=lambda _: False, cancel=lambda: None), None, [],
-                                                (0, 0, 8, 8))
+                                                (0, 0, 8, 8), {})
 
     def test_a_frame_does_not_wait_for_itself(self):
         """A handler that runs within the frame disables the add-on."""

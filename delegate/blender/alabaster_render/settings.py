@@ -13,11 +13,18 @@ LARGEST_INT = 2 ** 31 - 1
 # AOVs that become passes of their own, besides those that Blender has switches for: AOV, channels, type of the pass.
 PASSES = {
     "diffuse": ("Diffuse", "RGB", "COLOR"),
+    "directDiffuse": ("Direct Diffuse", "RGB", "COLOR"),
+    "indirectDiffuse": ("Indirect Diffuse", "RGB", "COLOR"),
     "subsurface": ("Subsurface", "RGB", "COLOR"),
+    "directSubsurface": ("Direct Subsurface", "RGB", "COLOR"),
+    "indirectSubsurface": ("Indirect Subsurface", "RGB", "COLOR"),
     "subsurfaceUnscattered": ("Subsurface Unscattered", "RGB", "COLOR"),
     "subsurfaceSingle": ("Subsurface Single", "RGB", "COLOR"),
     "subsurfaceMultiple": ("Subsurface Multiple", "RGB", "COLOR"),
     "specular": ("Specular", "RGB", "COLOR"),
+    "directSpecular": ("Direct Specular", "RGB", "COLOR"),
+    "indirectSpecular": ("Indirect Specular", "RGB", "COLOR"),
+    "transmission": ("Transmission", "RGB", "COLOR"),
     "albedo": ("Albedo", "RGB", "COLOR"),
     "denoised": ("Denoised", "RGBA", "COLOR"),
     "error": ("Error", "X", "VALUE"),
