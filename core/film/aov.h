@@ -212,6 +212,8 @@ constexpr AovSet aovs_from(AovSource source) {
 inline constexpr AovSet kLayerAovs = aovs_from(AovSource::layer);
 /// The AOVs of ids: Cryptomatte.
 inline constexpr AovSet kIdsAovs = aovs_from(AovSource::ids);
+/// Those of them that count prims, or their instances.
+inline constexpr AovSet kPrimCountAovs = aov_bit(Aov::crypto_object) | aov_bit(Aov::crypto_asset);
 /// Those that need the number of a sample's material.
 inline constexpr AovSet kMaterialIdAovs = aov_bit(Aov::material_id) | aov_bit(Aov::crypto_material);
 /// Those whose numbers stand for names.

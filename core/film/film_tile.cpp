@@ -57,9 +57,6 @@ constexpr AovSet aovs_of(const Table& table) {
 static_assert(aovs_of(kLayers) == kLayerAovs, "a layer has no row");
 static_assert((aovs_of(kDepths) | aovs_of(kIds) | kVectorAovs) == kClosestAovs, "a value of the first hit has no row");
 
-// Those that count prims; crypto_material counts materials.
-constexpr AovSet kPrimCountAovs = aov_bit(Aov::crypto_object) | aov_bit(Aov::crypto_asset);
-
 template <class T>
 T background(Aov aov) {
   return static_cast<T>(aov_info(aov).background);
@@ -231,7 +228,7 @@ void FilmTile::add(size_t pixel, const FilmSample& s, const LightLayers* layers,
       for (VectorPlane& plane : vectors_) plane.closest[pixel] = s.vectors->of(plane.aov);
   }
   if (s.is_held_out) return;
-  if (!prims_.empty() && s.prim_id >= 0) prims_.add(pixel, s.prim_id);
+  if (!prims_.empty() && s.matte >= 0) prims_.add(pixel, s.matte);
   if (!materials_.empty() && s.material_id >= 0) materials_.add(pixel, s.material_id);
 }
 

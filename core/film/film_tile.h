@@ -58,6 +58,7 @@ struct FilmSample {
   Rgb albedo{0.0f};
   float ambient_occlusion = 0;  // 1: nothing occludes
   int32_t prim_id = -1, instance_id = -1, element_id = -1, material_id = -1;
+  int32_t matte = -1;        // that kPrimCountAovs count: the prim's, or its instance's
   bool is_held_out = false;  // by the surface of these ids, which counts for no id
   bool is_caught = false;    // by a shadow catcher, which gets this light of lights, shadowed and not:
   Rgb shadowed{0.0f}, unshadowed{0.0f};

@@ -14,7 +14,7 @@ namespace alabaster {
 /// What the ids stand for in files: cryptomatte_hash() of the name of each. Ids beyond a list have none, and are left
 /// out.
 struct IdKeys {
-  std::vector<uint32_t> objects, assets;  // by primId
+  std::vector<uint32_t> objects, assets;  // by FilmSample::matte
   std::vector<uint32_t> materials;        // by materialId
   const std::vector<uint32_t>& of(Aov aov) const {
     return aov == Aov::crypto_object ? objects : aov == Aov::crypto_asset ? assets : materials;

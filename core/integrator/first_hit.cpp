@@ -18,6 +18,11 @@ int32_t material_number(const MaterialNumbers::element_type& numbers, const Disn
   return found != numbers.end() && found->first == &material ? found->second : -1;
 }
 
+int32_t matte_of(const InstanceMattes::element_type& mattes, const Vertex& v) {
+  const int32_t first = mattes[static_cast<size_t>(v.instance->prim_id)];
+  return first < 0 ? v.instance->prim_id : first + v.instance->id_of(v.triangle);
+}
+
 // 1 where one direction above the smooth surface, by the cosine, meets nothing within the distance. What shadow rays
 // pass does not occlude either. The ray is no part of the path, nor of what a pixel costs: samples and their allocation
 // are those of a frame without it.
@@ -44,7 +49,9 @@ void record_first_hit(const PathContext& context, const Vertex& v, const Path& p
   if (context.aovs & aov_bit(Aov::ambient_occlusion)) [[unlikely]]
     out->ambient_occlusion = ambient_occlusion(context, v, path, sampler);
   if (!(context.aovs & (kClosestAovs | kIdsAovs))) return;
-  out->prim_id = v.instance->prim_id;
+  out->prim_id = out->matte = v.instance->prim_id;
+  if (context.mattes) [[unlikely]]
+    out->matte = matte_of(*context.mattes, v);
   if (context.materials) [[unlikely]]
     out->material_id = material_number(*context.materials, v.instance->material(v.triangle.triangle));
   if (!(context.aovs & kClosestAovs)) return;

@@ -59,6 +59,7 @@ struct PathContext {
   float time = 0;                             // of the shutter; all rays have it. `camera` stands as it does then
   const HitVectorRequest* vectors = nullptr;  // null: no AOV shows them
   const MaterialNumbers::element_type* materials = nullptr;  // the same
+  const InstanceMattes::element_type* mattes = nullptr;      // null: each prim has one
   const CameraInteriors* camera_interiors = nullptr;         // null: camera rays begin outside of clear bodies
   bool begins_behind_fronts = false;                         // camera rays do: begin_behind_fronts()
   LightByGroup* light_groups = nullptr;                      // of the sample; null: not asked for

@@ -15,6 +15,9 @@ std::span<const Parameter<MeshOptions>> mesh_parameters() {
       {"shadowCatcher", &O::shadow_catcher, -kUnbounded, kUnbounded, {},
        "none", "True if the camera sees of the mesh only the shadows that others cast on it: colour is 0, and alpha is "
        "the share of the light of lights that they keep away. Reflections and bounced light are as without it."},
+      {"cryptoInstances", &O::crypto_instances, -kUnbounded, kUnbounded, {},
+       "none", "True if each instance of the mesh has a Cryptomatte of its own, NAME.0, NAME.1 and on, by its number in "
+       "AOV instanceId; else all have the mesh's."},
   };
   // clang-format on
   return kTable;

@@ -19,6 +19,7 @@ struct MeshOptions {
   bool visible_to_camera = true;  // false: CameraCull::all
   bool holdout = false;           // a camera's path that meets it first ends there, without colour
   bool shadow_catcher = false;    // the same, and alpha is the shadow that other meshes cast there
+  bool crypto_instances = false;  // read by who names what is drawn (SceneDescription::mattes)
   bool operator==(const MeshOptions&) const = default;
 };
 

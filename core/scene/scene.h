@@ -94,6 +94,14 @@ std::vector<size_t> scattering_slots(const InstanceDescription& instance);
 /// Those whose materials are such, likewise.
 std::vector<size_t> used_slots(const InstanceDescription& instance, bool (*is_such)(const DisneyMaterial&));
 
+/// The mattes of a prim (AOVs crypto_object and crypto_asset) whose name or whose instances have others than its own.
+struct MatteNames {
+  int32_t prim_id = 0;
+  std::string object, asset;  // empty: the prim's own
+  uint32_t instances = 0;     // each of so many has a matte of its own; 0: all have one
+  bool operator==(const MatteNames&) const = default;
+};
+
 struct SceneDescription {
   std::vector<InstanceDescription> instances;
   std::vector<LightParameters> lights;
@@ -102,6 +110,7 @@ struct SceneDescription {
   std::vector<std::vector<uint32_t>> category_sets;
   std::vector<InstanceArrayDescription> arrays;
   std::vector<std::string> light_groups = {};  // names: the first has the number 1
+  std::vector<MatteNames> mattes = {};         // a change of names is one of the scene
   bool operator==(const SceneDescription&) const = default;
 };
 
@@ -233,6 +242,9 @@ struct SceneSnapshot {
 
 /// The numbers of materials in AOV materialId, by address in order.
 using MaterialNumbers = std::shared_ptr<const std::vector<std::pair<const DisneyMaterial*, int32_t>>>;
+/// By primId, the number of the matte of the first of a prim's instances, which the others' follow; -1: all have one
+/// matte, whose number is the primId.
+using InstanceMattes = std::shared_ptr<const std::vector<int32_t>>;
 
 /// One that shares nothing with others (SnapshotCompiler). Null when Embree refuses (reported). Throws std::bad_alloc.
 std::shared_ptr<const SceneSnapshot> compile_snapshot(const SceneDescription& description, uint64_t number,

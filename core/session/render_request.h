@@ -30,6 +30,7 @@ struct RenderRequest {
   std::vector<std::string> light_groups = {};
   std::shared_ptr<MemoryBudget> memory = {};  // of what grows with samples (Film::count_ids_in()); null: not counted
   MaterialNumbers materials = {};             // for kMaterialIdAovs; null: not asked for
+  InstanceMattes mattes = {};                 // for kPrimCountAovs; null: each prim has one
   std::shared_ptr<const Denoiser> denoiser;   // makes AOV `denoised`, which is color without it
   /// A render of the same scene, view and settings, which this one continues and whose film it takes. Null: none.
   /// Without a scene its film is shown, and nothing is rendered.

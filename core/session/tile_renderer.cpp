@@ -114,6 +114,7 @@ FilmSample TileRenderer::trace_sample(const SampleAddress& at, const PixelSample
   context.begins_behind_fronts = begins_behind_fronts_;
   context.light_groups = parts.light_groups;
   context.materials = request_.aovs & kMaterialIdAovs ? request_.materials.get() : nullptr;
+  context.mattes = request_.aovs & kPrimCountAovs ? request_.mattes.get() : nullptr;
   std::optional<HitVectorRequest> vectors;
   std::optional<Camera> closes;
   if (parts.vectors) [[unlikely]] {

@@ -136,7 +136,7 @@ class ALABASTER_API RenderDelegate {
   /// - "requirements": string, the features that the committed snapshot requires, and why.
   /// - "names": a dictionary of dictionaries, of the scene or the checkpoints that are shown: "primId" and "materialId"
   ///   {number: name}; "cryptoObject", "cryptoMaterial" and "cryptoAsset" {name: its hash, 8 hexadecimal digits}. The
-  ///   name is GetDisplayName's where it is unique, else the path.
+  ///   name is GetDisplayName's where it is unique, else the path; meshes may name their mattes (schemas/mesh.json).
   /// - "waitForScene" {optionally seconds, the longest to wait}: bool, the snapshot is there.
   /// - "tracePixel" {x, y, and optionally sample}: string, the path of a sample of the frame that Execute drew last,
   ///   vertex by vertex, traced with that frame's random numbers. Without a sample: the colour of each of the pixel's

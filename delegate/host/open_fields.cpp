@@ -103,7 +103,11 @@ constexpr OtherParameter kOfMeshes[] = {
      "Set of objects that scatter light below the surface as one body, their union; byMaterial makes a set for each "
      "material. Without it each object scatters by itself."},
     {"lightGroup", kText, "a name",
-     "Group that the light of the mesh belongs to where it emits: AOV lightGroup:NAME shows it."}};
+     "Group that the light of the mesh belongs to where it emits: AOV lightGroup:NAME shows it."},
+    {"cryptoObject", kText, "a name",
+     "Name of the mesh in the layers of AOV cryptoObject; meshes with one name have one matte. Without it the mesh's "
+     "own."},
+    {"cryptoAsset", kText, "a name", "The same in those of AOV cryptoAsset. Without it the first words of its path."}};
 constexpr OtherParameter kOfLights[] = {
     {"texture:file", kText, "a file",
      "Image that multiplies the light. Dome: latitude-longitude around the scene (y up, USD's orientation). Rect: "

@@ -27,6 +27,24 @@ void rename(const Translation& translation, NamesById* names) {
       name = found->second.str();
 }
 
+// Of an AOV of ids, by the numbers that films count.
+NamesById matte_names(const IdNames& names, Aov aov) {
+  if (aov == Aov::crypto_material) return names.materials;
+  NamesById all = aov == Aov::crypto_asset ? names.assets : names.prims;
+  if (aov == Aov::crypto_object)
+    for (const auto& [id, name] : names.objects) all[id] = name;
+  const InstanceMattes mattes = mattes_of(names);
+  if (!mattes) return all;
+  for (const auto& [id, count] : names.instances) {
+    const auto own = all.extract(id);
+    if (!own) continue;
+    for (uint32_t i = 0; i < count; ++i)
+      all[(*mattes)[static_cast<size_t>(id)] + static_cast<int32_t>(i)] =
+          aov == Aov::crypto_object ? own.mapped() + "." + std::to_string(i) : own.mapped();
+  }
+  return all;
+}
+
 std::vector<uint32_t> hashes(const NamesById& names) {
   std::vector<uint32_t> all(names.empty() ? 0 : static_cast<size_t>(names.rbegin()->first) + 1);
   for (const auto& [id, name] : names) all[static_cast<size_t>(id)] = cryptomatte_hash(name);
@@ -60,6 +78,11 @@ IdNames name_ids(const Translation& translation) {
   for (const InstanceDescription& instance : translation.scene.instances) add(instance);
   for (const InstanceArrayDescription& array : translation.scene.arrays) add(array.look);
   for (const auto& [id, path] : names.prims) names.assets[id] = asset_of(path);
+  for (const MatteNames& mattes : translation.scene.mattes) {
+    if (!mattes.object.empty()) names.objects[mattes.prim_id] = mattes.object;
+    if (!mattes.asset.empty()) names.assets[mattes.prim_id] = mattes.asset;
+    if (mattes.instances > 0) names.instances[mattes.prim_id] = mattes.instances;
+  }
 
   std::vector<std::pair<const DisneyMaterial*, int32_t>> by_address;
   int32_t number = 0;
@@ -76,14 +99,28 @@ IdNames name_ids(const Translation& translation) {
 }
 
 IdKeys keys_of(const IdNames& names) {
-  return {hashes(names.prims), hashes(names.assets), hashes(names.materials)};
+  const auto keys = [&](Aov aov) { return hashes(matte_names(names, aov)); };
+  return {keys(Aov::crypto_object), keys(Aov::crypto_asset), keys(Aov::crypto_material)};
+}
+
+InstanceMattes mattes_of(const IdNames& names) {
+  if (names.instances.empty() || names.prims.empty()) return nullptr;
+  int32_t next = names.prims.rbegin()->first + 1;
+  std::vector<int32_t> first(static_cast<size_t>(next), -1);
+  for (const auto& [id, count] : names.instances) {
+    if (!names.prims.contains(id)) continue;
+    first[static_cast<size_t>(id)] = next;
+    next += static_cast<int32_t>(count);
+  }
+  return std::make_shared<const std::vector<int32_t>>(std::move(first));
 }
 
 Dictionary describe_names(const IdNames& names) {
   Dictionary all;
-  for (const Aov aov : {Aov::prim_id, Aov::material_id}) all[aov_info(aov).name] = table_of(names.of(aov));
+  all[aov_info(Aov::prim_id).name] = table_of(names.prims);
+  all[aov_info(Aov::material_id).name] = table_of(names.materials);
   for (const AovInfo& aov : kAovs)
-    if (aov.source == AovSource::ids) all[aov.name] = manifest_of(names.of(aov.aov));
+    if (aov.source == AovSource::ids) all[aov.name] = manifest_of(matte_names(names, aov.aov));
   return all;
 }
 

@@ -11,20 +11,18 @@ using NamesById = std::map<int32_t, std::string>;
 
 /// A mesh or material has the name that its file gives it (SceneDelegate::GetDisplayName), where no other that is drawn
 /// has the same; else its path. Materials are numbered in the order of their paths. The asset of a mesh is the first
-/// two words of its path, or the first of two.
+/// two words of its path, or the first of two. In Cryptomatte's layers a mesh may have other names.
 struct IdNames {
   NamesById prims, assets, materials;
+  NamesById objects;                      // of mattes, by primId: those that are not the prim's
+  std::map<int32_t, uint32_t> instances;  // that have a matte each, by primId: how many
   std::vector<std::string> light_groups;  // of a checkpoint, by their planes
   MaterialNumbers numbers;                // null: of no scene
-
-  const NamesById& of(Aov aov) const {
-    if (aov == Aov::prim_id || aov == Aov::crypto_object) return prims;
-    return aov == Aov::crypto_asset ? assets : materials;
-  }
 };
 
 IdNames name_ids(const Translation& translation);
 IdKeys keys_of(const IdNames& names);
+InstanceMattes mattes_of(const IdNames& names);
 /// {"primId": {"0": name}, "materialId": the same, "cryptoObject": {name: 8 hexadecimal digits}, ...}: the answer to
 /// command "names".
 Dictionary describe_names(const IdNames& names);

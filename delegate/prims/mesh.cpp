@@ -165,6 +165,8 @@ void MeshPrim::pull_primvars(SceneDelegate& scene, SceneParam& param) {
   record_.subsurface_set =
       pull_name(scene, GetId(), "subsurfaceSet", descriptors, "the object scatters on its own", sink);
   record_.light_group = pull_name(scene, GetId(), "lightGroup", descriptors, "its light has no group", sink);
+  record_.crypto_object = pull_name(scene, GetId(), "cryptoObject", descriptors, "its matte has its own name", sink);
+  record_.crypto_asset = pull_name(scene, GetId(), "cryptoAsset", descriptors, "its asset has its own name", sink);
   pull_options(scene, GetId(), descriptors, sink, &record_.options);
 }
 

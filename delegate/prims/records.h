@@ -35,8 +35,9 @@ struct MeshRecord {
   std::vector<Path> materials{Path()};  // by slot: the prim's, then those of its subsets; empty path: default
   Path instancer;
   Array<int32_t> instance_indices;
-  std::string subsurface_set;  // empty: each object scatters for itself
-  std::string light_group;     // where it emits; empty: none
+  std::string subsurface_set;               // empty: each object scatters for itself
+  std::string light_group;                  // where it emits; empty: none
+  std::string crypto_object, crypto_asset;  // the names of its mattes; empty: its own
   MeshOptions options;
   Token render_tag = "geometry";
   std::vector<Token> categories;

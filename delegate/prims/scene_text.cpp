@@ -166,6 +166,9 @@ std::string dump_scene(const Translation& translation, const Records& cameras) {
         text += instance_text(*instance, translation, translation.array_materials[i].data());
     for (const auto& material : array.look.materials) used[material->name] = material.get();
   }
+  for (const MatteNames& names : translation.scene.mattes)
+    text += "mattes of prim " + std::to_string(names.prim_id) + " object " + names.object + " asset " + names.asset +
+            " instances " + std::to_string(names.instances) + "\n";
   for (const auto& [name, material] : used) text += "material " + name + "\n" + material_text(*material);
   for (size_t i = 0; i < translation.scene.lights.size(); ++i) {
     const auto& light = translation.scene.lights[i];

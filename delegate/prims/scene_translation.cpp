@@ -282,6 +282,7 @@ struct SceneTranslator::Run {
   };
   using OpenClears = std::map<std::string, OpenClear>;
   OpenClears open_clear = {};
+  uint32_t matted_instances = 0;  // those of scene.mattes
 
   // Places are counted before any is added.
   void add_mesh(const Path& path, const MeshRecord& mesh) {
@@ -317,6 +318,7 @@ struct SceneTranslator::Run {
     if (!mesh.instancer.empty()) {
       add_instances(path, mesh, moving.empty() ? std::vector{mesh.transform} : std::move(moving), std::move(instance));
     } else {
+      add_mattes(path, mesh, 0);
       instance.object_to_world = mesh.transform;
       if (!moving.empty()) place(std::move(moving), &instance.object_to_world, &instance.poses);
       if (parts.motion && mesh.motion.moves()) instance.ends = at_ends(mesh.motion, *parts.motion);
@@ -324,6 +326,21 @@ struct SceneTranslator::Run {
     }
     if (!mesh.display_name.empty()) out.display_names.emplace_back(path, mesh.display_name);
     if (open) note_open(*open);  // last: a mesh that is left out has no such report
+  }
+
+  void add_mattes(const Path& path, const MeshRecord& mesh, size_t instances) {
+    MatteNames names{mesh.prim_id, mesh.crypto_object, mesh.crypto_asset, 0};
+    if (mesh.options.crypto_instances) {
+      if (instances <= kMostInstanceMattes - matted_instances)
+        matted_instances += names.instances = static_cast<uint32_t>(instances);
+      else
+        translator.warn("mesh.cryptoInstances", path,
+                        "its " + std::to_string(instances) +
+                            " instances share one matte, because a frame has mattes of " +
+                            std::to_string(kMostInstanceMattes) + " instances at most and other meshes have " +
+                            std::to_string(matted_instances) + "; take cryptoInstances from meshes with many");
+    }
+    if (names != MatteNames{mesh.prim_id, {}, {}, 0}) out.scene.mattes.push_back(std::move(names));
   }
 
   // Without its poses.
@@ -344,6 +361,7 @@ struct SceneTranslator::Run {
   void add_instances(const Path& path, const MeshRecord& mesh, const std::vector<Matrix4d>& own,
                      InstanceDescription instance) {
     support::PlacementSource placed = placements.source(path, mesh.instancer, mesh.instance_indices);
+    add_mattes(path, mesh, placed.size());
     const auto instancers = instancers_of(mesh.instancer);
     const std::vector<double> times = sample_times(instancers);
     const bool has_categories =

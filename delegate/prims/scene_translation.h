@@ -26,6 +26,9 @@ using MotionTime = std::optional<Shutter>;
 /// The camera with its poses in its own shutter, which lies in that of the scene.
 CameraParameters posed_camera(const CameraRecord& record, const Shutter& of_scene, const MotionTime& motion);
 
+/// A frame has mattes of so many instances at most: the manifests of more would be too large for compositors.
+inline constexpr uint32_t kMostInstanceMattes = 100'000;
+
 struct Translation {
   SceneDescription scene;
   Shutter shutter;

@@ -155,22 +155,36 @@ constexpr struct {
   const char* kind;
   prims::NamesById prims::IdNames::*names;
 } kNames[] = {{"primId ", &prims::IdNames::prims},
+              {"object ", &prims::IdNames::objects},
               {"asset ", &prims::IdNames::assets},
               {"materialId ", &prims::IdNames::materials}};
-constexpr const char* kLightGroup = "lightGroup ";  // a member of names, too
+constexpr const char* kInstances = "instances ";  // members of names, too
+constexpr const char* kLightGroup = "lightGroup ";
+
+/// The number that a text ends with, from `begin` on; -1: none.
+int32_t number_at(const std::string& text, size_t begin) {
+  int32_t number = -1;
+  std::from_chars(text.data() + begin, text.data() + text.size(), number);
+  return number;
+}
 
 }  // namespace
 
 prims::IdNames names_of(const CheckpointHeader& header) {
   constexpr int32_t kMostId = 1 << 24;
   prims::IdNames all;
-  for (const auto& [key, name] : member(header, "names").items())
+  uint32_t instances = 0;
+  for (const auto& [key, name] : member(header, "names").items()) {
+    if (!name.is_string()) continue;
     for (const auto& [kind, names] : kNames) {
-      if (!key.starts_with(kind) || !name.is_string()) continue;
-      int32_t id = -1;
-      std::from_chars(key.data() + std::strlen(kind), key.data() + key.size(), id);
+      const int32_t id = key.starts_with(kind) ? number_at(key, std::strlen(kind)) : -1;
       if (id >= 0 && id < kMostId) (all.*names)[id] = name.get<std::string>();
     }
+    if (!key.starts_with(kInstances)) continue;
+    const int32_t id = number_at(key, std::strlen(kInstances)), count = number_at(name.get<std::string>(), 0);
+    if (id < 0 || count <= 0 || static_cast<uint32_t>(count) > prims::kMostInstanceMattes - instances) continue;
+    instances += all.instances[id] = static_cast<uint32_t>(count);
+  }
   for (size_t i = 0; i < kMostLightGroups; ++i)
     if (const std::string key = kLightGroup + std::to_string(i); member(header, "names").contains(key))
       all.light_groups.push_back(text_of(member(header, "names")[key]));
@@ -194,9 +208,12 @@ CheckpointHeader checkpoint_header(const RenderRequest& request, const std::map<
       const Value value = support::get_parameter(parameter, request.settings);
       settings[parameter.name] = value.text_or(value.to_string());
     }
-  if (names)
+  if (names) {
     for (const auto& [kind, of_kind] : kNames)
       for (const auto& [id, name] : names->*of_kind) header["names"][kind + std::to_string(id)] = name;
+    for (const auto& [id, count] : names->instances)
+      header["names"][kInstances + std::to_string(id)] = std::to_string(count);
+  }
   for (size_t i = 0; i < request.light_groups.size(); ++i)
     header["names"][kLightGroup + std::to_string(i)] = request.light_groups[i];
   // As a file gives it back: names that are not UTF-8 do not survive JSON.

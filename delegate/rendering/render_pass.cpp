@@ -313,6 +313,7 @@ void PassControl::start(PassInputs next) {
     if (!names) names = delegate_->names_of(*scene());
     request.memory = delegate_->param->memory();
     request.materials = names->numbers;
+    request.mattes = prims::mattes_of(*names);
     keys = std::make_shared<const IdKeys>(prims::keys_of(*names));
   }
   delegate_->set_last_request(request, weak_from_this());

@@ -28,6 +28,7 @@ from light_test import Nodes  # noqa: E402, F401
 from material_test import Materials  # noqa: E402, F401
 from mesh_test import Hair, HairEdits, Meshes  # noqa: E402, F401
 from panel_test import Panels  # noqa: E402, F401
+from pass_test import Passes  # noqa: E402, F401
 from role_test import Deformation, LightGroups, LightLinks, Roles  # noqa: E402, F401
 from alabaster_render import library  # noqa: E402
 

@@ -47,7 +47,8 @@ class Panels(unittest.TestCase):
                     self.assertIn(name, data.bl_rna.properties, panel.__name__)
         shown = {name for panel in panels.CLASSES if issubclass(panel, panels.AlabasterPanel) for _, name in self.drawn(panel)}
         self.assertLessEqual({"film_transparent", "material_override", "visible_camera", "is_holdout", "spread", "displacement_method",
-                              "motion_blur_position"}, shown)
+                              "motion_blur_position", "use_pass_cryptomatte_object", "use_pass_cryptomatte_material",
+                              "use_pass_cryptomatte_asset", "pass_cryptomatte_depth", "use_pass_position"}, shown)
         of_settings = [panel for panel in panels.CLASSES if issubclass(panel, panels.SettingsPanel)]
         self.assertEqual(of_settings[0].bl_label, "Sampling")
         sampling = {name for _, name in self.drawn(of_settings[0])}

@@ -925,6 +925,23 @@ def test_light_groups_are_those_of_renderman_and_arnold():
     assert "warning" not in said and all(value > 0 for value in mean(out)), (said, mean(out))
 
 
+def test_primvars_name_mattes():
+    """Also those that meshes inherit."""
+    pair = """    def Xform "pair" { string primvars:cryptoObject = "both" ( interpolation = "constant" )
+    %s%s}
+""" % (cube("left", -1), cube("right", 1))
+    grass = """    def PointInstancer "grass" { rel prototypes = [</World/grass/blade>]
+        int[] protoIndices = [0, 0]
+        point3f[] positions = [(0, 1, 0), (0, -1, 0)]
+    %s}
+""" % cube("blade", 0, more='bool primvars:cryptoInstances = 1\n        string primvars:cryptoAsset = "lawn"')
+    out, said = picture(stage("mattes.usda", pair + grass), "--aov", "cryptoObject", "--aov", "cryptoAsset")
+    listed = subprocess.run(["oiiotool", "--info", "-v", out], capture_output=True, text=True).stdout
+    manifests = [sorted(json.loads(text)) for text in re.findall(r'/manifest: "(\{.*\})"', listed)]
+    names = [["lawn", "/World/pair"], ["/World/grass/blade.0", "/World/grass/blade.1", "both"]]
+    assert sorted(manifests) == sorted(map(sorted, names)) and "warning" not in said, (manifests, said)
+
+
 def test_lights_have_multipliers_and_may_have_no_shadows():
     lamp = """    def SphereLight "lamp" ( prepend apiSchemas = ["ShadowAPI"] ) { float inputs:radius = 0.1
         float inputs:intensity = 400

@@ -147,15 +147,15 @@ class AlabasterRenderEngine(bpy.types.RenderEngine):
         frame = self.frame_of(depsgraph, shutter, exporter)
         values = settings.delegate_settings(depsgraph.scene_eval, self.is_preview)
         renderer = hdalabaster.Renderer(held, report=notes.hear, **values)
-        self.draw_frame(renderer, frame, layer, notes)
+        self.draw_frame(renderer, frame, layer, notes, exporter.material_names)
 
-    def draw_frame(self, renderer, frame, layer, notes):
+    def draw_frame(self, renderer, frame, layer, notes, materials):
         """As rendered where there is no denoiser."""
         wanted = passes.wanted(layer)
         while True:
             try:
                 render = renderer.start(aovs=["color", *(aov for aov, *_ in wanted)], **frame)
-                return self.refine(renderer, render, layer, wanted, frame["window"])
+                return self.refine(renderer, render, layer, wanted, frame["window"], materials)
             except RuntimeError as error:
                 if not denoiser.is_missing(error):
                     raise
@@ -184,7 +184,7 @@ class AlabasterRenderEngine(bpy.types.RenderEngine):
         return {"width": width, "height": height, "window": window, "pixel_aspect": aspect,
                 "camera": {"transform": names.matrix(camera.placement(eye)), "motion": moved, **parameters, **exporter.lens}}
 
-    def refine(self, renderer, render, layer, wanted, window):
+    def refine(self, renderer, render, layer, wanted, window, materials):
         """Shows pictures until the render is over or Escape is pressed. The picture so far stays."""
         size = window[2] - window[0], window[3] - window[1]
         shown = told = time.monotonic()
@@ -199,11 +199,11 @@ class AlabasterRenderEngine(bpy.types.RenderEngine):
             self.update_stats("", text)
             self.update_progress(fraction)
             if not over and told - shown > SECONDS_BETWEEN_PICTURES and fraction > 0:
-                self.show(render, layer, size, [], False)
+                self.show(render, layer, size, [], None)
                 shown = time.monotonic()
         render.cancel()
         self.check(render, renderer)
-        self.show(render, layer, size, wanted, True)
+        self.show(render, layer, size, wanted, passes.Names(renderer, materials))
 
     def check(self, render, renderer):
         """Raises where there is no picture, or one without what memory did not hold."""
@@ -213,18 +213,19 @@ class AlabasterRenderEngine(bpy.types.RenderEngine):
         if render.state == "failed" or "error" in stats:
             raise RuntimeError(stats.get("error", "the render failed"))
 
-    def show(self, render, layer, size, wanted, last):
+    def show(self, render, layer, size, wanted, names):
+        """names: None, or for the last picture the passes.Names of its passes."""
         result = self.begin_result(0, 0, *size, layer=layer.name)
         held = result.layers[0].passes
         passes.fill(held["Combined"], render["color"].numpy()[::-1], "color")
         for aov, name, *_ in wanted:
             if name in held:
-                passes.fill(held[name], numpy.asarray(render[aov])[::-1], aov)
-        if last:
-            self.end_result(result)
+                passes.fill(held[name], numpy.asarray(render[aov])[::-1], aov, names)
+        if names:
+            names.stamp(self.get_result(), layer)
         else:
             self.update_result(result)
-            self.end_result(result)
+        self.end_result(result)
 
     # The viewport ---------------------------------------------------------------------------------
     def view_update(self, context, depsgraph):

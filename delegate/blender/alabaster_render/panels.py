@@ -1,7 +1,7 @@
 """Panels: settings of the render, passes, subsurface sets, the node group."""
 import bpy
 
-from . import disney_group, passes, settings
+from . import cryptomatte, disney_group, passes, settings
 
 # Panels of settings: name, label, and blocks of the names of settings.
 SETTINGS_PANELS = [
@@ -137,6 +137,10 @@ class ALABASTER_PT_passes(AlabasterPanel, bpy.types.Panel):
         column = layout.column(heading="Data")
         for name in passes.BLENDERS:
             column.prop(layer, name)
+        column = layout.column(heading="Cryptomatte")
+        for name in cryptomatte.KINDS:
+            column.prop(layer, name)
+        column.prop(layer, "pass_cryptomatte_depth", text="Levels")
         column = layout.column(heading="Alabaster")
         for aov in settings.PASSES:
             column.prop(layer.alabaster, aov)

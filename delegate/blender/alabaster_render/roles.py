@@ -5,6 +5,7 @@ import bpy
 
 LINKS_LIGHT = "light_linking" in bpy.types.Object.bl_rna.properties  # from Blender 4.0 on
 MOST_GROUPS = 63  # of one frame, and light of no group
+INDEX = "passIndex"  # the primvar that pass IndexOB shows
 
 
 class Role(NamedTuple):
@@ -15,6 +16,15 @@ class Role(NamedTuple):
     seen: bool = True  # by the camera
     group: str = ""  # of the light that it emits; "": none
     categories: tuple = ()  # that the parameters lightLink and shadowLink of lights name
+    matte: str = ""  # in pass CryptoObject; "": nobody asks
+    asset: str = ""  # in pass CryptoAsset
+    index: int = 0  # in pass IndexOB
+
+    def primvars(self):
+        """Constant primvars of the mesh, those that are not the default alone."""
+        found = {"subsurfaceSet": self.body, "lightGroup": self.group, "holdout": self.holdout, "shadowCatcher": self.catcher,
+                 "cryptoObject": self.matte, "cryptoAsset": self.asset, INDEX: [float(self.index)] if self.index else None}
+        return {**{name: value for name, value in found.items() if value}, **({} if self.seen else {"visibleToCamera": False})}
 
 
 def light_groups(view_layer):
@@ -35,10 +45,10 @@ class Linked(NamedTuple):
 
 
 class Roles:
-    """The roles in a depsgraph. note(text) hears of what is not translated."""
+    """The roles in a depsgraph. note(text) hears of what is not translated. with_passes: the view layer's are asked for."""
 
-    def __init__(self, depsgraph, note):
-        self.layer, self.note = depsgraph.view_layer_eval, note
+    def __init__(self, depsgraph, note, with_passes=False):
+        self.layer, self.note, self.with_passes = depsgraph.view_layer_eval, note, with_passes
         self.sets, self.groups = subsurface_sets(), set(light_groups(self.layer)[:MOST_GROUPS])
         if len(light_groups(self.layer)) > MOST_GROUPS:
             note(f"of the light groups the first {MOST_GROUPS} are translated")
@@ -54,7 +64,18 @@ class Roles:
             self.note(f"object '{ob.name}': {text}")
         holdout = ob.is_holdout or parent.holdout_get(view_layer=self.layer)
         seen = ob.visible_camera and parent.visible_camera and (holdout or not parent.indirect_only_get(view_layer=self.layer))
-        return Role(self.sets.get(ob.name_full, ""), holdout or all(shaders), ob.is_shadow_catcher or parent.is_shadow_catcher, seen, self.group(ob), self.categories(ob, parent))
+        return Role(self.sets.get(ob.name_full, ""), holdout or all(shaders), ob.is_shadow_catcher or parent.is_shadow_catcher, seen,
+                    self.group(ob), self.categories(ob, parent), *self.shown(ob))
+
+    def shown(self, ob):
+        """What tells the object from others in passes: its name, that of its topmost parent, as in Cycles, and its number."""
+        def if_shown(switch, value, otherwise):
+            return value if self.with_passes and getattr(self.layer, switch) else otherwise
+        top = ob
+        while top.parent:
+            top = top.parent
+        return (if_shown("use_pass_cryptomatte_object", ob.name, ""), if_shown("use_pass_cryptomatte_asset", top.name, ""),
+                if_shown("use_pass_object_index", ob.pass_index, 0))
 
     def group(self, owner):
         """The light group of an object or a world. Blender tells the depsgraph of no edit of it."""

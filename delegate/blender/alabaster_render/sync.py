@@ -2,7 +2,7 @@
 import bpy
 import numpy
 
-from . import hair, library, lights, materials, meshes, names, roles, world
+from . import cryptomatte, hair, library, lights, materials, meshes, names, roles, world
 
 NO_MATERIAL = names.path("material", "(none)")
 DOME = "/world"
@@ -42,6 +42,7 @@ class SceneSync:
         self.paths = {}       # of groups, by what they are
         self.set_groups = {}  # by path: look, matrices and mesh as the scene has them
         self.set_lights, self.set_materials = {}, {}
+        self.material_names = {}  # by path: the name and the pass index
         self.wanted = materials.Wanted()
         self.own_path = {}    # by an object's name: the mesh that it alone places
         self.instanced = set()  # names of objects that make instances, or are made into some
@@ -56,7 +57,7 @@ class SceneSync:
         self.want(depsgraph)
         groups, seen_lights = {}, {DOME}
         self.own_path, self.instanced = {}, set()
-        self.roles = roles.Roles(depsgraph, self.note)
+        self.roles = roles.Roles(depsgraph, self.note, not self.viewport)
         for instance in depsgraph.object_instances:
             ob = instance.object
             if instance.show_particles and not (space and not ob.visible_in_viewport_get(space)):
@@ -201,6 +202,7 @@ class SceneSync:
     def material(self, material, again=False):
         """The path of a material, which is translated where it is not known, or `again`."""
         path = names.path("material", material.name_full) if material else NO_MATERIAL
+        self.material_names[path] = (material.name, material.pass_index) if material else (cryptomatte.NO_MATERIAL, 0)
         if path not in self.set_materials or again:
             network = materials.translate(material, self.note)
             if self.set_materials.get(path) != network:
@@ -326,25 +328,13 @@ def set_mesh(scene, group, mesh, placement):
     arguments = dict(mesh)
     primvars = {name: hdalabaster.Primvar(one.values, one.interpolation, role=one.role, motion=one.motion)
                 for name, one in arguments.pop("primvars", {}).items()}
+    primvars.update((name, hdalabaster.Primvar(value, "constant")) for name, value in group.role.primvars().items())
     if "kind" in mesh:
         arguments.update(("primvars:" + name, one) for name, one in primvars.items())
-        roles = {"subsurfaceSet": group.role.body or None, "holdout": group.role.holdout or None,
-                 "shadowCatcher": group.role.catcher or None, "visibleToCamera": None if group.role.seen else False,
-                 "lightGroup": group.role.group or None}
         arguments["widths"] = hdalabaster.Primvar(arguments["widths"], "vertex")
-        scene.set(group.path, arguments.pop("kind"), {**arguments, **roles, "material": group.slots[0], "categories": group.role.categories, **placement})
+        scene.set(group.path, arguments.pop("kind"), {**arguments, "material": group.slots[0], "categories": group.role.categories, **placement})
         return
     index = arguments.pop("material_index")
-    if group.role.body:
-        primvars["subsurfaceSet"] = hdalabaster.Primvar(group.role.body, "constant")
-    if group.role.group:
-        primvars["lightGroup"] = hdalabaster.Primvar(group.role.group, "constant")
-    if group.role.holdout:
-        primvars["holdout"] = hdalabaster.Primvar(True, "constant")
-    if group.role.catcher:
-        primvars["shadowCatcher"] = hdalabaster.Primvar(True, "constant")
-    if not group.role.seen:
-        primvars["visibleToCamera"] = hdalabaster.Primvar(False, "constant")
     subsets = {}
     for number, material in enumerate(group.slots[1:], 1):
         faces = numpy.flatnonzero(index == number if number + 1 < len(group.slots) else index >= number).astype(numpy.int32)

@@ -30,9 +30,11 @@ class Mesh(TypedDict, total=False):
     categories: Optional[Sequence[str]]
     visibleToCamera: Optional[bool]
     holdout: Optional[bool]
-    shadowCatcher: Optional[bool]
+    cryptoInstances: Optional[bool]
     subsurfaceSet: Optional[str]
     lightGroup: Optional[str]
+    cryptoObject: Optional[str]
+    cryptoAsset: Optional[str]
 
 class BasisCurves(TypedDict, total=False):
     type: Optional[Literal["cubic", "linear"]]
@@ -49,9 +51,11 @@ class BasisCurves(TypedDict, total=False):
     categories: Optional[Sequence[str]]
     visibleToCamera: Optional[bool]
     holdout: Optional[bool]
-    shadowCatcher: Optional[bool]
+    cryptoInstances: Optional[bool]
     subsurfaceSet: Optional[str]
     lightGroup: Optional[str]
+    cryptoObject: Optional[str]
+    cryptoAsset: Optional[str]
 
 class Points(TypedDict, total=False):
     transform: Optional[_Array]
@@ -64,9 +68,11 @@ class Points(TypedDict, total=False):
     categories: Optional[Sequence[str]]
     visibleToCamera: Optional[bool]
     holdout: Optional[bool]
-    shadowCatcher: Optional[bool]
+    cryptoInstances: Optional[bool]
     subsurfaceSet: Optional[str]
     lightGroup: Optional[str]
+    cryptoObject: Optional[str]
+    cryptoAsset: Optional[str]
 
 class Instancer(TypedDict, total=False):
     transform: Optional[_Array]

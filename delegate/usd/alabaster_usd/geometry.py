@@ -11,7 +11,7 @@ UNREAD = {"NurbsCurves": "NURBS and Hermite curves", "HermiteCurves": "NURBS and
           "NurbsPatch": "NURBS patches", "ParticleField3DGaussianSplat": "splats", "ParticleField": "splats"}
 IMPLICIT = ("Cube", "Sphere", "Cylinder", "Cylinder_1", "Cone", "Capsule", "Capsule_1", "Plane")
 ROLES = {"Color": "lin_rec709", "TextureCoordinate": "textureCoordinate", "Normal": "normal", "Vector": "vector", "Point": "point"}
-OPTIONS = ("subsurfaceSet", "lightGroup", "holdout", "shadowCatcher", "visibleToCamera")
+OPTIONS = ("subsurfaceSet", "lightGroup", "holdout", "shadowCatcher", "visibleToCamera", "cryptoInstances", "cryptoObject", "cryptoAsset")
 PLAIN = {"float2", "half2", "double2"}
 AROUND, UP = 64, 32  # quads of a sphere
 

@@ -28,7 +28,7 @@ FilmSample sample(size_t pixel, uint32_t number, LightLayers* layers) {
   s.ambient_occlusion = random() % 2 ? 1.0f : 0.0f;
   s.normal = {0.3f, -0.2f, static_cast<float>(random() % 1000) / 1000};
   s.albedo = {0.1f, static_cast<float>(random() % 1000) / 999, 0.5f};
-  s.prim_id = s.instance_id = s.element_id = static_cast<int32_t>(number);
+  s.prim_id = s.instance_id = s.element_id = s.matte = static_cast<int32_t>(number);
   s.material_id = static_cast<int32_t>(random() % 3) - 1;
   s.is_held_out = random() % 5 == 0;
   s.is_caught = random() % 3 == 0;

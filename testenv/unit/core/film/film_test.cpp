@@ -168,7 +168,7 @@ TEST(FilmTile, APixelIsTakenWithAllItsPlanes) {
   for (uint32_t i = 0; i < 16; ++i) {
     FilmSample sample;
     sample.color = Rgb(float(i % 3)), sample.alpha = 1, sample.distance = float(20 - i), sample.normal = {0, 1, 0};
-    sample.albedo = Rgb(0.5f), sample.prim_id = sample.material_id = int32_t(i % 5), sample.nonfinite = i % 2 == 0,
+    sample.albedo = Rgb(0.5f), sample.matte = sample.material_id = int32_t(i % 5), sample.nonfinite = i % 2 == 0,
     sample.depth = 0.5f, sample.camera_distance = 3, sample.ambient_occlusion = 0.25f;
     for (auto& value : vectors.values) value = {1, 2, 3};
     sample.vectors = &vectors;

@@ -84,6 +84,33 @@ TEST_F(CheckpointTest, PartsMergeToTheFilesOfOneRender) {
   EXPECT_TRUE(says("'d' is of another render than 'a': setting seed was 4 and is 0")) << said_;
 }
 
+// promise: pipeline.cryptomatte.instances
+TEST_F(CheckpointTest, PartsHaveTheMattesOfInstances) {
+  std::string many = hd::description::patch_gltf(true, true);
+  const std::string node = R"({"name": "patch", "mesh": 0)";
+  many.insert(many.find(node) + node.size(),
+              R"(, "extensions": {"EXT_mesh_gpu_instancing": {"attributes": {"TRANSLATION": 0}}})");
+  many.insert(many.find(R"("extensionsUsed": [)") + 19, R"("EXT_mesh_gpu_instancing", )");
+  write("many.gltf", many);
+  write("many.json", R"({"models": [{"file": "many.gltf"}], "meshes": [{"match": "patch", "cryptoInstances": true,
+                         "cryptoObject": "tile", "cryptoAsset": "wall"}]})");
+  const auto render_many = [&](std::vector<std::string> words) {
+    for (const char* word : {"--size", "40x24", "--aov", "cryptoObject", "--aov", "cryptoAsset"}) words.push_back(word);
+    words.insert(words.begin(), {"render", "many.json"});
+    return run(std::move(words));
+  };
+  ASSERT_EQ(render_many({"--spp", "7", "-o", "whole.exr"}), 0) << said_;
+  ASSERT_EQ(render_many({"--samples", "0:3", "--checkpoint", "a"}), 0) << said_;
+  ASSERT_EQ(render_many({"--samples", "3:7", "--checkpoint", "b"}), 0) << said_;
+  ASSERT_EQ(run({"merge", "a", "b", "-o", "sum.exr", "--aov", "cryptoObject", "--aov", "cryptoAsset"}), 0) << said_;
+  EXPECT_EQ(pixels("sum.exr"), pixels("whole.exr"));
+  EXPECT_EQ(attributes("sum.exr"), attributes("whole.exr"));
+  bool named = false;
+  for (const auto& [name, value] : attributes("sum.exr"))
+    named = named || (value.find("\"tile.3\"") != std::string::npos && value.find("\"tile.4\"") == std::string::npos);
+  EXPECT_TRUE(named);
+}
+
 // Under the limit of 1 MiB that this note sets, the sum of the parts would be refused.
 // promise: security.limits
 TEST_F(CheckpointTest, ANoteSetsNoLimits) {

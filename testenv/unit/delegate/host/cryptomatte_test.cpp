@@ -3,7 +3,9 @@
 #include <gtest/gtest.h>
 
 #include <bit>
+#include <cmath>
 #include <nlohmann/json.hpp>
+#include <numeric>
 
 #include "core/digest/cryptomatte_hash.h"
 #include "delegate/host/frame_recorder.h"
@@ -66,6 +68,18 @@ Mattes read_mattes(const std::string& file, const std::string& name) {
   return mattes;
 }
 
+std::vector<int32_t> read_ids(const std::string& file, const std::string& name) {
+  const auto input = OIIO::ImageInput::open(file);
+  if (!input) return {};
+  const OIIO::ImageSpec& spec = input->spec();
+  const auto channel = static_cast<size_t>(spec.channelindex(name)), channels = size_t(spec.nchannels);
+  std::vector<uint32_t> all(size_t(spec.image_pixels()) * channels);
+  input->read_image(0, 0, 0, spec.nchannels, OIIO::TypeDesc::UINT, all.data());
+  std::vector<int32_t> ids;
+  for (size_t i = channel; i < all.size(); i += channels) ids.push_back(static_cast<int32_t>(all[i]));
+  return ids;
+}
+
 class Cryptomatte : public ProductFile {
  protected:
   Cryptomatte() {
@@ -105,10 +119,29 @@ class Cryptomatte : public ProductFile {
     EXPECT_EQ(result.status, RecordStatus::done) << result.text;
     return result;
   }
-  void hold_out(const Path& mesh, bool held) {
+  void hold_out(const Path& mesh, bool held) { set_option(mesh, "holdout", held); }
+  void set_option(const Path& mesh, const char* name, Value value) {
     MeshDescription changed = stage.scene.GetMeshes().at(mesh);
-    changed.primvars["holdout"] = {Interpolation::constant, {}, held, {}};
+    changed.primvars[name] = {Interpolation::constant, {}, std::move(value), {}};
     stage.scene.SetMesh(mesh, changed);
+  }
+  // Small quads in focus about the large one, alone: three in a row, and two such rows.
+  void add_chips() {
+    for (const char* other : {"/props/front/pane", "/props/front/cube"}) stage.scene.Remove(other);
+    MeshDescription chip = Stage::quad();
+    chip.primvars["points"].value =
+        Array<Vec3f>{{-0.4f, -0.4f, -1}, {0.4f, -0.4f, -1}, {0.4f, 0.4f, -1}, {-0.4f, 0.4f, -1}};
+    chip.instancer = "/row";
+    stage.scene.SetMesh("/chip", chip);
+    stage.scene.SetName("/chip", "bead");
+    InstancerDescription row, rows;
+    row.primvars["hydra:instanceTranslations"] = Array<Vec3f>{{-1.2f, 0, 0}, {0, 0, 0}, {1.2f, 0, 0}};
+    row.indices["/chip"] = {0, 1, 2};
+    row.parent = "/rows";
+    rows.primvars["hydra:instanceTranslations"] = Array<Vec3f>{{0, -1.7f, 0}, {0, 1.7f, 0}};
+    rows.indices["/row"] = {0, 1};
+    stage.scene.SetInstancer("/row", row);
+    stage.scene.SetInstancer("/rows", rows);
   }
   std::vector<float> alpha() {
     record({"color"});
@@ -148,6 +181,103 @@ TEST_F(Cryptomatte, TheMatteOfAnObjectIsItsAlpha) {
   record({"cryptoObject"});
   const std::vector<float> none = read_mattes(path("frame.exr"), "CryptoObject").of(meshes[1].str());
   EXPECT_EQ(std::count(none.begin(), none.end(), 0.0f), kSide * kSide);
+}
+
+// A pixel of a frame 64 times as wide and as high has one ray through a point of its own, at a time and through a place
+// of the lens of its own.
+// promise: pipeline.cryptomatte.coverage
+TEST_F(Cryptomatte, CoverageIsThatOfManyPointSamples) {
+  constexpr int kWide = 12, kPoints = 64;
+  settings.settings = {{"samples", kPoints * kPoints}, {"filter", "box"}, {"maxDepth", 1}};
+  settings.width = settings.height = kWide;
+  record({"cryptoObject"});
+  const Mattes mattes = read_mattes(path("frame.exr"), "CryptoObject");
+  settings.width = settings.height = kWide * kPoints;
+  settings.settings["samples"] = 1;
+  record({"primId"});
+  const std::vector<int32_t> ids = read_ids(path("frame.exr"), "primId.X");
+  ASSERT_EQ(ids.size(), size_t(kWide * kPoints) * kWide * kPoints);
+  for (const char* mesh : {"/quad", "/props/front/pane", "/props/front/cube"}) {
+    int32_t id = 0;
+    while (id < 100 && stage.index->GetRprimPathFromPrimId(id) != Path(mesh)) ++id;
+    std::vector<double> points(size_t(kWide) * kWide);
+    for (size_t i = 0; i < ids.size(); ++i)
+      if (ids[i] == id)
+        points[i / (kWide * kPoints) / kPoints * kWide + i % (kWide * kPoints) / kPoints] += 1.0 / (kPoints * kPoints);
+    const std::vector<float> matte = mattes.of(mesh);
+    double largest = 0, sum = 0, covered = 0;
+    for (size_t i = 0; i < matte.size(); ++i) {
+      largest = std::max(largest, std::abs(double(matte[i]) - points[i]));
+      sum += double(matte[i]) - points[i], covered += points[i];
+    }
+    RecordProperty("largest of " + std::string(mesh), std::to_string(largest));
+    EXPECT_GT(covered, 5) << mesh;
+    EXPECT_LT(largest, 0.05) << mesh << ": both have a deviation of 0.008 where half is covered";
+    EXPECT_LT(std::abs(sum), 0.005 * covered) << mesh;
+  }
+}
+
+// Instances are numbered as in AOV instanceId: of nested instancers the innermost counts fastest.
+// promise: pipeline.cryptomatte.instances
+TEST_F(Cryptomatte, InstancesHaveMattesWhereTheMeshAsks) {
+  add_chips();
+  settings.settings["filter"] = "box";
+  record({"cryptoObject"});
+  const std::vector<float> all = read_mattes(path("frame.exr"), "CryptoObject").of("bead");
+  set_option("/chip", "cryptoInstances", true);
+  record({"cryptoObject", "cryptoAsset", "primId", "instanceId"});
+  const Mattes mattes = read_mattes(path("frame.exr"), "CryptoObject");
+  const std::vector<int32_t> prims = read_ids(path("frame.exr"), "primId.X"),
+                             instances = read_ids(path("frame.exr"), "instanceId.X");
+  EXPECT_EQ(mattes.manifest.size(), 7u) << mattes.manifest.dump();
+  EXPECT_FALSE(mattes.manifest.contains("bead"));
+  std::vector<float> sum(all.size());
+  for (int instance = 0; instance < 6; ++instance) {
+    const std::vector<float> matte = mattes.of("bead." + std::to_string(instance));
+    size_t whole = 0;
+    for (size_t i = 0; i < matte.size(); ++i) {
+      sum[i] += matte[i];
+      if (matte[i] < 1) continue;
+      ++whole;
+      EXPECT_EQ(instances[i], instance) << i;
+    }
+    EXPECT_GT(whole, 0u) << instance;
+  }
+  for (size_t i = 0; i < all.size(); ++i) EXPECT_NEAR(sum[i], all[i], 1e-6f) << i;
+  EXPECT_EQ(read_mattes(path("frame.exr"), "CryptoAsset").of("/chip"), all);
+
+  // A million would make a manifest that compositors do not read.
+  InstancerDescription rows = stage.scene.GetInstancers().at("/rows");
+  std::vector<Vec3f> places;
+  for (int i = 0; i < 40'000; ++i) places.emplace_back(0.0f, 100.0f * static_cast<float>(i), 0.0f);
+  rows.primvars["hydra:instanceTranslations"] = Array<Vec3f>(places);
+  std::vector<int32_t> indices(40'000);
+  std::iota(indices.begin(), indices.end(), 0);
+  rows.indices["/row"] = Array<int32_t>(indices);
+  stage.scene.SetInstancer("/rows", rows);
+  record({"cryptoObject"});
+  const Mattes together = read_mattes(path("frame.exr"), "CryptoObject");
+  EXPECT_EQ(together.manifest.size(), 2u);
+  EXPECT_TRUE(together.manifest.contains("bead"));
+  EXPECT_EQ(stage.count("mesh.cryptoInstances"), 1u);
+}
+
+// promise: pipeline.cryptomatte.own_names
+TEST_F(Cryptomatte, MeshesMayNameTheirMattes) {
+  record({"cryptoObject", "cryptoAsset"});
+  const Mattes own = read_mattes(path("frame.exr"), "CryptoObject");
+  const std::vector<float> quad = own.of("/quad"), pane = own.of("/props/front/pane"),
+                           cube = own.of("/props/front/cube");
+  for (const char* mesh : {"/props/front/pane", "/props/front/cube"})
+    set_option(mesh, "cryptoObject", std::string("front"));
+  set_option("/quad", "cryptoAsset", std::string("stage"));
+  record({"cryptoObject", "cryptoAsset", "primId"});
+  const std::vector<float> front = read_mattes(path("frame.exr"), "CryptoObject").of("front");
+  for (size_t i = 0; i < front.size(); ++i) EXPECT_NEAR(front[i], pane[i] + cube[i], 1e-6f);
+  EXPECT_EQ(read_mattes(path("frame.exr"), "CryptoAsset").of("stage"), quad);
+  const auto input = OIIO::ImageInput::open(path("frame.exr"));
+  const std::string names = input->spec().get_string_attribute("alabaster/names/primId");
+  EXPECT_NE(names.find("/props/front/pane"), std::string::npos) << "ids keep the names of prims";
 }
 
 // promise: pipeline.aov.cryptomatte, pipeline.cryptomatte.coverage

@@ -267,7 +267,7 @@ TEST(MeshSync, SubsurfaceSetsAreNamedOrByMaterial) {
   EXPECT_EQ(dump_with({Interpolation::constant, {}, Token("byMaterial"), {}}).find("subsurfaceSet"), std::string::npos);
 }
 
-TEST(MeshSync, HoldoutAndVisibleToCameraAreConstantFlags) {
+TEST(MeshSync, OptionsAreConstantFlags) {
   Stage stage;
   const auto dump_with = [&](const char* name, Interpolation interpolation, Value value) {
     host::MeshDescription mesh = Stage::quad();
@@ -277,7 +277,8 @@ TEST(MeshSync, HoldoutAndVisibleToCameraAreConstantFlags) {
   };
   const std::string plain = dump_with("unread", Interpolation::constant, true);
   for (const auto& [name, otherwise, line] : {std::tuple("holdout", false, "  holdout true\n"),
-                                              std::tuple("visibleToCamera", true, "  visibleToCamera false\n")}) {
+                                              std::tuple("visibleToCamera", true, "  visibleToCamera false\n"),
+                                              std::tuple("cryptoInstances", false, "  cryptoInstances true\n")}) {
     EXPECT_EQ(dump_with(name, Interpolation::constant, otherwise), plain);
     EXPECT_NE(dump_with(name, Interpolation::constant, !otherwise).find(line), std::string::npos);
     EXPECT_NE(dump_with(name, Interpolation::constant, otherwise ? 0.0f : 1.0f).find(line), std::string::npos);
