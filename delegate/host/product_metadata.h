@@ -1,4 +1,4 @@
-// The attributes of product files. Internal to this room.
+// The attributes of product files.
 #pragma once
 
 #include "delegate/api/render_delegate.h"
@@ -10,6 +10,6 @@ namespace alabaster::hd::host {
 inline constexpr const char* kCameraMatrices[] = {"worldToCamera", "worldToNDC"};
 
 /// The date, the camera, all settings, and the statistics of the picture in `stats`.
-Dictionary product_metadata(const RenderDelegate& delegate, const Dictionary& stats, const Path& camera);
+ALABASTER_API Dictionary product_metadata(const RenderDelegate& delegate, const Dictionary& stats, const Path& camera);
 
 }  // namespace alabaster::hd::host
