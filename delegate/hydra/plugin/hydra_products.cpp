@@ -6,7 +6,6 @@
 #include <cmath>
 
 #include "delegate/host/frame_recorder.h"
-#include "delegate/host/product_metadata.h"
 #include "delegate/hydra/plugin/hydra_prims.h"
 
 namespace alabaster::hydra {
@@ -142,7 +141,7 @@ void HydraProducts::write() {
   const hd::CommandResult named = delegate_->InvokeCommand("names", {});
   if (const auto names = named.value.get_or(std::shared_ptr<const hd::Dictionary>())) running_->image.names = *names;
   running_->image.metadata =
-      hd::host::product_metadata(*delegate_, delegate_->GetRenderStats(), running_->product.camera);
+      hd::host::ProductMetadata(*delegate_, delegate_->GetRenderStats(), running_->product.camera);
   hd::host::WriteProducts({running_->product}, running_->image, {}, sink_);
   for (const auto& [aov, buffer] : running_->buffers) buffer->Unmap();
 }
