@@ -40,7 +40,9 @@ class Faults {
     counts_.erase(it);
   }
   size_t kinds() const { return counts_.size(); }  // not flushed yet
-  void note(const std::string& code, const std::string& text) { report(sink_, Severity::warning, code, where_, text); }
+  void note(const std::string& code, const std::string& text, Severity severity = Severity::warning) {
+    report(sink_, severity, code, where_, text);
+  }
 
   Faults(const std::string& where, const DiagnosticSink& sink) : where_(where), sink_(sink) {}
 
@@ -82,7 +84,12 @@ class Sanitizer {
     std::set<int> hidden(cage_.hole_indices.begin(), cage_.hole_indices.end());
     hidden.insert(cage_.invisible_faces.begin(), cage_.invisible_faces.end());
     if (cage_.face_vertex_counts.size() > hidden.size()) return true;
-    faults_.note("mesh.empty", "no face is left to draw");
+    // A mesh without faces, or of those that have no area or are hidden, is meant so.
+    if (damaged_ && faces() == 0)
+      faults_.note("mesh.empty", "no face is left to draw: the mesh is left out; correct its points and faces",
+                   Severity::error);
+    else
+      faults_.note("mesh.empty", "no face is left to draw");
     return false;
   }
 
@@ -202,6 +209,13 @@ class Sanitizer {
 
   bool check_face(int face, size_t first) {
     const int count = cage_.face_vertex_counts[at(face)];
+    const bool is_small = count >= 0 && count < 3;
+    const bool is_whole = check_whole_face(face, first, count);
+    damaged_ |= !is_whole && !is_small;
+    return is_whole;
+  }
+
+  bool check_whole_face(int face, size_t first, int count) {
     if (count < 3 || count > kMaxFaceSize) {
       faults_.add(count < 3 ? "mesh.faces.small" : "mesh.faces.large", face);
       return false;
@@ -415,6 +429,7 @@ class Sanitizer {
   Cage& cage_;
   Faults faults_;
   std::vector<bool> unusable_, keep_;
+  bool damaged_ = false;  // a face that would have an area was dropped
   std::vector<int> new_face_;
 };
 

@@ -97,6 +97,7 @@ struct ImageDescription {
   std::optional<CodePoints> encoding;  // told by a PNG
   bool fast = false;                   // not compressed, where the format lets us choose
   std::string compression = "zip";     // exr: OpenImageIO's name
+  int tiles = 0;                       // exr: pixels of a side of its tiles; 0: scanlines
 };
 
 /// Gives rows to an encoder. May throw; the exception passes through.

@@ -234,6 +234,7 @@ struct RenderProduct {
   std::vector<RenderVar> vars;      // empty: color (with alpha)
   Token dataType;                   // exr: half (default) | float; png, tiff: uint8 (default) | uint16; jpeg: uint8
   Token compression;                // exr: empty is zip
+  int tiles = 0;                    // exr: pixels of a side of its tiles; 0: scanlines
   std::string colorSpace;           // scene-referred output space; empty: the rendering space for EXR
   std::string display, view, look;  // display-referred output (default for png/tiff/jpeg)
   float exposure = 0;               // stops, with display output

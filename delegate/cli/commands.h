@@ -20,6 +20,7 @@ struct PictureArguments {
   std::string display, view, look, compression;
   std::string color_space;  // of `outputs` but .exr, in the place of a display
   std::optional<float> exposure;
+  std::optional<uint32_t> tiles;  // pixels of a side; 0: scanlines
   bool denoise = false;
 };
 

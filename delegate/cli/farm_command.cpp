@@ -64,7 +64,7 @@ class FarmCommand {
     }
     if (a_.render.time && !a_.render.turntable)
       console_.usage_error("--frames", "It cannot be given with --time, which shows one frame.");
-    check_frame_names(a_.render.outputs, a_.render.frames, console_);
+    check_frame_names(a_.render.outputs, a_.render, console_);
     if (frames.size() < a_.tasks)
       console_.usage_error("--tasks", std::to_string(frames.size()) + " frames cannot be shared by " +
                                           std::to_string(a_.tasks) + " tasks: each needs one.");

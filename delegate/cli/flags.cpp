@@ -154,6 +154,12 @@ std::optional<double> parse_frame(const std::string& text) {
   return number.size() == 1 ? std::optional(double(number[0])) : std::nullopt;
 }
 
+std::optional<uint32_t> parse_tiles(const std::string& text) {
+  const auto number = parse_numbers<uint32_t>(text, "");
+  const bool is_side = number.size() == 1 && (number[0] == 0 || (number[0] >= 16 && number[0] <= 1024));
+  return is_side ? std::optional(number[0]) : std::nullopt;
+}
+
 std::optional<uint32_t> parse_tasks(const std::string& text) {
   const auto number = parse_numbers<uint32_t>(text, "");
   return number.size() == 1 && number[0] >= 1 && number[0] <= 10000 ? std::optional(number[0]) : std::nullopt;

@@ -74,6 +74,8 @@ struct FrameList {
 std::optional<FrameList> parse_frames(const std::string& text);
 /// A whole number of 32 bits.
 std::optional<double> parse_frame(const std::string& text);
+/// A whole number from 16 to 1024, or 0.
+std::optional<uint32_t> parse_tiles(const std::string& text);
 /// A whole number from 1 to 10,000.
 std::optional<uint32_t> parse_tasks(const std::string& text);
 

@@ -159,7 +159,11 @@ void add_lights_and_cameras(const SceneSession& session, Json* out) {
   for (const auto& [path, camera] : session.scene.GetCameras()) {
     cameras.push_back(named(session.scene, path));
     cameras.back()["used"] = path == used;
-    cameras.back()["parameters"] = values_json(camera.parameters);
+    Json& parameters = cameras.back()["parameters"] = values_json(camera.parameters);
+    for (const hd::host::FieldRow& row : hd::host::ParameterRows("camera"))  // as --set takes them
+      if (const auto length = camera.parameters.find(row.name); row.in_millimetres && length != camera.parameters.end())
+        parameters[row.name] =
+            hd::description::Millimetres(static_cast<float>(length->second.number_or(0)), session.file.info);
   }
   for (const auto& [path, description] : settings) {
     Json files = Json::array();
@@ -420,8 +424,8 @@ std::vector<std::string> text_lines(const std::string& text) {
 /// Gives the render that is listed the products of the options.
 void set_products(const PictureArguments& a, SceneSession* session, Console* console) {
   hd::RenderSettingsDescription settings = session->scene.GetAllRenderSettings().at(session->file.settings);
-  const bool asked =
-      !a.outputs.empty() || !a.aovs.empty() || a.exposure || !(a.display + a.view + a.look + a.compression).empty();
+  const bool asked = !a.outputs.empty() || !a.aovs.empty() || a.exposure ||
+                     !(a.display + a.view + a.look + a.compression).empty() || a.tiles;
   if (!asked && settings.products.empty()) return;
   settings.products = make_products(a, settings.products, "info", *console);
   session->scene.SetRenderSettings(session->file.settings, std::move(settings));

@@ -98,6 +98,8 @@ void add_picture_options(CLI::App* c, PictureArguments* a, const char* aov_help)
        "--compression", a->compression,
        "Compression of .exr: none, rle, zip (the default), zips, piz; pxr24, b44, b44a, dwaa and dwab lose bits")
       ->type_name("NAME");
+  add_parsed(c, "--tiles", &a->tiles, parse_tiles, "is no side of tiles: give 16 to 1024, or 0 for scanlines.", "N",
+             "Tiles of .exr, of N x N pixels: 16 to 1024; 0 (the default): scanlines");
 }
 
 constexpr const char* kNoFrames =
@@ -316,7 +318,8 @@ std::vector<std::string> given_options(const CLI::App* c, const std::set<std::st
 
 // A task that is a part renders without outputs, and the merge needs only what makes files of pixels.
 void split_options(const CLI::App* c, FarmArguments* a) {
-  const std::set<std::string> of_files{"--output", "--display", "--view", "--look", "--exposure", "--compression"};
+  const std::set<std::string> of_files{"--output",   "--display",     "--view", "--look",
+                                       "--exposure", "--compression", "--tiles"};
   std::set<std::string> not_of_task{"--tasks", "--engine", "--folder", "--force", "--quiet", "--frames"}, not_of_merge;
   if (!a->render.has_frames()) {
     not_of_task.insert(of_files.begin(), of_files.end());

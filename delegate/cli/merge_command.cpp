@@ -229,6 +229,7 @@ class MergeCommand {
       if (!theirs) continue;
       if (product.dataType.empty()) product.dataType = theirs->dataType;
       if (product.compression.empty()) product.compression = theirs->compression;
+      if (!a_.tiles) product.tiles = theirs->tiles;
       if (a_.display.empty() && a_.view.empty()) {
         product.display = theirs->display, product.view = theirs->view;
         product.colorSpace = theirs->colorSpace;

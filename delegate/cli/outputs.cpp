@@ -74,11 +74,14 @@ std::vector<hd::RenderProduct> make_products(const PictureArguments& a, const st
                         "written; EXR stays scene-linear.");
   if (!a.compression.empty() && !any_exr)
     console.usage_error(command, "--compression applies to .exr files, but none is written: add -o FILE.exr.");
+  if (a.tiles && !any_exr)
+    console.usage_error(command, "--tiles applies to .exr files, but none is written: add -o FILE.exr.");
   for (hd::RenderProduct& product : products) {
     if (a.denoise) product.denoise = true;
     if (!a.color_space.empty() && !a.outputs.empty() && !is_exr(product)) product.colorSpace = a.color_space;
     if (is_exr(product)) {
       if (!a.compression.empty()) product.compression = hd::Token(a.compression);
+      if (a.tiles) product.tiles = static_cast<int>(*a.tiles);
       if (!a.aovs.empty()) add_layers(a.aovs, &product);
       continue;
     }
@@ -134,12 +137,14 @@ std::string frame_file(const std::string& file, double frame) {
          file.substr(place->end);
 }
 
-void check_frame_names(const std::vector<std::string>& files, const FrameList& frames, Console& console) {
+void check_frame_names(const std::vector<std::string>& files, const RenderArguments& a, Console& console) {
+  const FrameList& frames = a.frames;
   for (const std::string& file : files) {
     const auto place = frame_place(file);
     if (!place)
-      console.usage_error("--frames", "All frames would go to '" + file +
-                                          "': give the name a place for their numbers, such as frame.####.exr.");
+      console.usage_error(
+          a.turntable ? "--turntable" : "--frames",
+          "All frames would go to '" + file + "': give the name a place for their numbers, such as frame.####.exr.");
     if (place->digits < frames.digits)
       console.usage_error("--frames", "These frames need " + std::to_string(frames.digits) +
                                           " digits after the point, and '" + file + "' has " +

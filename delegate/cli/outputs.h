@@ -28,7 +28,7 @@ std::optional<FramePlace> frame_place(const std::string& file);
 /// `file` with the frame's number in that place. Empty if the name has none.
 std::string frame_file(const std::string& file, double frame);
 /// Ends the command if frames would go to the same file.
-void check_frame_names(const std::vector<std::string>& files, const FrameList& frames, Console& console);
+void check_frame_names(const std::vector<std::string>& files, const RenderArguments& a, Console& console);
 
 /// The error message if two of `files` are the same file, however they are spelt; else empty.
 std::string same_file_twice(const std::vector<std::string>& files);

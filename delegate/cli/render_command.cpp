@@ -111,8 +111,8 @@ class RenderCommand {
 
   // Checks the flags about files before the scene is read. Whether products can be written is planned with its frames.
   void check_outputs() {
-    if (!a_.frames.numbers.empty()) check_frame_names(a_.outputs, a_.frames, console_);
-    if (has_stats_of_frames()) check_frame_names({a_.stats}, a_.frames, console_);
+    if (!a_.frames.numbers.empty()) check_frame_names(a_.outputs, a_, console_);
+    if (has_stats_of_frames()) check_frame_names({a_.stats}, a_, console_);
     check_checkpoint_files(a_, console_);
     std::vector<std::string> files = a_.outputs;
     if (!a_.stats.empty()) files.push_back(a_.stats);
@@ -200,7 +200,7 @@ class RenderCommand {
     std::vector<std::string> files;
     for (const hd::RenderProduct& product : products) files.push_back(product.file);
     if (!a_.frames.numbers.empty()) {
-      check_frame_names(files, a_.frames, console_);
+      check_frame_names(files, a_, console_);
       files.clear();
       for (const double frame : a_.frames.numbers)
         for (const hd::RenderProduct& product : products) {
@@ -323,8 +323,8 @@ class RenderCommand {
   // All renders of the frame are planned before the first begins.
   int render_frame(double number) {
     // An invalid product is a fault of the command line or of the description.
-    const bool named =
-        !a_.outputs.empty() || !a_.display.empty() || !a_.view.empty() || !a_.look.empty() || !a_.compression.empty();
+    const bool named = !a_.outputs.empty() || !a_.display.empty() || !a_.view.empty() || !a_.look.empty() ||
+                       !a_.compression.empty() || a_.tiles;
     std::vector<hd::host::RecordOptions> renders;
     for (const hd::Path& path : settings_paths()) {
       hd::host::RecordOptions& options = renders.emplace_back();

@@ -90,7 +90,7 @@ std::string noise_text(const hd::Dictionary& stats) {
 }
 
 void check_checkpoint_files(const RenderArguments& a, Console& console) {
-  if (!a.checkpoint.empty() && !a.frames.numbers.empty()) check_frame_names({a.checkpoint}, a.frames, console);
+  if (!a.checkpoint.empty() && !a.frames.numbers.empty()) check_frame_names({a.checkpoint}, a, console);
   for (const std::string& file : checkpoint_files(a)) {
     console.require(kOutput, file, hd::support::OutputFault(file));
     if (!a.resume && std::filesystem::exists(file))

@@ -1,3 +1,5 @@
+#include <cmath>
+
 #include "delegate/description/load_state.h"
 #include "delegate/description/places.h"
 #include "delegate/support/json_values.h"
@@ -33,6 +35,14 @@ void apply_camera(LoadState& load) {
     if (given->is_string()) value = Token(given->get<std::string>());
     if (row.in_millimetres) value = given->get<float>() * load.result->info.units_per_millimetre();
   }
+}
+
+double Millimetres(float length, const host::SceneInfo& scene) {
+  const float units = scene.units_per_millimetre();
+  float guess = length / units;
+  for (int i = 0; i < 4 && guess * units != length; ++i)
+    guess = std::nextafter(guess, guess * units < length ? INFINITY : -INFINITY);
+  return support::shortest_decimal(guess);
 }
 
 }  // namespace alabaster::hd::description

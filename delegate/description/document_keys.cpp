@@ -271,7 +271,8 @@ Key settings() {
 
 Key products() {
   Keys fields;
-  add_fields("product", {"dataType", "compression", "colorSpace", "display", "view", "look", "exposure", "denoise"},
+  add_fields("product",
+             {"dataType", "compression", "tiles", "colorSpace", "display", "view", "look", "exposure", "denoise"},
              &fields);
   Key aovs = word(
       "aovs", host::ProductAovs(),

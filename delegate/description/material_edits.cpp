@@ -38,14 +38,34 @@ void set_texture(LoadState& load, const std::string& pointer, const json& textur
   fields->emplace_back(name, Path(node + "." + channel));
 }
 
-void set_parameters(LoadState& load, const std::string& pointer, const json& parameters, const std::string& surface,
-                    Fields* fields) {
+/// Tells of the images that a parameter loses.
+void tell_lost_textures(LoadState& load, const Path& material, const std::string& name) {
+  const MaterialNetwork& network = load.scene->GetMaterials().at(material);
+  const auto& surface = network.nodes.at(network.terminals.at("surface").upstreamNode);
+  const auto input = surface.inputConnections.find(name);
+  if (input == surface.inputConnections.end()) return;
+  for (const MaterialConnection& connection : input->second) {
+    const auto node = network.nodes.find(connection.upstreamNode);
+    if (node == network.nodes.end()) continue;
+    const auto file = node->second.parameters.find("file");
+    const AssetPath* image = file == node->second.parameters.end() ? nullptr : file->second.get<AssetPath>();
+    if (image)
+      load.report(Severity::info, "description.texture", material.str(),
+                  name + " loses its texture '" + image->authored +
+                      "': a value takes its place. To tint it, name it with a scale: {\"file\": ..., \"scale\": ...}");
+  }
+}
+
+/// `keeps`: those of the material that is there already.
+void set_parameters(LoadState& load, const std::string& pointer, const json& parameters, const Path& path,
+                    const std::string& surface, bool keeps, Fields* fields) {
   if (surface.empty()) load.fail(pointer, "The material has no Disney surface; use replace instead of set.");
   for (const auto& [name, value] : parameters.items()) {
     if (value.is_object()) {
       set_texture(load, pointer_append(pointer, name), value, surface, name, fields);
       continue;
     }
+    if (keeps) tell_lost_textures(load, path, name);
     fields->emplace_back(surface + "." + name, Value());  // takes its textures away
     fields->emplace_back(surface + "." + name, field_value(value));
   }
@@ -147,7 +167,8 @@ void read_material(LoadState& load, PrimEdit* edit) {
     edit->fields = {{"surface.type", Token("AlabasterDisney")}, {"surface", Path("surface.surface")}};
   }
   for (const char* key : {"set", "replace"})
-    if (entry.contains(key)) set_parameters(load, pointer_append(pointer, key), entry[key], surface, &edit->fields);
+    if (entry.contains(key))
+      set_parameters(load, pointer_append(pointer, key), entry[key], path, surface, keep, &edit->fields);
   if (entry.contains("bump")) set_bump(load, pointer + "/bump", entry["bump"], surface, &edit->fields);
   if (entry.contains("displacement"))
     set_displacement(load, pointer + "/displacement", entry["displacement"], &edit->fields);

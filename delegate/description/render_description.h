@@ -127,6 +127,10 @@ class ALABASTER_API OpenScene {
 ALABASTER_API std::string WithOptions(const std::string& text, const LoadOptions& options,
                                       const std::function<std::string(const std::string&)>& place);
 
+/// Millimetres that `camera` of a description and --set take for a length of lens or film, which is in scene units:
+/// they are read as just this length.
+ALABASTER_API double Millimetres(float length, const host::SceneInfo& scene);
+
 /// A box in world space; without points `min` is above `max`.
 struct WorldBox {
   Vec3d min = Vec3d(std::numeric_limits<double>::infinity()), max = -min;

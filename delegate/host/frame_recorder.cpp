@@ -13,7 +13,6 @@
 #include "core/math/float_environment.h"
 #include "core/texture/texture.h"
 #include "delegate/host/frame_request.h"
-#include "delegate/host/product_metadata.h"
 #include "delegate/host/recorded_checkpoints.h"
 #include "delegate/support/lookup.h"
 #include "delegate/support/process_usage.h"
@@ -468,7 +467,7 @@ class Recording {
     image.framing.displayMax = {static_cast<float>(d.width), static_cast<float>(d.height)};
     image.framing.dataWindow = d.window();
     image.framing.pixelAspectRatio = d.pixelAspectRatio;
-    image.metadata = product_metadata(*delegate_, stats, request().description.camera);
+    image.metadata = ProductMetadata(*delegate_, stats, request().description.camera);
     image.metadata.insert(options_.metadata.begin(), options_.metadata.end());
     return image;
   }

@@ -49,24 +49,6 @@ std::set<std::string> aovs_of(const std::vector<RenderProduct>& products) {
   return aovs;
 }
 
-// Cryptomatte's layers hold two ranks each, and have the number of their pair at the end of their names.
-void expand_ranks(const RenderSettingsDescription& d, const RenderDelegate& delegate, std::vector<RenderVar>* vars) {
-  const auto own = d.settings.find("cryptoRanks");
-  const Value ranks = own != d.settings.end() ? own->second : delegate.GetRenderSetting("cryptoRanks");
-  const int pairs = std::clamp(static_cast<int>(ranks.number_or(0) + 1) / 2, 1, kMostRankPairs);
-  std::vector<RenderVar> all;
-  for (const RenderVar& var : *vars) {
-    const AovInfo* aov = find_aov(var.aov.str());
-    const bool has_layers = aov && aov->source == AovSource::ids && var.aov == Token(aov->name);
-    for (int pair = 0; pair < pairs && has_layers; ++pair) {
-      const std::string digits = "0" + std::to_string(pair);
-      all.push_back({var.name.empty() ? "" : var.name + digits, var.aov.str() + digits, "float"});
-    }
-    if (!has_layers) all.push_back(var);
-  }
-  *vars = std::move(all);
-}
-
 // Those of the lights and meshes, and light without a group.
 std::set<std::string> light_groups_of(const RetainedSceneDelegate& scene) {
   std::set<std::string> names{""};
@@ -98,9 +80,10 @@ void expand_light_groups(const std::set<std::string>& groups, std::vector<Render
   *vars = std::move(all);
 }
 
-bool wants_denoised(const RenderSettingsDescription& d, const RenderDelegate& delegate) {
-  const auto own = d.settings.find("denoise");
-  return (own != d.settings.end() ? own->second : delegate.GetRenderSetting("denoise")).number_or(0) != 0;
+// The scene's, else the delegate's.
+double setting_of(const char* name, const RenderSettingsDescription& d, const RenderDelegate& delegate) {
+  const auto own = d.settings.find(name);
+  return (own != d.settings.end() ? own->second : delegate.GetRenderSetting(name)).number_or(0);
 }
 
 Fault aov_fault(const RenderDelegate& delegate, const std::set<std::string>& aovs) {
@@ -171,14 +154,14 @@ FramePlan PlanFrame(const RetainedSceneDelegate& scene, const Path& settings, co
     return refusal({"record.settings", "there are no such render settings"});
   RenderSettingsDescription all = found->second;
   if (!options.products.empty()) all.products = options.products;
-  const bool denoise = wants_denoised(all, delegate);
+  const bool denoise = setting_of("denoise", all, delegate) != 0;
+  const int ranks = static_cast<int>(setting_of("cryptoRanks", all, delegate));
   const std::set<std::string> groups =
       options.light_groups.empty() ? light_groups_of(scene)
                                    : std::set<std::string>(options.light_groups.begin(), options.light_groups.end());
   for (RenderProduct& product : all.products) {
     product.denoise = product.denoise.value_or(denoise);
-    resolve_light_paths(&product.vars);
-    expand_ranks(all, delegate, &product.vars);
+    ResolveRenderVars(ranks, &product.vars);
     expand_light_groups(groups, &product.vars);
   }
 

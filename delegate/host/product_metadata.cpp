@@ -2,6 +2,8 @@
 
 #include <ctime>
 
+#include "delegate/host/product_writer.h"
+
 namespace alabaster::hd::host {
 namespace {
 
@@ -17,7 +19,7 @@ std::string utc_now() {
 
 }  // namespace
 
-Dictionary product_metadata(const RenderDelegate& delegate, const Dictionary& stats, const Path& camera) {
+Dictionary ProductMetadata(const RenderDelegate& delegate, const Dictionary& stats, const Path& camera) {
   Dictionary m;
   m["capDate"] = utc_now();
   m["utcOffset"] = 0.0f;  // of capDate

@@ -126,6 +126,18 @@ bool plan_compression(const RenderProduct& product, ProductPlan& plan, std::stri
   return true;
 }
 
+bool plan_tiles(const RenderProduct& product, ProductPlan& plan, std::string& error) {
+  plan.tiles = product.tiles;
+  if (product.tiles == 0) return true;
+  const std::string given = "tiles of " + std::to_string(product.tiles) + " pixels ";
+  if (plan.kind != FileKind::exr)
+    error = given + "are of .exr files; leave them out for this file";
+  else if (product.tiles < kLeastTile || product.tiles > kMostTile)
+    error = given + "cannot be written; give a side of " + std::to_string(kLeastTile) + " to " +
+            std::to_string(kMostTile) + ", or 0 for scanlines";
+  return error.empty();
+}
+
 bool plan_channels(const RenderProduct& product, ChannelStore store, ProductPlan& plan, std::string& error) {
   const std::vector<RenderVar> vars = WantedVars(product);
   if (plan.kind != FileKind::exr && vars.size() > 1) {
@@ -190,6 +202,22 @@ std::string LightPathsFault(const RenderVar& var) {
   return light_paths_fault(var.aov.str());
 }
 
+void ResolveRenderVars(int ranks, std::vector<RenderVar>* vars) {
+  resolve_light_paths(vars);
+  const int pairs = std::clamp((ranks + 1) / 2, 1, kMostRankPairs);
+  std::vector<RenderVar> all;
+  for (const RenderVar& var : *vars) {
+    const AovInfo* aov = find_aov(var.aov.str());
+    const bool has_layers = aov && aov->source == AovSource::ids && var.aov == Token(aov->name);
+    for (int pair = 0; pair < pairs && has_layers; ++pair) {  // the number of the pair ends the layer's name
+      const std::string digits = "0" + std::to_string(pair);
+      all.push_back({var.name.empty() ? "" : var.name + digits, var.aov.str() + digits, "float"});
+    }
+    if (!has_layers) all.push_back(var);
+  }
+  *vars = std::move(all);
+}
+
 RenderVar UsualRenderVar(const std::string& name) {
   const std::string aov = aov_of_light_paths(name);
   const AovInfo* known = find_aov(aov);
@@ -228,7 +256,8 @@ bool PlanProduct(const RenderProduct& product, ProductPlan& plan, std::string& e
     return false;
   }
   plan.display_referred = wants_display || (plan.kind != FileKind::exr && product.colorSpace.empty());
-  return plan_compression(product, plan, error) && plan_channels(product, store, plan, error);
+  return plan_compression(product, plan, error) && plan_tiles(product, plan, error) &&
+         plan_channels(product, store, plan, error);
 }
 
 }  // namespace alabaster::hd::host

@@ -28,12 +28,16 @@ struct ProductPlan {
   FileKind kind = FileKind::exr;
   bool display_referred = false;  // display and view, else a scene-referred space
   std::string compression;        // of an EXR
+  int tiles = 0;                  // the same: pixels of a side; 0: scanlines
   std::vector<PlannedChannel> channels;
 };
 
 /// Ways to compress an EXR. The last five lose bits of floats or halves.
 inline constexpr std::array kCompressions{"none", "rle", "zip", "zips", "piz", "pxr24", "b44", "b44a", "dwaa", "dwab"};
 inline constexpr std::span kLossyCompressions = std::span(kCompressions).last(5);
+
+/// Sides that tiles may have. Smaller ones would be mostly table, and a row of larger ones takes much memory.
+inline constexpr int kLeastTile = 16, kMostTile = 1024;
 
 /// The vars that the product's file holds. Color brings its own alpha, so an alpha beside it is left out. With
 /// `denoise` set, AOV denoised stands beside color in an EXR and in its place in other files.

@@ -143,6 +143,7 @@ ImageDescription describe(const ProductPlan& plan, const ProductImage& image, co
   if (has_color(plan) && out.encoding != kSrgbCodePoints) file.encoding = out.encoding;
   file.fast = image.incomplete;
   file.compression = plan.compression;
+  file.tiles = plan.tiles;
   return file;
 }
 

@@ -37,6 +37,9 @@ struct ProductImage {
   }
 };
 
+/// Attributes for `metadata`: the date, the camera, all settings, and the statistics of the picture in `stats`.
+ALABASTER_API Dictionary ProductMetadata(const RenderDelegate& delegate, const Dictionary& stats, const Path& camera);
+
 struct OutputColors {
   std::string ocio;  // config path; empty: $OCIO or the built-in one
   /// The configuration itself, held since it was read: its file may change or vanish. Null: it is read from `ocio`.
@@ -52,8 +55,11 @@ ALABASTER_API const std::vector<std::string>& ProductAovs();
 /// The AOV under its own name in the data type that suits it: ids and counts int, distances float, all else half. That
 /// of "lpe:EXPRESSION" is the one that shows these light paths; where there is none, the variable has this name.
 ALABASTER_API RenderVar UsualRenderVar(const std::string& name);
+/// What is rendered for variables: the AOVs that show their light paths, and Cryptomatte as layers of two ranks each,
+/// for `ranks` (setting cryptoRanks) in all. Layers that nobody named get the names of their AOVs.
+ALABASTER_API void ResolveRenderVars(int ranks, std::vector<RenderVar>* vars);
 /// Why no AOV shows the light paths of a variable "lpe:EXPRESSION"; empty: one does, or it is no such variable.
-std::string LightPathsFault(const RenderVar& var);
+ALABASTER_API std::string LightPathsFault(const RenderVar& var);
 
 enum class ProductStatus {
   done,

@@ -47,6 +47,7 @@ std::string RecordedCheckpoints::note(const RenderSettingsDescription& d) const 
       shown.file = product.file, shown.dataType = product.dataType, shown.colorSpace = product.colorSpace;
       shown.display = product.display, shown.view = product.view, shown.look = product.look;
       shown.exposure = product.exposure, shown.compression = product.compression;
+      shown.tiles = product.tiles;
     }
   frame.settings.clear();
   const Dictionary stats = delegate_->GetRenderStats();

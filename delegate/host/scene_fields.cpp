@@ -205,6 +205,9 @@ constexpr Field kProduct[] = {
         "Compression of an .exr; zip by default. pxr24, b44, b44a, dwaa and dwab lose bits: a file with them holds no "
         "ids, depths, places or Cryptomatte.",
         words(kCompressions)),
+    field<&RenderProduct::tiles>("tiles", dirty::kParams,
+                                 "Side of the tiles of an .exr, 16 to 1024; 0: it has scanlines.", range(0, kMostTile))
+        .in("pixels"),
     field<&RenderProduct::colorSpace>(
         "colorSpace", dirty::kParams,
         "Colour space of a file of scene-referred values. Without it, the rendering space for .exr."),

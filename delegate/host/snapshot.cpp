@@ -4,7 +4,6 @@
 
 #include "core/math/float_environment.h"
 #include "delegate/host/planned_product.h"
-#include "delegate/host/product_metadata.h"
 
 namespace alabaster::hd::host {
 namespace {
@@ -72,7 +71,7 @@ bool WriteSnapshot(const RenderDelegate& delegate, RenderPass& pass, const Rende
       return fail("the buffer of AOV '" + var.aov.str() + "' is not as large as the data window");
     image.aovs[var.aov.str()] = {pixels.components, pixels.floats, pixels.ints};
   }
-  image.metadata = product_metadata(delegate, delegate.GetRenderStats(), state.camera);
+  image.metadata = ProductMetadata(delegate, delegate.GetRenderStats(), state.camera);
   return write_planned({planned}, image, sink).size() == 1;
 }
 

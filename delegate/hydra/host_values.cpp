@@ -3,6 +3,7 @@
 #include <cmath>
 #include <limits>
 
+#include "delegate/host/product_writer.h"
 #include "delegate/support/lookup.h"
 #include "delegate/support/process_usage.h"
 
@@ -51,6 +52,25 @@ hd::Value WithinHostLimits(const hd::Token& key, const hd::Value& scene, const h
     return number > 0 ? number : otherwise;
   };
   return limit(scene) <= limit(host) ? scene : host;
+}
+
+hd::RenderVar TranslateRenderVar(const HostRenderVar& theirs) {
+  constexpr std::string_view kLightPaths = "lpe:";
+  constexpr std::pair<const char*, const char*> kUsual[] = {{"Ci", "color"},     {"RGBA", "color"}, {"RGB", "color"},
+                                                            {"beauty", "color"}, {"a", "alpha"},    {"A", "alpha"}};
+  std::string source = theirs.source_name.empty() ? theirs.prim : theirs.source_name;
+  const bool has_light_paths = theirs.source_type == "lpe" || source.starts_with(kLightPaths);
+  if (theirs.source_type == "primvar") source.insert(0, "primvars:");
+  if (has_light_paths && !source.starts_with(kLightPaths)) source.insert(0, kLightPaths);
+  for (const auto& [name, aov] : kUsual)
+    if (source == name) source = aov;
+  hd::RenderVar ours = hd::host::UsualRenderVar(source);
+  if (has_light_paths) ours.name = theirs.prim;
+  if (!theirs.layer.empty() && source != "color") ours.name = theirs.layer;
+  const std::string& type = theirs.data_type;
+  const bool is_half = type.starts_with("half") || type.ends_with('h');
+  ours.dataType = type.starts_with("int") ? "int" : is_half ? "half" : "float";
+  return ours;
 }
 
 hd::Dictionary HostStatistics(hd::Dictionary statistics) {

@@ -29,6 +29,16 @@ Setting TranslateSetting(const hd::Token& key, const hd::Value& value,
 /// and timeLimit, so of these it is the tighter one.
 hd::Value WithinHostLimits(const hd::Token& key, const hd::Value& scene, const hd::Value& host);
 
+/// A RenderVar of a product as the host has it.
+struct HostRenderVar {
+  std::string prim;                      // its name
+  std::string source_name, source_type;  // of UsdRenderVar
+  std::string data_type;                 // of Sdf: color3h, int, ...
+  std::string layer;                     // that Houdini names (driver:parameters:aov:name)
+};
+/// The variable, with the layer that the program's reader of stages gives it (delegate/manual/usd.md, RenderSettings).
+hd::RenderVar TranslateRenderVar(const HostRenderVar& theirs);
+
 /// The statistics, with percentDone and fractionDone as double: hosts read them unchecked (Blender).
 hd::Dictionary HostStatistics(hd::Dictionary statistics);
 

@@ -1,5 +1,6 @@
 #include "core/camera/camera.h"
 
+#include <algorithm>
 #include <functional>
 
 #include "delegate/prims/motion.h"
@@ -91,10 +92,14 @@ void pull_parameters(const GetParameter& get, const Path& id, const alabaster::D
     alabaster::report(sink, alabaster::Severity::warning, "camera.projection", id.str(),
                       "projection '" + projection + "' is not known; perspective is used");
   pull_clipping(get, id, sink, camera);
-  if (camera->f_stop > 0 && camera->orthographic)
+  const auto is_ever = [](float value, const alabaster::TimeSamples<float>& samples) {
+    return value > 0 || std::any_of(samples.values.begin(), samples.values.end(), [](float v) { return v > 0; });
+  };
+  const bool has_lens = is_ever(camera->f_stop, camera->f_stops);
+  if (has_lens && camera->orthographic)
     alabaster::report(sink, alabaster::Severity::warning, "camera.focus", id.str(),
                       "fStop has no effect: an orthographic camera has no lens; set fStop to 0");
-  else if (camera->f_stop > 0 && !(camera->focus_distance > 0))
+  else if (has_lens && !is_ever(camera->focus_distance, camera->focus_distances))
     alabaster::report(sink, alabaster::Severity::warning, "camera.focus", id.str(),
                       "fStop has no effect while focusDistance is 0: set focusDistance to the distance from the camera "
                       "to what is sharp, or fStop to 0");

@@ -35,15 +35,7 @@ std::string last_name(const hd::Path& path) {
   return path.str().substr(path.str().rfind('/') + 1);
 }
 
-// Millimetres that a description's reader turns into just this length in scene units.
-double millimetres(float length, float units_per_millimetre) {
-  float guess = length / units_per_millimetre;
-  for (int i = 0; i < 4 && guess * units_per_millimetre != length; ++i)
-    guess = std::nextafter(guess, guess * units_per_millimetre < length ? INFINITY : -INFINITY);
-  return hd::support::shortest_decimal(guess);
-}
-
-json camera_of(const hd::CameraDescription& camera, float units_per_millimetre) {
+json camera_of(const hd::CameraDescription& camera, const hd::host::SceneInfo& scene) {
   json entry = json::object();
   const hd::TimeSamples<hd::Matrix4d>& motion = camera.transformSamples;
   for (size_t i = 0; i < motion.values.size() && motion.values.size() > 1; ++i)
@@ -51,8 +43,9 @@ json camera_of(const hd::CameraDescription& camera, float units_per_millimetre) 
   if (!entry.contains("motion")) entry["transform"] = json_of(camera.transform);
   for (const hd::host::FieldRow& row : hd::host::ParameterRows("camera"))
     if (const auto given = camera.parameters.find(row.name); given != camera.parameters.end())
-      entry[row.name] = row.in_millimetres ? json(millimetres(float(given->second.number_or(0)), units_per_millimetre))
-                                           : json_of(given->second);
+      entry[row.name] = row.in_millimetres
+                            ? json(hd::description::Millimetres(float(given->second.number_or(0)), scene))
+                            : json_of(given->second);
   return entry;
 }
 
@@ -70,7 +63,7 @@ class Description {
     for (const auto& [path, values] : c_.materials)
       if (!is_backdrop(path)) add("materials", path, values, true);
     add_lights();
-    if (c_.camera) document_["camera"] = camera_of(*c_.camera, c_.loaded->info.units_per_millimetre());
+    if (c_.camera) document_["camera"] = camera_of(*c_.camera, c_.loaded->info);
     for (const auto& [name, value] : c_.settings) document_["settings"][name] = json_of(value);
     for (const auto& [name, bytes] : companions_)
       if (is_input((folder_ / name).string())) return false;

@@ -105,6 +105,70 @@ def judge_files(host, name, given):
     return "", f"files: {len(files)}, layers: {len(whole)}, frames: {len(frames)}, 0 pixels differ"
 
 
+def listing(file):
+    """What oiiotool says of an EXR: names of channels, and a text by name of attribute."""
+    said = subprocess.run(["oiiotool", "--info", "-v", str(file)], check=True, capture_output=True, text=True).stdout
+    channels = re.search(r"channel list: (.*)", said).group(1)
+    return re.findall(r"([^ ,]+)(?: \([a-z0-9]+\))?(?:, |$)", channels), dict(re.findall(r"^    (\S+): (.*)$", said, re.M))
+
+
+def fault_of_layers(ours, theirs, wanted):
+    """The layers of a file are those of the program's, and show what they must."""
+    names, attributes = listing(ours)
+    if sorted(names) != sorted(wanted["names"]):
+        return f"has the channels {sorted(names)}"
+    if sorted(listing(theirs)[0]) != sorted(names):
+        return f"the program's has the channels {sorted(listing(theirs)[0])}"
+    for beginning in wanted.get("attributes", []):
+        mine, other = ({n: v for n, v in of.items() if n.startswith(beginning)} for of in (attributes, listing(theirs)[1]))
+        if not mine or mine != other:
+            return f"has the attributes {mine}, the program's {other}"
+    def values(channels, file=ours):
+        return exr(file, channels=",".join(channels))
+    for name in names:
+        mine, other = values([name]), values([name], theirs)
+        if not mine.any() and name not in wanted.get("zero", []):
+            return f"{name} is 0 everywhere"
+        if count := differing(mine, other):
+            return f"{name} is not the program's: {count} pixels differ, by {float(numpy.abs(mine - other).max())}"
+    for a, b in wanted["same"]:
+        if count := differing(values(a), values(b)):
+            return f"{a} and {b}: {count} pixels differ"
+    if not differing(*(values(channels) for channels in wanted["unlike"])):
+        return f"{wanted['unlike']} are the same"
+    if "sum" in wanted:
+        whole, parts = values(wanted["sum"][0]), sum(values(part) for part in wanted["sum"][1])
+        if numpy.abs(whole - parts).max() > 1e-4 * whole.max():
+            return "the parts do not add up to the whole"
+    return ""
+
+
+def judge_program(host, name, given):
+    """The files of products that the plug-in writes equal those that the program writes of the same stage."""
+    record = {"renderSettings": "/Render/settings", "record": "exr"}
+    _, warned = host.run(name, given["stage"], {**record, "frames": [{"out": str(host.folder / f"{name}.frame"), "time": 1}]})
+    both, here = given.get("both", []), given.get("warns", "")
+    for text in (*both, here):
+        if text not in warned:
+            return f"did not warn '{text}', but: {warned.strip()[-1000:]}", ""
+    if "Alabaster" in warned and not here:
+        return f"warned: {warned.strip()[-500:]}", ""
+    folder = host.folder / f"{name}.program"
+    folder.mkdir(exist_ok=True)
+    stage = folder / f"{name}.usda"
+    stage.write_text(given["stage"].replace(str(host.folder), str(folder)))
+    done = subprocess.run([str(host.build / "bin/alabaster"), "render", "--quiet", str(stage)], capture_output=True, text=True)
+    if done.returncode:
+        return f"the program: {done.stderr.strip()[-500:]}", ""
+    for text in both:
+        if text not in done.stderr:
+            return f"the program did not warn '{text}', but: {done.stderr.strip()[-1000:]}", ""
+    for file, wanted in given["program"].items():
+        if fault := fault_of_layers(host.folder / file, folder / file, wanted):
+            return f"{file} {fault}", ""
+    return "", f"files: {len(given['program'])}, channels: {sum(len(w['names']) for w in given['program'].values())}, 0 pixels differ"
+
+
 def judge_nodes(host, name, given):
     """OpenUSD's registry of shaders tells applications of our nodes."""
     told, warned = host.run(name, "", {"shaders": given["nodes"]})
@@ -138,6 +202,8 @@ def judge(host, name, given):
     """(fault or nothing, what was found)"""
     if "files" in given:
         return judge_files(host, name, given)
+    if "program" in given:
+        return judge_program(host, name, given)
     if "nodes" in given:
         return judge_nodes(host, name, given)
     stage, equals, check = given.pop("stage"), given.pop("equals", None), given.pop("check", None)

@@ -6,6 +6,9 @@ A case is a function of a folder that it may write files to. It gives a dictiona
   written   True: the program renders the same from the scene that the plug-in writes
   check     a function of the pictures (arrays of rows from the top down) that gives a fault, or nothing
             `materials`: parameters by name of material that this scene must have
+  program   names of files of products, which `alabaster render` of the same stage writes, too: each with pairs of channels
+            that show the same, a pair that does not, the names of all channels, of those that may be 0 everywhere (`zero`), and
+            beginnings of attributes that are the same; `both`: texts that both warn of
   nodes     names of nodes that the registry of shaders must know; check is a function of what it knows
   files     names of files that usdrecord's recorder or the renderer writes, each with its window of the picture that the
             engine shows with the options `show`
@@ -14,6 +17,7 @@ besides options of record_stage, and frames, a list of {time, settings}; `equals
 import capture_cases
 import light_cases
 import node_cases
+import product_cases
 from stage_text import *  # noqa: F403
 
 CASES = {}
@@ -53,7 +57,7 @@ def a_light(kind):
 
 for kind in LIGHTS:
     CASES["light_" + kind] = a_light(kind)
-for cases in (light_cases, node_cases, capture_cases):
+for cases in (light_cases, node_cases, capture_cases, product_cases):
     CASES.update(cases.CASES)
 
 
@@ -61,8 +65,7 @@ for cases in (light_cases, node_cases, capture_cases):
 def standard_surface(_):
     paint = standard("paint", "color3f inputs:base_color = (0.2, 0.5, 0.8)", "float inputs:specular_roughness = 0.3", "float inputs:subsurface = 0.5",
                      "color3f inputs:subsurface_color = (0.9, 0.3, 0.2)", "color3f inputs:subsurface_radius = (0.3, 0.2, 0.1)", "float inputs:coat = 0.5")
-    return {"stage": HEAD + camera() + sun() + paint + octahedron("body", bound("/paint")), "written": True,
-            "warns": "a weight of subsurface between 0 and 1 is drawn"}
+    return {"stage": HEAD + camera() + sun() + paint + octahedron("body", bound("/paint")), "written": True}
 
 
 SKELETON = '''def SkelRoot "model" (prepend apiSchemas = ["SkelBindingAPI"])

@@ -49,6 +49,11 @@ def only_display(a, b):
     return same_picture(a, b) and a.pixels() != b.pixels()
 
 
+def has_tiles(a, b):
+    """Of 16 x 16 pixels, at one level; program_test.cpp compares the pixels."""
+    return "tiles" not in a.attributes() and b.attributes()["tiles"] == struct.pack("<IIB", 16, 16, 0)
+
+
 def setting(name, value):
     """The statistics hold the setting, with another value than before."""
     return lambda a, b: a.stats["settings"][name] != value == b.stats["settings"][name]
@@ -164,6 +169,7 @@ RENDER_ROWS = {
     "--look": [Row(("--look", "warm"), only_display, SHOWN)],
     "--compression": [Row(("--compression", "piz"), lambda a, b: b.attributes()["compression"] != a.attributes()["compression"]),
                       Row(("--compression", "dwaa", "--aov", "depth"), codes(0, 2))],
+    "--tiles": [Row(("--tiles", "16"), has_tiles), Row(("--tiles", "0"), same_picture), Row(("--tiles", "8"), codes(0, 2))],
     "--exposure": [Row(("--exposure", "-1"), only_display, SHOWN)],
     # promise: pipeline.name.layers
     "--aov": [Row(("--aov", "normal", "--aov", "error"), channels("N.X", "N.Y", "N.Z", "error.X")),
@@ -204,6 +210,7 @@ MERGE_ROWS = {
     "--look": [Row(("--look", "warm"), only_display, MERGED, PARTS)],
     "--compression": [Row(("--compression", "piz"), lambda a, b: b.attributes()["compression"] != a.attributes()["compression"], MERGED, PARTS),
                       Row(("--compression", "dwaa", "--aov", "depth"), codes(0, 2), MERGED, PARTS)],
+    "--tiles": [Row(("--tiles", "16"), has_tiles, MERGED, PARTS)],
     "--exposure": [Row(("--exposure", "-1"), only_display, MERGED, PARTS)],
     "--aov": [Row(("--aov", "depth"), channels("depth.Z"), MERGED, PARTS)],
     "--quiet": [Row(("--quiet",), lambda a, b: len(a.err + a.out) > 0 == len(b.err + b.out), (*MERGE, "-o", "a.exr"), PARTS)],
@@ -264,6 +271,7 @@ INFO_ROWS = {
     "--aov": [Row(("--aov", "depth"), codes(0, 2), ("info", "model.glb", "-o", "a.png"))],
     **{flag: [Row((flag, "1"), codes(0, 2), ("info", "model.glb", "-o", "a.exr"))] for flag in ("--display", "--view", "--look", "--exposure")},
     "--compression": [Row(("--compression", "piz"), codes(0, 2), ("info", "model.glb", "-o", "a.png"))],
+    "--tiles": [Row(("--tiles", "16"), codes(0, 2), ("info", "model.glb", "-o", "a.png"))],
     "--json": [Row(("--json",), lambda a, b: b.out.startswith('{\n  "scene": "model.glb",') and a.out != b.out, ("info", "model.glb"))],
     "--ocio": [Row(("--ocio", "absent.ocio"), codes(0, 3), ("info", "model.glb"))],
     "--allow-outside": [Row(("--allow-outside",), codes(3, 0), ("info", "inner/outside.json"))],

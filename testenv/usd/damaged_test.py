@@ -1,8 +1,8 @@
 #!/usr/bin/env python3
 """Damaged and hostile stages: damaged_test.py PROGRAM [NAME...]. All are made here.
 
-Each is answered with exit 3 and its layer, or what it names, within 30 s of CPU time; values that no mesh can have are one
-warning with the prim, as in every other file. Of what lies outside of the stage's folder nothing is opened, and no program
+Each is answered with exit 3 and its layer, or what it names, within 30 s of CPU time; so are meshes none of whose
+faces can be drawn, with the prim. Of what lies outside of the stage's folder nothing is opened, and no program
 is started: strace watches, where it may. Skipped (77) without OpenUSD for Python."""
 import io
 import os
@@ -182,7 +182,7 @@ def damaged():
 
 
 def values():
-    """Of meshes: faces and points that cannot be are left out, with a warning that names the prim."""
+    """Of meshes: faces and points that cannot be are left out. A mesh without any other is a fault that names the prim."""
     quad = lambda counts="[4]", indices="[0, 1, 2, 3]", points="[(0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0)]": HEAD + MESH % (counts, indices, points)
     files = {"nan.usda": quad(points="[(nan, 0, 0), (1, 0, 0), (1, inf, 0), (0, 1, 0)]"), "corner.usda": quad(indices="[0, 1, 2, 2147483647]"),
              "below.usda": quad(indices="[0, -1, 2, -2147483648]"), "count.usda": quad(counts="[-4]"), "many.usda": quad(counts="[2147483647, 2147483647]")}
@@ -259,7 +259,7 @@ def check(name, code, needs, watched):
 
 
 def main():
-    rows = [(n, CODES.get(n, 3), needs, False) for n, needs in damaged().items()] + [(n, 0, needs, False) for n, needs in values().items()]
+    rows = [(n, CODES.get(n, 3), needs, False) for n, needs in damaged().items()] + [(n, 3, needs, False) for n, needs in values().items()]
     may_watch = shutil.which("strace") and subprocess.run(["strace", "-o", "/dev/null", "true"], capture_output=True).returncode == 0
     rows += [(n, 3, needs, bool(may_watch)) for n, needs in hostile().items()]
     if not may_watch:

@@ -1482,6 +1482,29 @@ def test_a_missing_reference_is_left_out_on_request():
     assert "sceneFaults" in metadata and "not_there.usda" in metadata
 
 
+# promise: pipeline.faults
+def test_a_mesh_none_of_whose_faces_can_be_drawn_is_a_fault():
+    def more(name, counts, indices):
+        return """    def Mesh "%s"
+    {
+        int[] faceVertexCounts = %s
+        int[] faceVertexIndices = %s
+        point3f[] points = [(0, 0, 0), (1, 0, 0), (0, 1, 0)]
+    }
+""" % (name, counts, indices)
+
+    for name, counts, indices, wanted in (("gone", "[3]", "[0, 1, 7]", 3), ("short", "[3, 3]", "[0, 1]", 3), ("without_faces", "[]", "[]", 0),
+                                          ("partly", "[3, 3]", "[0, 1, 2, 0, 1, 7]", 0), ("lines", "[2, 2]", "[0, 1, 1, 2]", 0)):
+        file = stage(name + ".usda", cube("c", 0) + more(name, counts, indices))
+        code, said = run("check", file)
+        assert code == wanted and "/World/" + name in said, (name, code, said)
+        if wanted:
+            assert "no face is left to draw: the mesh is left out" in said, said
+            picture(file, code=3)
+            metadata = subprocess.run(["oiiotool", "--info", "-v", picture(file, "--keep-going", code=6)[0]], capture_output=True, text=True).stdout
+            assert "sceneFaults" in metadata and "no face is left to draw" in metadata, metadata
+
+
 def test_files_outside_are_not_read():
     outside = write("outside/secret.usda", '#usda 1.0\n(\n defaultPrim = "S"\n)\ndef Xform "S"\n{\n' + cube("c", 0) + "}\n")
     ways = {"dots": "references = @../outside/secret.usda@", "absolute": "references = @%s@" % outside,

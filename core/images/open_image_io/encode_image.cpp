@@ -116,6 +116,10 @@ OIIO::ImageSpec make_spec(const ImageDescription& image) {
     spec.full_x = image.display[0], spec.full_y = image.display[1];
     spec.full_width = image.display[2], spec.full_height = image.display[3];
   }
+  if (image.kind == FileKind::exr && image.tiles > 0) {
+    spec.tile_width = spec.tile_height = image.tiles;
+    spec.attribute("openexr:lineOrder", "increasingY");  // else the order in which threads end
+  }
   set_compression(image, spec);
   return spec;
 }
@@ -150,13 +154,16 @@ std::string encode_image(const ImageDescription& image, const RowSource& rows, s
   if (!output) return "OpenImageIO cannot write this format: " + failure_text(OIIO::geterror());
   output->set_ioproxy(&memory);
   if (!output->open(name, spec)) return failure_text(output->geterror());
-  const int rows_at_once = int(std::clamp(kStripBytes / rows.row_bytes(), size_t(1), size_t(spec.height)));
-  std::vector<uint8_t> strip(rows.row_bytes() * size_t(rows_at_once));
+  int rows_at_once = int(std::clamp(kStripBytes / rows.row_bytes(), size_t(1), size_t(spec.height)));
+  if (spec.tile_height > 0) rows_at_once = std::max(rows_at_once / spec.tile_height, 1) * spec.tile_height;
+  std::vector<uint8_t> strip(rows.row_bytes() * size_t(std::min(rows_at_once, spec.height)));
   for (int y = 0; y < spec.height; y += rows_at_once) {
     const int end = std::min(y + rows_at_once, spec.height);
     rows.encode(y, end, strip.data());
-    const bool good = output->write_scanlines(
-        spec.y + y, spec.y + end, 0, image.kind == FileKind::exr ? OIIO::TypeUnknown : spec.format, strip.data());
+    const OIIO::TypeDesc type = image.kind == FileKind::exr ? OIIO::TypeUnknown : spec.format;
+    const bool good = spec.tile_height > 0 ? output->write_tiles(spec.x, spec.x + spec.width, spec.y + y, spec.y + end,
+                                                                 0, 1, type, strip.data())
+                                           : output->write_scanlines(spec.y + y, spec.y + end, 0, type, strip.data());
     if (!good) return failure_text(output->geterror());
   }
   if (!output->close()) return failure_text(output->geterror());

@@ -20,6 +20,7 @@ namespace {
 // Settings of the plug-in's own, and Hydra's.
 constexpr const char *kSceneSetting = "writeScene", *kDomeSetting = "domeLightCameraVisibility";
 constexpr const char* kInteractiveSetting = "enableInteractive";
+constexpr const char* kDriver = "driver:";  // Houdini's: of products and their variables
 
 // Errors, too, are warnings for OpenUSD: its own become exceptions in hosts in Python, which end their render.
 void tell(const hd::Diagnostic& d) {
@@ -98,6 +99,7 @@ bool HydraDelegate::is_for_scenes(const hd::Token& key) const {
 void HydraDelegate::SetSceneSettings(const pxr::SdfPath& prim, const pxr::VtDictionary& settings) {
   std::map<hd::Token, hd::Value> now;
   for (const auto& [key, value] : settings) {
+    if (key.starts_with(kDriver)) continue;
     const Setting setting = TranslateSetting(key, ToValue(value), settings_);
     if (!is_for_scenes(setting.key))
       param_->warn(prim, "settings.unknown", "the renderer has no setting '" + key + "' for scenes; it is ignored");
@@ -238,7 +240,7 @@ pxr::TfTokenVector HydraDelegate::GetMaterialRenderContexts() const {
 }
 
 pxr::TfTokenVector HydraDelegate::GetRenderSettingsNamespaces() const {
-  return {pxr::TfToken("alabaster")};
+  return {pxr::TfToken("alabaster"), pxr::TfToken("driver")};
 }
 
 pxr::HdAovDescriptor HydraDelegate::GetDefaultAovDescriptor(const pxr::TfToken& aov) const {

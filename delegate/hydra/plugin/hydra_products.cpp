@@ -2,8 +2,10 @@
 
 #include <pxr/imaging/hd/tokens.h>
 
+#include <algorithm>
 #include <cmath>
 
+#include "delegate/host/frame_recorder.h"
 #include "delegate/hydra/plugin/hydra_prims.h"
 
 namespace alabaster::hydra {
@@ -32,23 +34,11 @@ hd::Framing to_framing(const Product& product) {
   return framing;
 }
 
-// Types of Sdf: half, color3h, ... hold halves, int whole numbers.
-const char* data_type(const std::string& type) {
-  if (type.starts_with("int")) return "int";
-  return type.starts_with("half") || type.ends_with('h') ? "half" : "float";
-}
-
-hd::RenderProduct to_product(const Product& theirs) {
-  hd::RenderProduct ours;
-  ours.file = theirs.name.GetString();
-  for (const Product::RenderVar& var : theirs.renderVars) {
-    const std::string prefix = var.sourceType == "primvar" ? "primvars:" : var.sourceType == "lpe" ? "lpe:" : "";
-    hd::RenderVar made = hd::host::UsualRenderVar(prefix + var.sourceName);
-    made.dataType = data_type(var.dataType.GetString());
-    ours.vars.push_back(made);
-  }
-  if (ours.vars.empty()) ours.vars.push_back(hd::host::UsualRenderVar("color"));
-  return ours;
+hd::RenderVar to_var(const Product::RenderVar& theirs) {
+  const auto layer = theirs.namespacedSettings.find("driver:parameters:aov:name");
+  return TranslateRenderVar({theirs.varPath.GetName(), theirs.sourceName, theirs.sourceType.GetString(),
+                             theirs.dataType.GetString(),
+                             layer == theirs.namespacedSettings.end() ? "" : ToValue(layer->second).text_or("")});
 }
 
 hd::CameraDescription camera_of(const Product& product, const HydraCamera& camera) {
@@ -72,12 +62,35 @@ void HydraProducts::fault(const Product& product, const std::string& text) const
   sink_({hd::Severity::error, "hydra.product", product.productPath.GetString(), text});
 }
 
+// Variables that the renderer does not have are no fault of a stage that was made for others.
+hd::RenderProduct HydraProducts::to_product(const Product& theirs) const {
+  hd::RenderProduct ours;
+  ours.file = theirs.name.GetString();
+  for (const Product::RenderVar& their_var : theirs.renderVars) {
+    const hd::RenderVar var = to_var(their_var);
+    std::string fault = hd::host::LightPathsFault(var);
+    if (fault.empty() && delegate_->GetDefaultAovDescriptor(var.aov).format == hd::Format::invalid)
+      fault = hd::host::NoSuchAov(var.aov.str());
+    const auto is_same = [&](const hd::RenderVar& other) { return other.name == var.name && other.aov == var.aov; };
+    if (!fault.empty())
+      sink_({hd::Severity::warning, "hydra.product", their_var.varPath.GetString(),
+             "layer " + var.name + " is not written: " + fault});
+    else if (std::none_of(ours.vars.begin(), ours.vars.end(), is_same))
+      ours.vars.push_back(var);
+  }
+  if (ours.vars.empty()) ours.vars.push_back(hd::host::UsualRenderVar("color"));
+  hd::host::ResolveRenderVars(static_cast<int>(delegate_->GetRenderSetting("cryptoRanks").number_or(0)), &ours.vars);
+  return ours;
+}
+
+// Several layers may show one AOV, which has one buffer.
 bool HydraProducts::bind(const hd::RenderProduct& product, hd::RenderPassState* state) {
   const hd::Rect2i& window = state->framing.dataWindow;
   for (const hd::RenderVar& var : product.vars) {
+    if (running_->buffers.contains(var.aov)) continue;
     const hd::Path id("/alabasterProduct/" + var.aov.str());
     auto* const buffer = static_cast<hd::RenderBuffer*>(delegate_->CreateBprim("renderBuffer", id));
-    running_->buffers.push_back(buffer);
+    running_->buffers[var.aov] = buffer;
     const hd::AovDescriptor aov = delegate_->GetDefaultAovDescriptor(var.aov);
     if (!buffer || !buffer->Allocate({.dimensions = {window.width(), window.height(), 1}, .format = aov.format}))
       return false;
@@ -100,6 +113,7 @@ bool HydraProducts::begin(const Product& product, const pxr::HdRenderIndex& inde
   if (!state.framing.valid()) return fault(product, "has no pixels: its resolution or its window is empty"), false;
   running_.emplace();
   running_->product = to_product(product);
+  running_->product.camera = ToPath(product.cameraPath);
   running_->image.framing = state.framing;
   // Buffers are as large as the data window, and begin at the origin.
   const hd::Rect2i& window = running_->image.framing.dataWindow;
@@ -113,11 +127,10 @@ bool HydraProducts::begin(const Product& product, const pxr::HdRenderIndex& inde
 }
 
 void HydraProducts::write() {
-  for (size_t i = 0; i < running_->buffers.size(); ++i) {
-    hd::RenderBuffer* const buffer = running_->buffers[i];
+  for (const auto& [aov, buffer] : running_->buffers) {
     const auto count = static_cast<size_t>(hd::FormatComponents(buffer->GetFormat()));
     const size_t values = count * static_cast<size_t>(buffer->GetWidth()) * static_cast<size_t>(buffer->GetHeight());
-    hd::host::AovPixels& pixels = running_->image.aovs[running_->product.vars[i].aov.str()];
+    hd::host::AovPixels& pixels = running_->image.aovs[aov.str()];
     pixels.components = static_cast<int>(count);
     const void* const data = MapResolved(buffer);
     if (buffer->GetFormat() == hd::Format::int32)
@@ -125,14 +138,18 @@ void HydraProducts::write() {
     else
       pixels.floats = {static_cast<const float*>(data), values};
   }
+  const hd::CommandResult named = delegate_->InvokeCommand("names", {});
+  if (const auto names = named.value.get_or(std::shared_ptr<const hd::Dictionary>())) running_->image.names = *names;
+  running_->image.metadata =
+      hd::host::ProductMetadata(*delegate_, delegate_->GetRenderStats(), running_->product.camera);
   hd::host::WriteProducts({running_->product}, running_->image, {}, sink_);
-  for (hd::RenderBuffer* buffer : running_->buffers) buffer->Unmap();
+  for (const auto& [aov, buffer] : running_->buffers) buffer->Unmap();
 }
 
 void HydraProducts::stop() {
   if (!running_) return;
   running_->driver.reset();
-  for (hd::RenderBuffer* buffer : running_->buffers) {
+  for (const auto& [aov, buffer] : running_->buffers) {
     if (!buffer) continue;
     buffer->Finalize(delegate_->GetRenderParam());
     delegate_->DestroyBprim(buffer);

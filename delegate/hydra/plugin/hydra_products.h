@@ -5,6 +5,7 @@
 #include <pxr/imaging/hd/renderSettings.h>
 
 #include <atomic>
+#include <map>
 #include <optional>
 
 #include "delegate/host/product_writer.h"
@@ -37,9 +38,10 @@ class HydraProducts {
   struct Running {
     hd::host::ProductImage image;
     hd::RenderProduct product;
-    std::vector<hd::RenderBuffer*> buffers;
+    std::map<hd::Token, hd::RenderBuffer*> buffers;  // by AOV
     std::unique_ptr<PassDriver> driver;
   };
+  hd::RenderProduct to_product(const pxr::HdRenderSettings::RenderProduct& product) const;
   bool begin(const pxr::HdRenderSettings::RenderProduct& product, const pxr::HdRenderIndex& index);
   bool bind(const hd::RenderProduct& product, hd::RenderPassState* state);
   void write();

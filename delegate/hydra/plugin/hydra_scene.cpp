@@ -205,7 +205,7 @@ hd::Token HydraScene::GetHostLightType(const hd::Path&) {
 hd::Value HydraScene::GetHostLightParameter(const hd::Path& id, const hd::Token& name) {
   hd::Value value = ToValue(host_->GetLightParamValue(path(id), pxr::TfToken(name.str())));
   if (name == hd::Token("lightGroup"))  // as RenderMan and Arnold have it
-    for (const char* theirs : {"ri:light:lightGroup", "primvars:arnold:aov"})
+    for (const char* theirs : {"inputs:ri:light:lightGroup", "ri:light:lightGroup", "primvars:arnold:aov"})
       if (value.empty()) value = ToValue(host_->GetLightParamValue(path(id), pxr::TfToken(theirs)));
   return value;
 }

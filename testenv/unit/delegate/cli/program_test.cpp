@@ -192,6 +192,48 @@ TEST_F(ProgramTest, OneFileForTwoThingsIsRefused) {
   EXPECT_FALSE(exists("a.exr") || exists("one.exr"));
 }
 
+// The frame has whole tiles and parts of some, layers of several types, and an overscan.
+// promise: pipeline.format.tiles
+TEST_F(ProgramTest, TilesHoldThePixelsOfScanlines) {
+  struct Exr {
+    OIIO::ImageSpec spec;
+    std::vector<uint8_t> bytes;  // of the pixels, in the types of the file
+  };
+  const auto read = [&](const char* name) {
+    Exr exr;
+    const auto in = OIIO::ImageInput::open(folder_ / name);
+    EXPECT_TRUE(in) << OIIO::geterror();
+    if (!in) return exr;
+    exr.spec = in->spec();
+    exr.bytes.resize(exr.spec.image_bytes(true));
+    EXPECT_TRUE(in->read_image(0, 0, 0, exr.spec.nchannels, OIIO::TypeUnknown, exr.bytes.data())) << in->geterror();
+    return exr;
+  };
+  const std::vector<std::string> frame{"--crop", "-5,-3,42,27", "--aov", "depth",
+                                       "--aov",  "primId",      "--aov", "cryptoObject"};
+  const auto render = [&](std::vector<std::string> more) {
+    more.insert(more.end(), frame.begin(), frame.end());
+    const Outcome outcome = run(quick(more));
+    EXPECT_EQ(outcome.code, 0) << outcome.err;
+  };
+  render({"-o", "lines.exr"});
+  render({"-o", "tiles.exr", "-o", "tiles.png", "--tiles", "16"});
+  const Exr lines = read("lines.exr"), tiles = read("tiles.exr");
+  EXPECT_EQ(lines.spec.tile_width, 0);
+  EXPECT_EQ(tiles.spec.tile_width, 16);
+  EXPECT_EQ(tiles.spec.tile_height, 16);
+  EXPECT_EQ(tiles.spec.x, -5);
+  EXPECT_EQ(tiles.spec.channelnames, lines.spec.channelnames);
+  EXPECT_TRUE(tiles.bytes == lines.bytes);
+  write("tiles.json", R"({"gltf": [{"file": "lit.gltf"}], "products": [{"file": "own.exr", "tiles": 32}]})");
+  const std::vector<std::string> described{"render", "tiles.json", "--size", "40x24", "--spp", "1"};
+  EXPECT_EQ(run(described).code, 0);
+  EXPECT_EQ(read("own.exr").spec.tile_width, 32);
+  write("tiles.json", R"({"gltf": [{"file": "lit.gltf"}], "products": [{"file": "own.png", "tiles": 32}]})");
+  expect_error(3, described, "tiles of 32 pixels are of .exr files; leave them out for this file");
+  expect_error(2, quick({"-o", "a.png", "--tiles", "32"}), "--tiles applies to .exr files");
+}
+
 // promise: pipeline.exit.usage
 TEST_F(ProgramTest, WrongValuesOfFlagsAreUsageErrors) {
   const std::pair<std::vector<std::string>, std::string> cases[] = {
@@ -202,7 +244,10 @@ TEST_F(ProgramTest, WrongValuesOfFlagsAreUsageErrors) {
       {{"--time", "-1"}, ""},
       {{"--fps", "25"}, "--fps: It needs --frames"},
       {{"--frames", "1:3"}, "--frames: All frames would go to 'a.exr'"},
+      {{"--turntable", "4"}, "--turntable: All frames would go to 'a.exr'"},
       {{"--frames", "3:1x1"}, "is no list of frames"},
+      {{"--tiles", "15"}, "--tiles: '15' is no side of tiles: give 16 to 1024, or 0"},
+      {{"--tiles", "64x64"}, "is no side of tiles"},
       {{"--frames", "1:3:0"}, "is no list of frames"},
       {{"--frames", "1,,3"}, "is no list of frames"},
       {{"--start-frame", "1"}, "It needs --frames"},

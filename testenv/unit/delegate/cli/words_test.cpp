@@ -270,6 +270,41 @@ TEST_F(WordsTest, InfoHasLengthsInMillimetres) {
 }
 
 // promise: pipeline.info
+TEST_F(WordsTest, InfoHasTheCameraAsSetTakesIt) {
+  write("lens.json", R"({"gltf": [{"file": "patch.gltf"}], "camera": {"focalLength": 35, "horizontalAperture": 24.89,
+    "focusDistance": 4.5, "lookAt": {"eye": [0, 0, 5], "target": [0, 0, 0]}}})");
+  const auto lens = [&](const std::vector<std::string>& more) {
+    std::vector<std::string> words{"info", "lens.json", "--json"};
+    words.insert(words.end(), more.begin(), more.end());
+    return nlohmann::json::parse(run(words).out)["cameras"][0]["parameters"];
+  };
+  const auto as_described = lens({});
+  EXPECT_EQ(as_described["focalLength"], 35);
+  EXPECT_EQ(as_described["horizontalAperture"], 24.89);
+  EXPECT_EQ(as_described["focusDistance"], 4.5) << "in scene units";
+  const auto set = lens({"--set", "camera.focalLength=8.5", "--set", "camera.verticalAperture=18.67"});
+  EXPECT_EQ(set["focalLength"], 8.5);
+  EXPECT_EQ(set["verticalAperture"], 18.67);
+}
+
+// promise: pipeline.name.set
+TEST_F(WordsTest, SetTellsOfTheTextureThatAValueTakesThePlaceOf) {
+  write_image("wood.hdr");
+  write("wood.json", R"({"gltf": [{"file": "lit.gltf"}], "materials": [{"match": "skin", "set":
+    {"baseColor": {"file": "wood.hdr"}}}]})");
+  const Outcome plain = run({"check", "wood.json", "--set", "materials/skin.roughness=0.5"});
+  EXPECT_EQ(plain.code, 0) << plain.err;
+  EXPECT_EQ(plain.err.find("loses"), std::string::npos) << plain.err;
+  const Outcome colored = run({"check", "wood.json", "--set", "materials/skin.baseColor=[1,0,0]"});
+  EXPECT_EQ(colored.code, 0) << colored.err;
+  EXPECT_HAS(colored.err, "baseColor loses its texture 'wood.hdr'");
+  const Outcome tinted =
+      run({"check", "wood.json", "--set", R"(materials/skin.baseColor={"file": "wood.hdr", "scale": [1, 0.5, 0.5]})"});
+  EXPECT_EQ(tinted.code, 0) << tinted.err;
+  EXPECT_EQ(tinted.err.find("loses"), std::string::npos) << tinted.err;
+}
+
+// promise: pipeline.info
 TEST_F(WordsTest, InfoHasTheBoundsOfTheSceneAndOfEachMesh) {
   write("moved.json",
         R"({"models": [{"file": "patch.gltf", "transform": {"translate": [10, 0, 0]}}, {"file": "patch.gltf"}],

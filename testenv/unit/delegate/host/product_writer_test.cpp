@@ -211,6 +211,38 @@ TEST_F(ProductFile, AnExrIsCompressedAsItsProductSays) {
   }
 }
 
+// Threads of OpenEXR compress the tiles, and end in any order.
+// promise: pipeline.format.tiles
+TEST_F(ProductFile, TilesOfAnExrHaveTheSameBytesEachTime) {
+  constexpr Vec2i kSize{301, 203};
+  ProductImage image = frame();
+  image.framing.dataWindow = {-5, 7, -5 + kSize.x, 7 + kSize.y};
+  image.aovs = {{"color", floats(
+                              4, [](int i, int c) { return float((i * (c + 3)) % 1013) / 64; }, kSize)},
+                {"depth", floats(
+                              1, [](int i, int) { return 1 + float(i) * 1e-3f; }, kSize)}};
+  RenderProduct p = product("scanlines.exr");
+  p.vars = {UsualRenderVar("color"), UsualRenderVar("depth")};
+  ASSERT_TRUE(write(p, image)) << text();
+  const Read scanlines(p.file);
+  EXPECT_EQ(scanlines.spec.tile_width, 0);
+  p.tiles = 16;
+  std::string first;
+  for (int i = 0; i < 8; ++i) {
+    p.file = path("tiles.exr");
+    ASSERT_TRUE(write(p, image)) << text();
+    std::ifstream stream(p.file, std::ios::binary);
+    const std::string bytes((std::istreambuf_iterator<char>(stream)), {});
+    if (i == 0) first = bytes;
+    EXPECT_TRUE(bytes == first) << i;
+  }
+  const Read tiles(p.file);
+  EXPECT_EQ(tiles.spec.tile_width, 16);
+  EXPECT_EQ(tiles.spec.tile_height, 16);
+  EXPECT_EQ(tiles.spec.x, -5);
+  EXPECT_TRUE(tiles.pixels == scanlines.pixels);
+}
+
 TEST_F(ProductFile, ValidProductsAreWrittenBesideInvalidOnes) {
   RenderProduct bad = product("none/b.exr");
   EXPECT_EQ(WriteProducts({product("a.exr"), bad, product("c.tif")}, frame(), colors_, sink_),

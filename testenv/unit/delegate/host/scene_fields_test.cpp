@@ -141,27 +141,18 @@ TEST(SceneFields, AreTheMembersOfSettingsAndProducts) {
                      {"samples", 3}};
   expect_members(Token("renderSettings"), settings, plain);
   RenderProduct& product = settings.products.emplace_back();
-  product.file = "b.exr", product.dataType = "float", product.compression = "piz", product.colorSpace = "s",
-  product.display = "d";
+  product.file = "b.exr", product.dataType = "float", product.compression = "piz", product.tiles = 64,
+  product.colorSpace = "s", product.display = "d";
   product.view = "v", product.look = "l", product.exposure = 2, product.denoise = false, product.camera = "/other";
   product.width = 8, product.height = 9, product.disableMotionBlur = product.disableDepthOfField = true;
   product.vars = {{"a", "normal", "float"}};
-  Fields fields{{"products:0:file", "b.exr"},
-                {"products:0:dataType", "float"},
-                {"products:0:compression", "piz"},
-                {"products:0:colorSpace", Token("s")},
-                {"products:0:display", Token("d")},
-                {"products:0:view", Token("v")},
-                {"products:0:look", Token("l")},
-                {"products:0:exposure", 2},
-                {"products:0:denoise", false},
-                {"products:0:camera", Path("/other")},
-                {"products:0:width", 8},
-                {"products:0:height", 9},
-                {"products:0:disableMotionBlur", true},
-                {"products:0:disableDepthOfField", true},
-                {"products:0:vars:a", "normal"},
-                {"products:0:vars:a:dataType", "float"}};
+  Fields fields{
+      {"products:0:file", "b.exr"},    {"products:0:dataType", "float"},       {"products:0:compression", "piz"},
+      {"products:0:tiles", 64},        {"products:0:colorSpace", Token("s")},  {"products:0:display", Token("d")},
+      {"products:0:view", Token("v")}, {"products:0:look", Token("l")},        {"products:0:exposure", 2},
+      {"products:0:denoise", false},   {"products:0:camera", Path("/other")},  {"products:0:width", 8},
+      {"products:0:height", 9},        {"products:0:disableMotionBlur", true}, {"products:0:disableDepthOfField", true},
+      {"products:0:vars:a", "normal"}, {"products:0:vars:a:dataType", "float"}};
   fields.insert(fields.end(), plain.begin(), plain.end());
   expect_members(Token("renderSettings"), settings, fields, "products:0:");
   RetainedSceneDelegate scene;

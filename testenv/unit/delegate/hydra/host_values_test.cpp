@@ -61,6 +61,23 @@ TEST(HydraValues, AScenesLimitsOnlyTightenTheHosts) {
   EXPECT_EQ(WithinHostLimits("samples", high, low), high);
 }
 
+TEST(HydraValues, RenderVarsHaveTheLayersOfTheProgram) {
+  const std::pair<HostRenderVar, hd::RenderVar> rows[] = {
+      {{"beauty", "Ci", "raw", "color4f", "C"}, {"color", "color", "float"}},
+      {{"position", "", "raw", "point3f", ""}, {"position", "position", "float"}},
+      {{"Alpha", "a", "raw", "half", ""}, {"alpha", "alpha", "half"}},
+      {{"ids", "primId", "raw", "int", "objects"}, {"objects", "primId", "int"}},
+      {{"coat", "st", "primvar", "half2", ""}, {"primvars:st", "primvars:st", "half"}},
+      {{"key", "lightGroup:key", "raw", "color3h", ""}, {"lightGroup:key", "lightGroup:key", "half"}},
+      {{"straight", "C<RD>L", "lpe", "color3f", ""}, {"straight", "directDiffuse", "float"}},
+      {{"straight", "lpe:C<RD>[<L.>O]", "raw", "color3f", "d"}, {"d", "directDiffuse", "float"}},
+      {{"odd", "C<RS>D", "lpe", "color3f", ""}, {"odd", "lpe:C<RS>D", "float"}}};
+  for (const auto& [theirs, ours] : rows) {
+    const hd::RenderVar made = TranslateRenderVar(theirs);
+    EXPECT_EQ(made, ours) << theirs.prim << " of " << theirs.source_name << ": " << made.name << " " << made.aov.str();
+  }
+}
+
 TEST(HydraValues, ProgressIsADouble) {
   const hd::Dictionary made = HostStatistics({{"percentDone", 12.5f}, {"samplesTotal", int64_t(4)}});
   EXPECT_EQ(made.at("percentDone"), hd::Value(12.5));

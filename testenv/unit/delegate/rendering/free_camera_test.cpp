@@ -83,6 +83,14 @@ TEST_F(FreeCamera, ALensWithoutAFocusIsReportedOnce) {
   camera_.transform[3][0] = 0.3;
   picture_by_value();
   EXPECT_EQ(said(), "");
+  const auto samples = std::make_shared<TimeSamples<Value>>();
+  *samples = {{0, 1}, {2.0f, 3.0f}};
+  camera_.parameters["focusDistance:samples"] = std::shared_ptr<const TimeSamples<Value>>(samples);
+  picture_by_value();
+  EXPECT_EQ(said(), "") << "the focus moves";
+  camera_.parameters.erase("focusDistance:samples");
+  picture_by_value();
+  EXPECT_NE(said().find("camera.focus"), std::string::npos);
   camera_.parameters["focusDistance"] = 3.0f;
   picture_by_value();
   EXPECT_EQ(said(), "");
