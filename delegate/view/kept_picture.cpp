@@ -45,12 +45,13 @@ bool KeptPicture::ResolveTo(hd::PixelMemory* memory) {
       row[i] = i % 4 < components ? pixels_[(y * width + i / 4) * components + i % 4] : float(i % 4 == 3);
     if (memory->transform) memory->transform->Apply(row);
     uint8_t* const to = static_cast<uint8_t*>(memory->pixels) + y * memory->rowBytes;
+    auto* const numbers = static_cast<float*>(static_cast<void*>(to));
     for (size_t i = 0; i < wanted * width; ++i) {
       const float value = row[4 * (i / wanted) + i % wanted];
       if (memory->format == hd::Format::unorm8vec4)
         to[i] = value > 0 ? uint8_t(std::min(value, 1.0f) * 255 + 0.5f) : uint8_t(0);
       else
-        reinterpret_cast<float*>(to)[i] = value;
+        numbers[i] = value;
     }
   }
   memory->shown = number_;

@@ -98,7 +98,7 @@ void Panels::handle_keys() {
   const int ways = session_->kept_look() ? 2 : 3;  // a kept look takes the place of side by side
   if (pressed('d')) session_->compare(Compare((int(session_->compared()) + 1) % ways));
   if (pressed('w')) keep_or_drop();
-  if (pressed('x')) session_->swap_looks();
+  if (pressed('x')) swap();
   if (pressed('l')) reload_->begin();
   if (pressed('[')) session_->set_exposure(session_->exposure() - 0.5f);
   if (pressed(']')) session_->set_exposure(session_->exposure() + 0.5f);
@@ -241,15 +241,13 @@ void Panels::draw_light_tools() {
 // Place and direction are one parameter, as the light's transform is.
 void Panels::draw_position() {
   SceneEdits& edits = session_->edits();
-  const std::string type = edits.light_type(light_);
-  if (type.empty() || type == "domeLight" || type == "distantLight") {
-    if (!edits.is_changed(light_, "transform")) return;
-  }
+  const bool changed = edits.is_changed(light_, "transform");
+  if (!changed && !can_use(LightTool::move, edits.light_type(light_))) return;
   const hd::Matrix4d transform = edits.transform(light_);
   static const ParameterRow kRow = position_row();
   bool reset = false;
   hd::Value value = hd::Vec3f(transform.translation());
-  if (draw_row(kRow, edits.is_changed(light_, "transform"), &reset, &value)) {
+  if (draw_row(kRow, changed, &reset, &value)) {
     hd::Matrix4d moved = transform;
     for (int i = 0; i < 3; ++i) moved[3][i] = double(value.get_or(hd::Vec3f(0))[i]);
     session_->edit(light_, [&] { return edits.place(light_, moved); });

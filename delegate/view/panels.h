@@ -23,9 +23,9 @@ class Panels {
   bool side_is_shown() const { return side_shown_; }
   /// Half the size renders a quarter of the pixels.
   int reduction() const { return reduction_; }
-  /// Of the tab that is open: what the mouse does to a light, and the light; none and empty in another one.
-  LightTool light_tool() const { return light_is_shown_ ? light_tool_ : LightTool::none; }
-  hd::Path shown_light() const { return light_is_shown_ ? light_ : hd::Path(); }
+  /// Of the tab that is shown: what the mouse does to a light, and the light; none and empty for another one.
+  LightTool light_tool() const { return light_is_shown_ && side_shown_ ? light_tool_ : LightTool::none; }
+  hd::Path shown_light() const { return light_is_shown_ && side_shown_ ? light_ : hd::Path(); }
   /// The status says it for a while.
   void tell(const std::string& text);
 
@@ -45,6 +45,7 @@ class Panels {
   bool draw_row(const ParameterRow& row, bool changed, bool* reset, hd::Value* value);
   void pick_prim(const char* name, const std::vector<hd::Path>& prims, hd::Path* chosen);
   void keep_or_drop();
+  void swap();
   void save_picture();
   void tell_saved(bool written, const std::string& file);
 

@@ -163,8 +163,11 @@ void PicturePanel::press() {
 void PicturePanel::press_light() {
   pressed_light_ = session_->edits().transform(light_);
   light_distance_ = (pressed_light_.translation() - pivot_).length();
-  if (!session_->read_surface()) drag_ = Drag::none;
-  if (tool_ != LightTool::move) move_light(place(pressed_at_));
+  if (tool_ == LightTool::move) return;
+  if (session_->read_surface())
+    move_light(place(pressed_at_));
+  else
+    drag_ = Drag::none;
 }
 
 void PicturePanel::move_light(const hd::Vec2d& to) {

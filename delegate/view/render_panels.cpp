@@ -85,8 +85,7 @@ void Panels::draw_compare() {
     keep_or_drop();
   if (session_->kept_look()) {
     ImGui::SameLine();
-    if (widgets_->button("Swap", "Goes back to the edits and settings of A, and keeps B as A. Key X"))
-      session_->swap_looks();
+    if (widgets_->button("Swap", "Goes back to the edits and settings of A, and keeps B as A. Key X")) swap();
   }
   ImGui::SameLine(0, ImGui::GetFontSize());
   if (widgets_->button(
@@ -101,6 +100,10 @@ void Panels::keep_or_drop() {
     session_->drop_look();
   else if (!session_->keep_look())
     tell("There is no picture to keep yet.");
+}
+
+void Panels::swap() {
+  if (session_->kept_look() && !session_->swap_looks()) tell("There is no picture to keep yet.");
 }
 
 void Panels::draw_quality() {

@@ -204,10 +204,10 @@ void ViewSession::compare(Compare how) {
 }
 
 std::optional<KeptLook> ViewSession::present_look() const {
-  KeptLook look;
-  look.picture = KeptPicture::copy(buffer(shown_aov()));
-  if (!look.picture) return std::nullopt;
   const ViewStatus now = status();
+  KeptLook look;
+  if (!dirty_ && now.covered) look.picture = KeptPicture::copy(buffer(shown_aov()));
+  if (!look.picture) return std::nullopt;
   look.aov = aov_, look.is_denoised = shown_aov() == "denoised" && !now.denoiser.empty();
   look.samples = now.samples, look.noise = now.noise;
   look.camera = camera_, look.edits = edits_.record(), look.settings = changed_settings_;
@@ -220,16 +220,19 @@ bool ViewSession::keep_look() {
   return kept_.has_value();
 }
 
-void ViewSession::swap_looks() {
+bool ViewSession::swap_looks() {
   std::optional<KeptLook> present = kept_ ? present_look() : std::nullopt;
-  if (!present) return;
+  if (!present) return false;
   std::swap(kept_, present);
   restore(present->edits, present->settings);
+  return true;
 }
 
 bool ViewSession::is_kept_framing() const {
   if (!kept_) return false;
-  return kept_->camera.transform == camera_.transform && sight(kept_->camera) == sight();
+  const double width = kept_->picture->GetWidth(), height = kept_->picture->GetHeight();
+  const bool same_shape = std::abs(width / height * size_.y / size_.x - 1) < 0.02;  // a scene that was loaded again
+  return same_shape && kept_->camera.transform == camera_.transform && sight(kept_->camera) == sight();
 }
 
 bool ViewSession::set_display(const std::string& display, const std::string& view) {

@@ -102,16 +102,16 @@ class ViewSession {
   void compare(Compare how);
   Compare compared() const { return compare_; }
 
-  /// Keeps the look that is shown, A, left of the divider; the present one, B, is right of it. False: there is nothing
-  /// to keep yet.
+  /// Keeps the look that is shown, A, left of the divider; the present one, B, is right of it. False: it has no
+  /// picture yet that covers the frame.
   bool keep_look();
   void drop_look() { kept_.reset(); }
   /// Null: none is kept.
   const KeptLook* kept_look() const { return kept_ ? &*kept_ : nullptr; }
   /// The present camera sees what the kept picture shows.
   bool is_kept_framing() const;
-  /// Makes the edits and settings of the kept look, and keeps the present one.
-  void swap_looks();
+  /// Makes the edits and settings of the kept look, and keeps the present one. False: none is kept, or as keep_look().
+  bool swap_looks();
   /// The picture has a divider, at this share of its width.
   bool is_divided() const { return kept_ || (compare_ == Compare::side_by_side && aov_ == "color"); }
   double divider() const { return divider_; }

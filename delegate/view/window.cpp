@@ -229,9 +229,9 @@ class Window {
     if (side > 0) {
       begin("side", {size.x - side, bar}, {side, size.y - 2 * bar});
       panels_.draw_side();
-      picture_.use(panels_.light_tool(), panels_.shown_light());
       ImGui::End();
     }
+    picture_.use(panels_.light_tool(), panels_.shown_light());
     begin("status", {0, size.y - bar}, {size.x, bar});
     panels_.draw_status(status_, picture_.hovered());
     ImGui::End();

@@ -51,12 +51,23 @@ def panels(window):
                                 "wait converged 1500", "click 0.5 0.45", "wait seconds 2", "screenshot side.ppm"])
 
 
+def looks(window):
+    """A look that is kept beside another one, of other petals under one more light."""
+    window.play("sample.json", [
+        "size 1000 640", "press Render", "type samples 16", "wait converged 900", "key w",
+        "press Material", 'press "constant##baseColor"', "type baseColor.r 0.95", "type baseColor.g 0.6", "type baseColor.b 0.15",
+        "type roughness 0.15", "press Light", "choose add rectLight", "type intensity 30", "type color.g 0.8", "type color.b 0.55",
+        "press Highlight", "wait covered 200", "click 0.9 0.6", "wait converged 900", "wait seconds 1", "screenshot looks.ppm"])
+
+
 def write_pictures(window, out):
     panels(window)
+    looks(window)
     files = [str(window.folder / f"{name}.ppm") for name in PANELS]
     jpeg = ["--compression", "jpeg:88", *ANONYMOUS, "-o"]
     subprocess.run(["oiiotool", *files, "--mosaic:pad=8", "2x3", "--resize", "1600x0", *jpeg, str(out / "panels.jpg")], check=True)
     subprocess.run(["oiiotool", str(window.folder / "side.ppm"), *jpeg, str(out / "window.jpg")], check=True)
+    subprocess.run(["oiiotool", str(window.folder / "looks.ppm"), *jpeg, str(out / "looks.jpg")], check=True)
 
 
 def write_results(window):
@@ -64,4 +75,4 @@ def write_results(window):
     out.mkdir(exist_ok=True)
     write_pictures(window, out)
     (out / "frame_rates.md").write_text("\n".join(table(list(frame_rates(window)), os.getloadavg()[0])) + "\n")
-    print(f"wrote frame_rates.md, panels.jpg and window.jpg into {out}")
+    print(f"wrote frame_rates.md, panels.jpg, window.jpg and looks.jpg into {out}")

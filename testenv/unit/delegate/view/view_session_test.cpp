@@ -178,6 +178,7 @@ TEST_F(ViewSessionTest, LooksAreSwappedWithTheirLightsAndSettings) {
   ASSERT_TRUE(update_until(converged));
   ASSERT_TRUE(session->keep_look());
   const hd::Path added = session->add_light("rectLight", 0.5, 0.5);
+  EXPECT_FALSE(session->swap_looks()) << "the picture is still that without the light";
   const ParameterRow depth = row_of("render_settings", "maxDepth");
   session->set_setting(depth, 3);
   ASSERT_TRUE(update_until(converged));
