@@ -237,7 +237,7 @@ TEST_F(ProgramTest, TilesHoldThePixelsOfScanlines) {
 // promise: pipeline.exit.usage
 TEST_F(ProgramTest, WrongValuesOfFlagsAreUsageErrors) {
   const std::pair<std::vector<std::string>, std::string> cases[] = {
-      {{"--aov", "shadow"}, "sampleCount"},
+      {{"--aov", "caustics"}, "sampleCount"},
       {{"--time", "nan"}, "--time: 'nan' is not a time: write a number of seconds"},
       {{"--time", "inf"}, "is not a time"},
       {{"--time", "1s"}, "is not a time"},

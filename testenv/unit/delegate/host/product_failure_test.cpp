@@ -35,7 +35,7 @@ TEST_F(ProductFile, CheckRefusesWhatCannotBeWrittenAndSaysWhy) {
       {with("a.png", [](RenderProduct& p) { p.tiles = 64; }), "leave them out"},
       {with("a.exr", [](RenderProduct& p) { p.tiles = 15; }), "16 to 1024"},
       {with("a.exr", [](RenderProduct& p) { p.tiles = -64; }), "16 to 1024"},
-      {with_vars("a.exr", {{"x", "shadow", "half"}}), "sampleCount"},
+      {with_vars("a.exr", {{"x", "caustics", "half"}}), "sampleCount"},
       {with_vars("a.exr", {{"x", "color", "int"}}), "does not hold integers"},
       {with_vars("a.exr", {{"x", "color", "double"}}), "half, float or int"},
       {with_vars("a.exr", {{"x", "color", "half"}, {"x", "color", "half"}}), "x.R"},

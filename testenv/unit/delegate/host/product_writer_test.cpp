@@ -216,6 +216,7 @@ TEST_F(ProductFile, AnExrIsCompressedAsItsProductSays) {
 TEST_F(ProductFile, TilesOfAnExrHaveTheSameBytesEachTime) {
   constexpr Vec2i kSize{301, 203};
   ProductImage image = frame();
+  image.metadata["capDate"] = "2024:02:29 12:34:56";  // else the time of writing
   image.framing.dataWindow = {-5, 7, -5 + kSize.x, 7 + kSize.y};
   image.aovs = {{"color", floats(
                               4, [](int i, int c) { return float((i * (c + 3)) % 1013) / 64; }, kSize)},

@@ -87,7 +87,7 @@ TEST(PixelFormat, DescriptorsFitTheirAovs) {
   }
   EXPECT_EQ(default_aov_descriptor("primId").clearValue, Value(int32_t(-1))) << "the background";
   EXPECT_EQ(default_aov_descriptor("depth").clearValue, Value(1.0f)) << "the far plane";
-  EXPECT_EQ(default_aov_descriptor("shadow").format, Format::invalid);
+  EXPECT_EQ(default_aov_descriptor("caustics").format, Format::invalid);
 }
 
 }  // namespace
