@@ -227,21 +227,6 @@ TEST(RenderSession, DoesNotWaitForNegativeTimesNorForNaN) {
     EXPECT_FALSE(session.wait(seconds)) << seconds;
 }
 
-TEST(RenderSession, PauseKeepsTheBytes) {
-  const RenderRequest request = mixed_request(8);
-  const auto expected = color(request);
-  RenderSession session;
-  session.start(request);
-  for (int i = 0; i < 5; ++i) {
-    session.pause();
-    std::this_thread::sleep_for(std::chrono::milliseconds(3));
-    session.resume();
-    std::this_thread::sleep_for(std::chrono::milliseconds(1));
-  }
-  ASSERT_TRUE(session.wait(60));
-  EXPECT_TRUE(same_bytes(expected, session.film()->resolve_float(Aov::color)));
-}
-
 TEST(RenderSession, StopKeepsAllSamples) {
   RenderSession session;
   const RenderRequest request = mixed_request(100000);
