@@ -8,7 +8,6 @@
 #include "core/sampling/warp.h"
 #include "testenv/support/chi_square.h"
 #include "testenv/support/memory_texture.h"
-#include "testenv/support/warp_inverses.h"
 
 namespace alabaster::testing {
 namespace {
@@ -325,8 +324,9 @@ TEST(LightChiSquare, Mesh) {
       if (!s) return std::nullopt;
       const bool first = s->radiance == triangles[0].radiance;
       const Vec3f b = barycentric(triangles[first ? 0 : 2], p, s->wi);
-      const Vec2f u = testing::invert_uniform_triangle({std::clamp(b.x, 0.0f, 1.0f), std::clamp(b.y, 0.0f, 1.0f)});
-      return in_square(std::clamp(0.5 * static_cast<double>(u.x), 0.0, 0.4999999) + (first ? 0 : 0.5), u.y);
+      // The inverse of sample_uniform_triangle().
+      const float root = 1 - std::clamp(b.x, 0.0f, 1.0f), y = root > 0 ? std::clamp(b.y, 0.0f, 1.0f) / root : 0;
+      return in_square(std::clamp(0.5 * static_cast<double>(root * root), 0.0, 0.4999999) + (first ? 0 : 0.5), y);
     };
     const auto pdf = [&](const Vec2f& u) {
       const bool first = u.x < 0.5f;

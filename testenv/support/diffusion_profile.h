@@ -5,11 +5,6 @@
 
 namespace alabaster::testing {
 
-/// R(r)/A, per area, of scatter distance d. r > 0.
-inline double diffusion_profile(double r, double d) {
-  return (std::exp(-r / d) + std::exp(-r / (3 * d))) / (8 * M_PI * d * r);
-}
-
 /// Share of the light that leaves within r on a plane.
 inline double diffusion_profile_cdf(double r, double d) {
   return -0.25 * std::expm1(-r / d) - 0.75 * std::expm1(-r / (3 * d));

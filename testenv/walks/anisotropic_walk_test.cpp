@@ -1,12 +1,10 @@
-// Henyey-Greenstein scattering: the sampler, and the renderer's walk compared with a deterministic solution, the
-// invariance of the mean path, and the white furnace.
+// Henyey-Greenstein scattering: the sampler, the invariance of the mean path, and the white furnace. Albedos by g:
+// testenv/walks/tables/anisotropy.cpp.
 #include <gtest/gtest.h>
 
 #include "testenv/support/analytic_bodies.h"
-#include "testenv/support/anisotropic_half_space.h"
 #include "testenv/support/chi_square.h"
 #include "testenv/support/scene_builder.h"
-#include "testenv/support/van_de_hulst.h"
 #include "testenv/support/walk_pdfs.h"
 #include "testenv/support/z_test.h"
 
@@ -42,71 +40,6 @@ TEST(HenyeyGreensteinChiSquare, AWrongPdfFails) {
   EXPECT_TRUE(noticed(test_phase(direction, 0.5f, -0.5f, 2)));
   EXPECT_TRUE(noticed(test_phase(direction, 0.9f, 0.895f, 3)));
   EXPECT_TRUE(noticed(test_phase(direction, 0.03f, 0.0f, 4)));
-}
-
-TEST(HenyeyGreensteinMoments, MeanCosineIsG) {
-  const Vec3f direction = normalize(Vec3f(-0.5f, 0.1f, 0.7f));
-  for (const float g : kAsymmetries) {
-    Rng rng(run_seed(300), 1);
-    RunningStatistics cosine, squared;
-    for (int i = 0; i < run_samples(200000); ++i) {
-      const double c = dot(direction, *scatter(direction, g, rng));
-      cosine.add(c);
-      squared.add(1.5 * c * c - 0.5);
-    }
-    // Legendre moments are the powers of g.
-    const double first = g, second = first * first;
-    EXPECT_TRUE(plausible(z_test(cosine, first, {.slack = 1e-6}))) << g << ' ' << cosine.mean();
-    EXPECT_TRUE(plausible(z_test(squared, second, {.slack = 1e-6}))) << g << ' ' << squared.mean();
-  }
-}
-
-RunningStatistics walk_half_space(const Medium& medium, double events_per_walk, uint64_t seed) {
-  RunningStatistics out;
-  RenderCounters counters;
-  Rng rng(run_seed(seed), 78);
-  const int paths = static_cast<int>(std::min(1.5e6 / events_per_walk, 1e5));
-  for (int i = 0; i < run_samples(paths); ++i) {
-    SlabTracer tracer;
-    const auto end = walk_body(tracer, medium, {}, rng, counters);
-    out.add(end ? end->throughput[0] : 0);
-  }
-  EXPECT_EQ(counters.walk_safety_cap + counters.walk_lost, 0u);
-  return out;
-}
-
-// The mean number of events of a walk is (1 - A)/(1 - alpha): each absorbs 1 - alpha, and 1 - A is absorbed in total.
-TEST(AnisotropicHalfSpace, WalkObtainsTheAlbedoAskedAtEveryG) {
-  uint64_t seed = 400;
-  for (const float g : kAsymmetries)
-    for (const float asked : {0.2f, 0.5f, 0.8f, 0.95f}) {
-      const Medium medium = make_medium(Rgb(asked), {0.3f, 0, 0}, AlbedoInversion::exact, g);
-      const double complement = medium.one_minus_alpha.r;
-      const RunningStatistics walked = walk_half_space(medium, (1 - asked) / complement, ++seed);
-      const ZTestResult result = z_test(walked, asked, {.slack = 2e-5});
-      EXPECT_TRUE(plausible(result)) << "g " << g;
-    }
-}
-
-TEST(AnisotropicHalfSpace, SimilarityAloneIsNoticed) {
-  // Van de Hulst's inversion takes g by similarity only: at g = -0.9 it obtains 0.024 less than A = 0.5. The walk shows
-  // this difference, and the solver gives its size.
-  const double complement = van_de_hulst_complement(0.5, -0.9);
-  const double obtained = anisotropic_half_space_albedo(complement, -0.9);
-  EXPECT_GT(std::abs(obtained - 0.5), 0.02);
-  Medium medium = make_medium(Rgb(0.5f), {0.3f, 0, 0}, AlbedoInversion::exact, -0.9f);
-  medium.one_minus_alpha.r = static_cast<float>(complement);
-  medium.alpha.r = static_cast<float>(1 - complement);
-  const RunningStatistics walked = walk_half_space(medium, 3, 450);
-  EXPECT_TRUE(noticed(z_test(walked, 0.5)));
-  const ZTestResult result = z_test(walked, obtained, {.slack = 1e-6});
-  EXPECT_TRUE(plausible(result));
-}
-
-TEST(AnisotropicHalfSpace, AWrongPhaseFunctionIsNoticed) {
-  Medium medium = make_medium(Rgb(0.8f), {0.3f, 0, 0}, AlbedoInversion::exact, 0.3f);
-  medium.g = 0.25f;
-  EXPECT_TRUE(noticed(z_test(walk_half_space(medium, 30, 451), 0.8)));
 }
 
 TEST(AnisotropicSphere, IsWhiteAndItsMeanPathDoesNotKnowG) {
@@ -180,18 +113,6 @@ TEST(AnisotropicRender, WhiteBodyReturnsEverythingAtEveryG) {
     EXPECT_TRUE(plausible(z_test(m.mean, m.standard_error, 41.0 / 42, {.slack = 1e-6}))) << g;
     EXPECT_EQ(progress.counters.walk_safety_cap + progress.counters.walk_lost, 0u);
   }
-}
-
-TEST(AnisotropicRender, ScalingByPowersOfTwoChangesNoBit) {
-  const auto picture = [](double scale) {
-    DisneyParameters p;
-    p.base_color = {0.9f, 0.6f, 0.4f};
-    p.scatter_distance = Rgb(0.2f, 0.1f, 0.05f) * static_cast<float>(scale);
-    p.scatter_anisotropy = 0.7f;
-    return render(sphere_picture(p, scale))->resolve_float(Aov::color);
-  };
-  const auto original = picture(1);
-  for (const int exponent : {-20, 13}) EXPECT_EQ(picture(std::ldexp(1.0, exponent)), original);
 }
 
 }  // namespace

@@ -13,61 +13,11 @@ namespace alabaster {
 namespace {
 
 using testing::BodyInWorld;
-using testing::box_mesh;
 using testing::carry;
-using testing::diffusion_profile;
 using testing::diffusion_profile_cdf;
 using testing::RunningStatistics;
 
 constexpr float kDistance = 0.7f;
-
-// The share F(s) of balls smaller than s. The disk of radius s gets all smaller balls and (s/t)^2 of those of radius t
-// > s, so CDF(s) = F(s) + pi s^2 R(s).
-double ball_cdf(double s, double d) {
-  return diffusion_profile_cdf(s, d) - M_PI * s * s * diffusion_profile(s, d);
-}
-
-TEST(DiffusionProfile, CdfIsTheIntegralOfTheProfile) {
-  double integral = 0;
-  constexpr double kStep = 1e-4;
-  for (double r = 0.5 * kStep; r < 5; r += kStep) {
-    integral += kStep * 2 * M_PI * r * diffusion_profile(r, kDistance);
-    ASSERT_NEAR(integral, diffusion_profile_cdf(r + 0.5 * kStep, kDistance), 1e-7);
-  }
-  EXPECT_NEAR(diffusion_profile_cdf(100, kDistance), 1, 1e-15);
-  EXPECT_NEAR(diffusion_profile_cdf(1e-12, 1) / 0.5e-12, 1, 1e-9) << "no cancellation near the entry";
-}
-
-// A ball, and a point on its disk, as cumulative probabilities: uniform in the square if the ball's radius is right.
-testing::SquareSampler ball_and_disk(double asked, double sampled) {
-  return [=](Rng& rng) -> std::optional<Vec2f> {
-    const double s = sample_diffusion_ball(sampled, rng.uniform(), rng);
-    return Vec2f(std::min(static_cast<float>(ball_cdf(s, asked)), kOneMinusEpsilon), rng.uniform());
-  };
-}
-
-// The radius of the disk's point and its angle, as cumulative probabilities of the profile that it must follow.
-testing::SquareSampler radius_and_angle(double asked, double sampled) {
-  return [=](Rng& rng) -> std::optional<Vec2f> {
-    const double r = sample_diffusion_ball(sampled, rng.uniform(), rng) * std::sqrt(double(rng.uniform()));
-    return Vec2f(std::min(static_cast<float>(diffusion_profile_cdf(r, asked)), kOneMinusEpsilon), rng.uniform());
-  };
-}
-
-const testing::SquarePdf kUniform = [](const Vec2f&) { return 1.0f; };
-
-TEST(DiffusionProfile, BallsAndRadiiFollowIt) {
-  for (const auto& sampler : {ball_and_disk(kDistance, kDistance), radius_and_angle(kDistance, kDistance)}) {
-    const auto result = testing::chi_square_square(sampler, kUniform);
-    EXPECT_TRUE(plausible(result));
-  }
-}
-
-TEST(DiffusionProfile, AWrongProfileIsNoticed) {
-  constexpr double kWrong = 1.1 * kDistance;
-  for (const auto& sampler : {ball_and_disk(kDistance, kWrong), radius_and_angle(kDistance, kWrong)})
-    EXPECT_TRUE(noticed(testing::chi_square_square(sampler, kUniform)));
-}
 
 struct Channels {
   RunningStatistics value[3];
@@ -95,27 +45,6 @@ const Rgb kSkin(0.9f, 0.6f, 0.45f), kSkinDistance(1, 0.35f, 0.2f), kThroughput(0
 
 WalkMedium medium_of(const Rgb& albedo, const Rgb& distance) {
   return make_medium(albedo, distance, AlbedoInversion::exact);
-}
-
-// On a face far larger than d the profile's whole energy comes back: A in each channel, independently of the others.
-TEST(DiffusionPlane, EnergyIsTheAlbedo) {
-  const BodyInWorld slab(box_mesh({200, 150, 200}));
-  uint64_t seed = 1;
-  for (const Rgb& albedo : {kSkin, Rgb(1, 1, 0.01f), Rgb(0, 0.5f, 0.95f)}) {
-    const WalkMedium medium = medium_of(albedo, kSkinDistance);
-    SubsurfaceEntry entry = slab.entry({3, 200, 5}, {0.1f, -1, 0.2f}, medium);
-    entry.throughput = kThroughput;
-    const Channels found = integrate(slab, entry, 200000, ++seed);
-    const Rgb expected = albedo * kThroughput;
-    expect_channels(found, {expected.r, expected.g, expected.b}, 1e-6);
-  }
-}
-
-TEST(DiffusionPlane, AnEnergyOffByOnePercentIsNoticed) {
-  const BodyInWorld slab(box_mesh({200, 150, 200}));
-  const WalkMedium skin = medium_of(kSkin, kSkinDistance);
-  const Channels found = integrate(slab, slab.entry({3, 200, 5}, {0, -1, 0}, skin), 200000, 9);
-  EXPECT_TRUE(noticed(testing::z_test(found.value[0], 1.01 * kSkin.r)));
 }
 
 // A plane with a small quad in the middle, because rounding displaces an entry in proportion to its triangle's size.

@@ -45,7 +45,7 @@ TwinMeans twins_in(const Tracer& body, const WalkMedium& medium, const WalkSetti
   return means;
 }
 
-// Sphere steps are off by 1e-4 (walk_shortcuts_test.cpp).
+// Sphere steps are off by 1e-4 (tables/shortcuts.cpp).
 void expect_albedo(const TwinMeans& means, const Rgb& albedo, bool sphere_steps) {
   for (int c = 0; c < 3; ++c) {
     const ZTestResult result =

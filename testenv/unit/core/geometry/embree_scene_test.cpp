@@ -35,25 +35,6 @@ class EmbreeScene : public ::testing::Test {
   std::shared_ptr<TraceDevice> device_ = make_trace_device(sink_.sink());
 };
 
-TEST_F(EmbreeScene, HitIsTheTriangleWithItsBarycentrics) {
-  Mesh mesh;
-  mesh.points = {{9, 9, 9}, {0, 0, 2}, {4, 0, 2}, {0, 4, 2}};
-  mesh.triangles = {{0, 0, 0}, {1, 2, 3}};
-  const auto object = build(mesh);
-  TriangleHit hit;
-  for (float side : {-1.0f, 1.0f}) {
-    ASSERT_TRUE(object->intersect({{1, 2, 2 - 3 * side}, {0, 0, side * 0.5f}}, &hit));
-    EXPECT_FLOAT_EQ(hit.t, 6);  // in units of |dir| = 0.5
-    EXPECT_FLOAT_EQ(hit.u, 0.25f);
-    EXPECT_FLOAT_EQ(hit.v, 0.5f);
-    EXPECT_EQ(hit.triangle, 1u);
-  }
-  EXPECT_TRUE(object->intersect({{1, 2, 0}, {0, 0, 1}, 2.0f}, &hit));  // tmax is included
-  EXPECT_FALSE(object->intersect({{1, 2, 0}, {0, 0, 1}, 1.999f}, &hit));
-  EXPECT_FALSE(object->intersect({{3, 3, 0}, {0, 0, 1}}, &hit));
-  EXPECT_GT(object->memory_bytes(), 0u);
-}
-
 // Embree itself says that every hit of a triangle this small is at its first corner.
 TEST_F(EmbreeScene, HitsOfTheSmallestTrianglesHaveTheirBarycentricsToo) {
   for (const int exponent : {-20, -30, -36, -40}) {

@@ -175,61 +175,6 @@ TEST(SurfaceHit, OffsetsAreAFewUnitsInTheLastPlace) {
     }
 }
 
-TEST(SurfaceHit, PowersOfTwoScaleEverythingExactly) {
-  Random random(5);
-  Mesh mesh = sphere(1);
-  for (size_t i = 0; i < mesh.points.size(); ++i) {
-    mesh.normals.push_back(normalize(mesh.points[i] + random_direction(random) * 0.3f));
-    mesh.uv_sets.resize(1);
-    mesh.uv_sets[0].values.emplace_back(uniform(random), uniform(random));
-  }
-  mesh = moved(mesh, {0.3f, 7.7f, -2.1f}, 1);
-  for (const Matrix4d& matrix : placements())
-    for (int k : {-40, -20, -1, 3, 20, 40}) {
-      const float scale = std::ldexp(1.0f, k);
-      const Mesh scaled = moved(mesh, {0, 0, 0}, scale);
-      const Transform t = make_transform(matrix);
-      Transform moved_only = t;  // the object scaled
-      moved_only.forward.t *= scale;
-      moved_only.inverse.t *= scale;
-      Transform grown = t;  // the instance scaled
-      for (Vec3f* row : {&grown.forward.x, &grown.forward.y, &grown.forward.z, &grown.forward.t}) *row *= scale;
-      for (Vec3f* row : {&grown.inverse.x, &grown.inverse.y, &grown.inverse.z}) *row *= 1 / scale;
-      for (int i = 0; i < 50; ++i) {
-        const TriangleHit hit = random_hit(mesh, random);
-        const SurfaceHit a = surface_hit(mesh, hit, t.forward, t.inverse);
-        for (const SurfaceHit& b : {surface_hit(scaled, hit, moved_only.forward, moved_only.inverse),
-                                    surface_hit(mesh, hit, grown.forward, grown.inverse)}) {
-          EXPECT_EQ(b.p, a.p * scale);
-          EXPECT_EQ(b.offset, a.offset * scale);
-          EXPECT_EQ(b.ng, a.ng);
-          EXPECT_EQ(b.ns, a.ns);
-          EXPECT_EQ(b.dpdu, a.dpdu);
-          EXPECT_EQ(b.uv, a.uv);
-          EXPECT_EQ(offset_point(b.p, b.ng, b.offset), offset_point(a.p, a.ng, a.offset) * scale);
-        }
-      }
-    }
-}
-
-TEST(SurfaceHit, NormalsPointOutwardUnderEveryTransform) {
-  Random random(13);
-  const Mesh mesh = sphere(2);
-  for (const Matrix4d& matrix : placements()) {
-    const Transform t = make_transform(matrix);
-    for (int i = 0; i < 200; ++i) {
-      const TriangleHit hit = random_hit(mesh, random);
-      const SurfaceHit s = surface_hit(mesh, hit, t.forward, t.inverse);
-      EXPECT_NEAR(length(s.ng), 1, 1e-6f);
-      EXPECT_GT(dot(Vec3d(s.ng), Vec3d(s.p) - Vec3d(t.forward.t)), 0);
-      // Perpendicular to the transformed edges, to the precision of the coordinates.
-      const auto& c = mesh.triangles[hit.triangle];
-      const Vec3f edge = t.forward.vector(mesh.points[c[1]] - mesh.points[c[0]]);
-      EXPECT_NEAR(dot(s.ng, edge) / length(edge), 0, 2e-6f);
-    }
-  }
-}
-
 // One right triangle in z = 0, seen from +z.
 Mesh triangle() {
   Mesh mesh;

@@ -78,24 +78,6 @@ TEST(LightChoice, ProbabilitiesAreTheMixtureAndSumToOne) {
   EXPECT_GT(behind_the_rect, 100);
 }
 
-TEST(LightChoice, ChoosesAsOftenAsItSays) {
-  const auto lights = mixed();
-  for (const Vec3f& p : {Vec3f(0, 0, 1.9f), Vec3f(3, 1, -2), Vec3f(0, 0, 3)}) {
-    const auto probability = probabilities(lights, p);
-    std::vector<int> count(lights.size());
-    constexpr int kSteps = 1 << 16;
-    for (int i = 0; i < kSteps; ++i) {
-      const auto chosen = LightChoice(lights, kUnscaled, p).choose((static_cast<float>(i) + 0.5f) / kSteps);
-      ASSERT_TRUE(chosen);
-      ++count[chosen->index];
-      EXPECT_EQ(chosen->probability, probability[chosen->index]);
-    }
-    for (size_t i = 0; i < lights.size(); ++i) EXPECT_NEAR(count[i], probability[i] * kSteps, 1.0001) << i;
-    EXPECT_TRUE(LightChoice(lights, kUnscaled, p).choose(kOneMinusEpsilon));
-    EXPECT_TRUE(LightChoice(lights, kUnscaled, p).choose(1.0f));
-  }
-}
-
 // More lights than the importances that are kept, and emissions at the ends of the floats.
 TEST(LightChoice, ManyAndExtremeLights) {
   std::vector<Light> lights;

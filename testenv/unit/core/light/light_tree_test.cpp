@@ -2,11 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include <set>
-
-#include "core/light/light_set.h"
 #include "core/sampling/pixel_sampler.h"
-#include "testenv/support/emitted_light.h"
 
 namespace alabaster {
 namespace {
@@ -36,44 +32,6 @@ std::vector<Light> many_lights(uint32_t count, double scale = 1) {
     lights.push_back(make_light(d, Vec3d(0, 0, 0)));
   }
   return lights;
-}
-
-// Multiples of 2^-24: their sum is exact in double.
-TEST(LightTree, ProbabilitiesArePositiveAndSumToOne) {
-  for (const uint32_t count : {2u, 33u, 1000u}) {
-    const auto lights = many_lights(count);
-    const LightTree tree(lights);
-    Rng rng(1, 2);
-    for (int k = 0; k < 30; ++k) {
-      const Vec3f p = random_point(rng, 12);
-      double sum = 0;
-      for (size_t i = 0; i < lights.size(); ++i) {
-        const float probability = tree.probability(lights, p, i);
-        EXPECT_GE(probability, 0.099f / static_cast<float>(count));
-        sum += static_cast<double>(probability);
-      }
-      EXPECT_EQ(sum, 1);
-    }
-  }
-}
-
-// Each random number chooses the light that owns it: as many do as the probability says.
-TEST(LightTree, ChoosesAsOftenAsItSays) {
-  const auto lights = many_lights(40);
-  const LightTree tree(lights);
-  const Vec3f p(1, -2, 0.5f);
-  constexpr int kSteps = 1 << 24;
-  std::vector<int> chosen(lights.size(), 0);
-  for (int i = 0; i < kSteps; ++i) {
-    const auto c = *tree.choose(lights, p, static_cast<float>(i) / kSteps);
-    ++chosen[c.index];
-  }
-  for (size_t i = 0; i < lights.size(); ++i) {
-    const float probability = tree.probability(lights, p, i);
-    EXPECT_EQ(static_cast<float>(chosen[i]) / kSteps, probability) << i;
-  }
-  const auto last = *tree.choose(lights, p, 1.0f);
-  EXPECT_EQ(last.probability, tree.probability(lights, p, last.index));
 }
 
 TEST(LightTree, PrefersWhatIsNearAndStrong) {
@@ -129,53 +87,6 @@ TEST(LightTree, ScalingByAPowerOfTwoChangesNoBit) {
       EXPECT_EQ(tree.probability(lights, p, i), large_tree.probability(large, p * 1024, i));
     }
   }
-}
-
-// Every light that a ray meets is found, and most others are not asked.
-TEST(LightTree, FindsEveryLightThatARayMeets) {
-  const auto lights = many_lights(1000);
-  const LightTree tree(lights);
-  Rng rng(4, 2);
-  size_t visits = 0, hits = 0;
-  for (int k = 0; k < 6000; ++k) {
-    Ray ray{random_point(rng, 15), random_point(rng, 1)};
-    if (k % 5 == 0) ray.dir[k % 3] = 0;
-    if (k % 7 == 0) ray.tmax = 10;
-    std::set<size_t> found;
-    tree.intersect(ray, [&](size_t i) { found.insert(i); });
-    visits += found.size();
-    for (size_t i = 0; i < lights.size(); ++i) {
-      std::optional<LightHit> hit;
-      if (const auto* rect = std::get_if<RectDiskLight>(&lights[i])) hit = rect->intersect(ray);
-      if (const auto* sphere = std::get_if<SphereLight>(&lights[i])) hit = sphere->intersect(ray);
-      if (!hit || hit->t > ray.tmax) continue;
-      EXPECT_TRUE(found.count(i)) << i;
-      ++hits;
-    }
-  }
-  EXPECT_GT(hits, 300u);
-  EXPECT_LT(visits, 20 * hits);
-}
-
-// The pdf of a light that a ray meets is that of sampling it: through the tree, too.
-TEST(LightTree, ASetOfManyLightsAgreesWithItself) {
-  const LightSet set(many_lights(200), {});
-  Rng rng(5, 2);
-  int compared = 0;
-  for (int k = 0; k < 2000; ++k) {
-    const Vec3f p = random_point(rng, 12);
-    const auto s = set.sample(p, rng.uniform(), {rng.uniform(), rng.uniform()});
-    if (!s || s->delta || !std::isfinite(s->distance)) continue;
-    float nearest = std::numeric_limits<float>::infinity();
-    const Ray ray{p, s->wi, s->distance * 1.0001f};
-    (void)testing::emitted_light(set, ray, false, false, ConstantDomes::sampled, [&](float pdf) {
-      nearest = std::min(nearest, std::abs(pdf / s->pdf - 1));
-      return 1.0f;
-    });
-    EXPECT_LT(nearest, 2e-3f);
-    ++compared;
-  }
-  EXPECT_GT(compared, 150);
 }
 
 }  // namespace

@@ -143,20 +143,6 @@ TEST(DisneyBsdf, ABlackSurfaceOfIorOneAbsorbsEverything) {
   EXPECT_FALSE(bsdf.sample(0.5f, {0.5f, 0.5f}).has_value());
 }
 
-TEST(DisneyBsdf, MetalsHaveNoDiffuse) {
-  DisneyParameters p;
-  p.metallic = 1;
-  p.sheen = 1;
-  p.scatter_distance = Rgb(1.0f);
-  Rng rng(testing::run_seed(5), 5);
-  const DisneyBsdf bsdf(p, normalize(Vec3f(1, 2, 3)));
-  EXPECT_TRUE(is_black(bsdf.subsurface_entry()));
-  for (int i = 0; i < 1000; ++i) {
-    const auto sample = bsdf.sample(rng.uniform(), uniform2(rng));
-    ASSERT_TRUE(!sample || sample->lobe == Lobe::specular);
-  }
-}
-
 TEST(DisneyBsdf, SpecularPartIsThatOfSpecularAndClearcoat) {
   Rng rng(testing::run_seed(23), 4);
   int shared = 0;
@@ -209,43 +195,6 @@ TEST(DisneyBsdf, ScatterDistanceTakesTheLambertTermOfItsChannelOnly) {
   }
 }
 
-TEST(DisneyBsdf, SubsurfaceSampleCarriesEntryAndProbability) {
-  DisneyParameters p;
-  p.scatter_distance = {1, 0.5f, 0};
-  p.clearcoat = 1;
-  const DisneyBsdf bsdf(p, normalize(Vec3f(1, 0, 2)));
-  // The local lobes' density, the walk's probability and the share of samples lost below the horizon make up one.
-  const double local = testing::integrate_sphere([&](const Vec3f& w) { return double(bsdf.evaluate(w).pdf); }, {}, 1);
-  Rng rng(testing::run_seed(3), 3);
-  int walks = 0, lost = 0;
-  constexpr int kSamples = 200000;
-  for (int i = 0; i < kSamples; ++i) {
-    const auto sample = bsdf.sample(rng.uniform(), uniform2(rng));
-    if (!sample) {
-      ++lost;
-    } else if (sample->lobe == Lobe::subsurface) {
-      ++walks;
-      ASSERT_EQ(sample->f_cos, bsdf.subsurface_entry());
-    }
-  }
-  const auto sample = bsdf.sample(kOneMinusEpsilon, {0.5f, 0.5f});
-  ASSERT_TRUE(sample && sample->lobe == Lobe::subsurface);
-  const double probability = double(sample->pdf), n = kSamples;
-  const double sigma = std::sqrt(probability * (1 - probability) / n);
-  EXPECT_TRUE(plausible(testing::z_test(walks / n, sigma, probability)));
-  EXPECT_TRUE(plausible(testing::z_test(local + lost / n, std::sqrt(0.25 / n), 1 - probability)));
-}
-
-TEST(DisneyBsdf, DarkMediaAreEnteredToo) {
-  DisneyParameters p;
-  p.base_color = Rgb(0.0f);
-  p.scatter_distance = {0, 0, 1};
-  const DisneyBsdf bsdf(p, {0, 0, 1});
-  const auto sample = bsdf.sample(kOneMinusEpsilon, {0.5f, 0.5f});
-  ASSERT_TRUE(sample && sample->lobe == Lobe::subsurface);
-  EXPECT_GT(sample->pdf, 0.1f);
-}
-
 double relative(double a, double b) {
   return std::abs(a - b) / std::max(std::abs(b), 1e-12);
 }
@@ -295,49 +244,6 @@ TEST(DisneyBsdf, MatchesIndependentReference) {
   EXPECT_LT(worst, 2e-4);
 }
 
-// Identity of Burley 2012's and 2015's diffuse, at any roughness.
-TEST(DisneyDiffuse, TwoPartsAddUpToTheFormOf2012) {
-  Rng rng(testing::run_seed(1), 1);
-  for (int i = 0; i < 10000; ++i) {
-    const Vec3f wo = random_direction(rng), wi = random_direction(rng);
-    testing::ReferenceParameters r;
-    r.base_color = {1, 1, 1};
-    const float roughness = unit_or_extreme(rng);
-    r.roughness = double(roughness);
-    const double sum = double(DisneyDiffuse::lambert(wo, wi)) + double(DisneyDiffuse::retro(wo, wi, roughness));
-    const auto expected = testing::disney_reference_2012(r, normalize(Vec3d(wo)), normalize(Vec3d(wi))).diffuse[0];
-    ASSERT_NEAR(sum, expected, 2e-6);
-  }
-}
-
-TEST(DisneySpecular, IorOneHasNoDielectricReflection) {
-  DisneyParameters p;
-  p.ior = 1;
-  p.specular_color = Rgb(5.0f);
-  const auto lobe = DisneySpecular::from(p);
-  EXPECT_TRUE(is_black(lobe.f0) && is_black(lobe.f90));
-  p.ior = 1.5f;
-  p.specular_color = Rgb(1.0f);
-  EXPECT_FLOAT_EQ(DisneySpecular::from(p).f0.g, 0.04f);
-  EXPECT_EQ(DisneySpecular::from(p).f90, Rgb(1.0f));
-  p.specular = 0.5f;
-  EXPECT_FLOAT_EQ(DisneySpecular::from(p).f0.g, 0.02f);
-  EXPECT_EQ(DisneySpecular::from(p).f90, Rgb(0.5f));
-  p.metallic = 1;
-  EXPECT_EQ(DisneySpecular::from(p).f0, p.base_color);
-  EXPECT_EQ(DisneySpecular::from(p).f90, Rgb(1.0f));
-}
-
-TEST(DisneySpecular, AnisotropyStretchesAlongTheTangent) {
-  DisneyParameters p;
-  p.anisotropic = 1;
-  const auto lobe = DisneySpecular::from(p);
-  EXPECT_NEAR(lobe.ggx.alpha_x / lobe.ggx.alpha_y, 10, 1e-4);
-  const Vec3f wo(0, 0, 1);
-  const float t = 0.3f;
-  EXPECT_GT(lobe.evaluate(wo, {std::sin(t), 0, std::cos(t)}).f.g, lobe.evaluate(wo, {0, std::sin(t), std::cos(t)}).f.g);
-}
-
 // f(wo, wi) = f(wi, wo), lobe by lobe and together.
 TEST(DisneyBsdf, Reciprocity) {
   Rng rng(testing::run_seed(8), 8);
@@ -360,11 +266,6 @@ TEST(DisneyBsdf, Reciprocity) {
       expect_equal(testing::f_of(DisneyBsdf(p, wo, energy).evaluate(wi), wi),
                    testing::f_of(DisneyBsdf(p, wi, energy).evaluate(wo), wo), i);
   }
-}
-
-TEST(DisneyBsdf, ExitLobeIsLambertTimesTransmittance) {
-  EXPECT_FLOAT_EQ(subsurface_exit_f_cos(1), kInvPi);
-  EXPECT_NEAR(subsurface_exit_f_cos(1e-6f) * 1e6f, 0.5f * kInvPi, 1e-5);
 }
 
 }  // namespace

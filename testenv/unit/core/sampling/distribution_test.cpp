@@ -7,21 +7,6 @@
 namespace alabaster {
 namespace {
 
-TEST(Distribution1D, ProbabilitiesFollowTheWeights) {
-  const Distribution1D d({1, 0, 3, 4});
-  EXPECT_EQ(d.sum(), 8);
-  EXPECT_EQ(d.probability(0), 0.125f);
-  EXPECT_EQ(d.probability(1), 0);
-  EXPECT_EQ(d.probability(2), 0.375f);
-  EXPECT_EQ(d.probability(3), 0.5f);
-  EXPECT_EQ(d.pdf(0.6f), 1.5f);  // third of four cells
-  const auto s = d.sample(0.25f);
-  EXPECT_EQ(s.index, 2u);
-  EXPECT_EQ(s.pdf, 1.5f);
-  EXPECT_NEAR(s.remapped, 1.0f / 3, 1e-6f);
-  EXPECT_NEAR(s.x, (2 + 1.0f / 3) / 4, 1e-6f);
-}
-
 TEST(Distribution1D, SamplesLieInTheirCellAndNeverInEmptyOnes) {
   for (size_t n : {1u, 3u, 7u, 1000u, 4097u}) {
     std::vector<float> weights(n);
@@ -64,24 +49,6 @@ TEST(Distribution1D, WithoutWeightIsUniform) {
   for (size_t i = 0; i < 5; ++i) EXPECT_NEAR(d.probability(i), 0.2f, 1e-7f);
   EXPECT_EQ(d.sample(0.5f).index, 2u);
   EXPECT_EQ(Distribution1D().size(), 0u);
-}
-
-TEST(Distribution2D, ProbabilitiesFollowTheWeights) {
-  Rng rng(5, 1);
-  std::vector<float> weights(size_t{13} * 7);
-  for (float& w : weights) w = rng.uniform() < 0.3f ? 0 : rng.uniform();
-  for (size_t i = 0; i < 13; ++i) weights[13 * 4 + i] = 0;  // an empty row
-  const Distribution2D d(weights, 13, 7);
-  double total = 0;
-  for (float w : weights) total += w;
-  for (size_t y = 0; y < 7; ++y)
-    for (size_t x = 0; x < 13; ++x) ASSERT_NEAR(d.probability(x, y), weights[y * 13 + x] / total, 1e-6);
-  for (int i = 0; i < 20000; ++i) {
-    const float x = rng.uniform();
-    const auto cell = d.sample({x, rng.uniform()});
-    ASSERT_GT(weights[cell.y * 13 + cell.x], 0);
-    ASSERT_TRUE(cell.remapped.x >= 0 && cell.remapped.x < 1 && cell.remapped.y >= 0 && cell.remapped.y < 1);
-  }
 }
 
 TEST(Distribution2D, HugeWeightsDoNotOverflow) {

@@ -14,18 +14,21 @@ namespace {
 
 using testing::SceneBuilder;
 
-// A body, glass and metal on a floor, in the light of a lamp, a panel and a dome; a few units wide.
+// Bodies, glass and metal on a floor, in the light of a lamp, a panel and a dome; a few units wide.
 RenderRequest still_life(double s, SceneBuilder* b) {
   const auto f = static_cast<float>(s);
   DisneyParameters wax, glass, metal;
   wax.base_color = {0.9f, 0.6f, 0.45f};
   wax.scatter_distance = Rgb(0.3f, 0.1f, 0.05f) * f;
+  DisneyParameters milk = wax;
+  milk.scatter_anisotropy = 0.7f;
   glass.spec_trans = 1;
   glass.roughness = 0.1f;
   metal.metallic = 1;
   metal.roughness = 0.2f;
   const auto ball = b->prototype(testing::sphere_mesh(0.5f * f, 16, true));
   b->add(ball, b->material(wax), Matrix4d().setTranslation(Vec3d(-1, 0.5, 0) * s));
+  b->add(ball, b->material(milk), Matrix4d().setTranslation(Vec3d(-0.6, 0.5, -1.2) * s));
   b->add(ball, b->material(glass), Matrix4d().setTranslation(Vec3d(0, 0.5, 0.6) * s));
   b->add(ball, b->material(metal), Matrix4d().setTranslation(Vec3d(1, 0.5, 0) * s));
   b->add(b->prototype(testing::plane_mesh(6 * f)), b->material({}));
@@ -49,8 +52,10 @@ RenderRequest still_life(double s, SceneBuilder* b) {
   return request;
 }
 
-std::vector<float> picture(int k, SceneBuilder* b) {
-  return testing::render(still_life(std::ldexp(1.0, k), b))->resolve_float(Aov::color);
+std::vector<float> picture(int k, SceneBuilder* b, SubsurfaceMode mode = SubsurfaceMode::walk) {
+  RenderRequest request = still_life(std::ldexp(1.0, k), b);
+  request.settings.subsurface = mode;
+  return testing::render(request)->resolve_float(Aov::color);
 }
 
 double mean_of(const std::vector<float>& pixels) {
@@ -61,13 +66,15 @@ double mean_of(const std::vector<float>& pixels) {
 
 // The still life has a radius of 4.3 units, a little more than 2^2.
 TEST(Scale, PowersOfTwoChangeNoBitAtTheEndsOfTheRange) {
-  SceneBuilder one;
-  const auto expected = picture(0, &one);
-  EXPECT_LT(one.snapshot()->radius, 8);
-  EXPECT_GT(one.snapshot()->radius, 4);
-  for (const int k : {-18, 3, 27}) {
-    SceneBuilder b;
-    EXPECT_EQ(picture(k, &b), expected) << "2^" << k;
+  for (const SubsurfaceMode mode : {SubsurfaceMode::walk, SubsurfaceMode::diffusion}) {
+    SceneBuilder one;
+    const auto expected = picture(0, &one, mode);
+    EXPECT_LT(one.snapshot()->radius, 8);
+    EXPECT_GT(one.snapshot()->radius, 4);
+    for (const int k : {-18, 3, 27}) {
+      SceneBuilder b;
+      EXPECT_EQ(picture(k, &b, mode), expected) << "2^" << k;
+    }
   }
 }
 

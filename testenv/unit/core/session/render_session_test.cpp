@@ -186,26 +186,6 @@ TEST(RenderSession, ATimeLimitEndsAFrameThatIsTooLargeForOneSamplePerPixel) {
   }
 }
 
-TEST(RenderSession, BytesDoNotDependOnTheDataWindow) {
-  RenderRequest request = mixed_request(4);
-  const auto full = color(request);
-  request.data_window = {10, 20, 50, 60};
-  EXPECT_TRUE(same_bytes(testing::cut_out(full, 72, request.data_window), color(request)));
-}
-
-TEST(RenderSession, SeedAndFrameChangeTheNoise) {
-  RenderRequest request = mixed_request(2);
-  const auto a = color(request);
-  request.settings.seed = 1;
-  const auto b = color(request);
-  request.settings.seed = 0;
-  request.settings.frame = 1;
-  const auto c = color(request);
-  EXPECT_FALSE(same_bytes(a, b));
-  EXPECT_FALSE(same_bytes(a, c));
-  EXPECT_FALSE(same_bytes(b, c));
-}
-
 // More workers than tiles run ahead of slow tiles. Progress is read before the film, which only grows.
 TEST(RenderSession, FinishedPassesAreInEveryPixel) {
   const tbb::global_control more_than_cores(tbb::global_control::max_allowed_parallelism, 8);
@@ -245,21 +225,6 @@ TEST(RenderSession, DoesNotWaitForNegativeTimesNorForNaN) {
   session.start(mixed_request(1000000));
   for (const double seconds : {-1.0, -std::numeric_limits<double>::infinity(), std::nan("")})
     EXPECT_FALSE(session.wait(seconds)) << seconds;
-}
-
-TEST(RenderSession, PauseKeepsTheBytes) {
-  const RenderRequest request = mixed_request(8);
-  const auto expected = color(request);
-  RenderSession session;
-  session.start(request);
-  for (int i = 0; i < 5; ++i) {
-    session.pause();
-    std::this_thread::sleep_for(std::chrono::milliseconds(3));
-    session.resume();
-    std::this_thread::sleep_for(std::chrono::milliseconds(1));
-  }
-  ASSERT_TRUE(session.wait(60));
-  EXPECT_TRUE(same_bytes(expected, session.film()->resolve_float(Aov::color)));
 }
 
 TEST(RenderSession, StopKeepsAllSamples) {

@@ -43,23 +43,5 @@ TEST(DwivediMode, EndsAreWhatTheyShouldBe) {
   EXPECT_NEAR(dwivedi_mode(1e-10).x / std::sqrt(3e-10), 1, 4e-7);
 }
 
-TEST(ExponentialCosine, FactorsAreFiniteAndNormalisedWhateverTheReach) {
-  for (const double x : {0.0, 1e-9, 1e-4, 1.0001e-4, 0.3, 5.0, 40.0, 700.0, 1e4, 1e30}) {
-    EXPECT_TRUE(std::isfinite(x_over_sinh(x))) << x;
-    for (const double mu : {-1.0, 0.0, 1.0}) {
-      EXPECT_TRUE(std::isfinite(exponential_cosine_factor(mu, x))) << x;
-      EXPECT_GE(exponential_cosine_factor(mu, x), 0) << x;
-    }
-    if (x > 100) continue;  // too narrow for the quadrature
-    double integral = 0;
-    constexpr int kPoints = 20000;
-    for (int i = 0; i < kPoints; ++i) integral += exponential_cosine_factor(-1 + 2 * (i + 0.5) / kPoints, x) / kPoints;
-    EXPECT_NEAR(integral, 1, 1e-6) << x;
-  }
-  EXPECT_EQ(x_over_sinh(0), 1);
-  EXPECT_NEAR(x_over_sinh(1e-4), x_over_sinh(1.0001e-4), 1e-11);
-  EXPECT_EQ(x_over_sinh(1e4), 0);
-}
-
 }  // namespace
 }  // namespace alabaster

@@ -3,7 +3,6 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <cstring>
 
 #include "testenv/support/lone_body.h"
 
@@ -172,36 +171,6 @@ TEST(NormalizedDiffusion, DistancesAreWorldDistancesUnderNonUniformScale) {
   }
   EXPECT_LE(different, 20);
   EXPECT_GT(exits, 8000);
-}
-
-RenderRequest skin_request(double s, testing::SceneBuilder* b) {
-  DisneyParameters p;
-  p.base_color = kSkin;
-  p.scatter_distance = Rgb(0.3f, 0.1f, 0.05f) * static_cast<float>(s);
-  b->add(b->prototype(testing::sphere_mesh(static_cast<float>(s), 24, true)), b->material(p));
-  LightParameters key;
-  key.type = LightType::sphere;
-  key.radius = static_cast<float>(0.25 * s);
-  key.intensity = 30;
-  key.light_to_world.setTranslation(Vec3d(2, 3, 1) * s);
-  b->add(key).add(testing::constant_dome(0.2f, true));
-  RenderRequest request;
-  request.scene = b->snapshot();
-  request.camera = testing::look_at(Vec3d(0, 1, 4) * s, {0, 0, 0}, 40);
-  request.width = request.height = 24;
-  request.data_window = {0, 0, 24, 24};
-  request.settings.samples = 4;
-  request.settings.subsurface = SubsurfaceMode::diffusion;
-  return request;
-}
-
-TEST(NormalizedDiffusion, PowersOfTwoChangeNothing) {
-  const auto picture = [](int exponent) {
-    testing::SceneBuilder b;
-    return testing::render(skin_request(std::ldexp(1.0, exponent), &b))->resolve_float(Aov::color);
-  };
-  const auto expected = picture(0);
-  for (const int exponent : {-20, -7, 1, 20}) EXPECT_EQ(picture(exponent), expected) << "2^" << exponent;
 }
 
 }  // namespace

@@ -11,26 +11,15 @@
 namespace alabaster {
 namespace {
 
-using testing::BodyHit;
 using testing::carry;
 using testing::EllipsoidTracer;
 using testing::entry_at_point;
 using testing::lone_body;
-using testing::SlabTracer;
 using testing::SphereTracer;
-using testing::unit_medium;
 using testing::walk_body;
-
-double sum(const ChannelValues& v) {
-  return v[0] + v[1] + v[2];
-}
 
 Medium skin() {
   return make_medium({0.9f, 0.6f, 0.45f}, {1.0f, 0.35f, 0.2f}, AlbedoInversion::exact);
-}
-
-Medium extreme() {
-  return make_medium({0.9f, 0.9f, 0.01f}, {0.01f, 0.01f, 100.0f}, AlbedoInversion::exact);
 }
 
 // The unit sphere, with the conventions of a mesh: float rays, both sides hit, t in units of |dir|. `triangle` is 1
@@ -61,21 +50,6 @@ class EmptyScene final : public ObjectScene {
   void intersect_all(const Ray&, std::pmr::vector<TriangleHit>* hits) const override { hits->clear(); }
   size_t memory_bytes() const override { return 0; }
 };
-
-TEST(ChromaticSegment, ThroughputWeightsNeverRaiseTheSum) {
-  Rng rng(2, 1);
-  for (const Medium& medium : {skin(), extreme()}) {
-    const WalkMedium walk_medium(medium);
-    for (int i = 0; i < 20000; ++i) {
-      const ChannelValues before{rng.uniform(), rng.uniform(), rng.uniform()};
-      const ChromaticSegment segment(walk_medium, before);
-      const double t = segment.sample_distance({rng.uniform(), rng.uniform()});
-      EXPECT_LE(sum(segment.scatter_throughput(t)), sum(before) * (1 + 1e-12));
-      // Without absorption both would equal it exactly.
-      EXPECT_NEAR(sum(segment.exit_throughput(t)), sum(before), 1e-12);
-    }
-  }
-}
 
 TEST(ChromaticSegment, GreyMediaLoseExactlyTheirAbsorption) {
   // No rounding may masquerade as absorption: at A = 0.9999 an event takes 2e-9.
@@ -120,20 +94,6 @@ TEST(Survives, WithTheProbabilityAsked) {
     EXPECT_FALSE(survives(0, rng));
     EXPECT_TRUE(survives(1, rng));
   }
-}
-
-TEST(RandomWalkLoop, WeightsStayWithinTheirBounds) {
-  Rng rng(6, 1);
-  for (const Medium& medium : {skin(), extreme()})
-    for (const double radius : {0.01, 0.3, 3.0}) {
-      RenderCounters counters;
-      for (int i = 0; i < 2000; ++i) {
-        SphereTracer tracer(radius);
-        walk_body(tracer, medium, {}, rng, counters);
-      }
-      EXPECT_LE(counters.max_walk_weight, 3 * (1 + 1e-9));
-      EXPECT_GT(counters.max_walk_weight, 1);
-    }
 }
 
 TEST(RandomWalkLoop, CountersAddUp) {

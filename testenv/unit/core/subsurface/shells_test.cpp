@@ -57,19 +57,6 @@ TEST(Shells, SoundMeshHasNoWarnings) {
   }
 }
 
-TEST(Shells, OutIsOutWhateverTheWinding) {
-  const Found inverted = find(box({5, 0, 0}, 1, true));
-  EXPECT_EQ(inverted.count(MeshShells::kReversed), 12u);
-  EXPECT_EQ(inverted.winding({5.1f, 0.2f, 0}), 1);
-  EXPECT_EQ(inverted.winding({3, 0.2f, 0}, {1, 0.01f, 0.02f}), 0);
-  Cage cage = box({5, 0, 0}, 1);
-  std::swap(cage.face_vertex_indices[5], cage.face_vertex_indices[7]);  // turns the second face
-  const Found turned = find(cage);
-  EXPECT_EQ(turned.count(MeshShells::kReversed), 2u);
-  EXPECT_EQ(turned.shells.flags(2) & turned.shells.flags(3), MeshShells::kReversed);
-  EXPECT_EQ(turned.winding({5.1f, 0.2f, 0}), 1);
-}
-
 TEST(Shells, SplitPointsAreWelded) {
   Cage split = box({0, 0, 0}, 1);
   std::vector<Vec3f> points;
@@ -165,17 +152,6 @@ TEST(Shells, ABodyOfDoubledFacesIsClosed) {
   Cage holed = doubled_triangles(box({0, 0, 0}, 1), true);  // without a triangle and its copy
   holed.face_vertex_counts.resize(22), holed.face_vertex_indices.resize(66);
   EXPECT_EQ(find(holed).count(MeshShells::kOpen), 22u);
-}
-
-// Two cubes that touch in a face: the face between them is not a surface.
-TEST(Shells, BackToBackTrianglesWithinABodyAreAWall) {
-  Cage cage = both(box({-1, 0, 0}, 1), box({1, 0, 0}, 1));
-  const Found f = find(cage);
-  EXPECT_EQ(f.count(MeshShells::kInner) + f.count(0), f.mesh.triangles.size() + 4u);
-  EXPECT_EQ(f.count(MeshShells::kInner), 4u);
-  EXPECT_TRUE(f.shells.overlapping);
-  EXPECT_FALSE(f.shells.any_open);
-  EXPECT_EQ(f.winding({-1.1f, 0.2f, 0}, {1, 0.01f, 0.02f}), 1);
 }
 
 TEST(Shells, ATwoSidedSheetHasNoInside) {

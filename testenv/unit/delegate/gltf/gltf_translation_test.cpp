@@ -32,17 +32,6 @@ INSTANTIATE_TEST_SUITE_P(Topics, GltfTranslation,
                          ::testing::Values("nodes", "modes", "ngons", "materials", "extensions", "lights_cameras",
                                            "image_light", "visibility", "texture"));
 
-// By hand: scale (2,3,4), a third of a turn around (1,1,1) ((x,y,z) -> (z,x,y)), translation (1,2,3); then the parent's
-// quarter turn around z ((x,y,z) -> (-y,x,z)) and translation (10,20,30).
-TEST(GltfTransforms, ScaleRotateTranslateThenParent) {
-  const Loaded loaded = load_own("nodes");
-  const Matrix4d& world = loaded.scene->GetMeshes().at("/gltf/nodes/nodes/1_child_with_slash/0").transform;
-  expect_near(transformed({0, 0, 0}, world), {10 - 2, 20 + 1, 30 + 3});
-  expect_near(transformed({1, 0, 0}, world), {10 - 4, 20 + 1, 30 + 3});
-  expect_near(transformed({0, 1, 0}, world), {10 - 2, 20 + 1, 30 + 6});
-  expect_near(transformed({0, 0, 1}, world), {10 - 2, 20 + 5, 30 + 3});
-}
-
 // promise: pipeline.name.prims
 TEST(GltfTransforms, AModelsTransformComesLastAndACopyHasARoot) {
   const TemporaryFolder folder;
@@ -77,30 +66,6 @@ TEST(GltfMaterials, AnisotropyBeyondTheRangeIsTakenAtItsEnd) {
     const MaterialNode& node = network.nodes.at(network.terminals.at("surface").upstreamNode);
     EXPECT_EQ(node.parameters.at("scatterAnisotropy"), Value(taken)) << authored;
   }
-}
-
-// Every triangle of a strip and of a fan faces as in the specification's formula: here all towards +z.
-TEST(GltfModes, StripAndFanKeepTheirWinding) {
-  const Loaded loaded = load_own("modes");
-  EXPECT_TRUE(loaded.says(Severity::warning, "points and lines are not drawn"));
-  const MeshTopology& mesh = only_mesh(loaded).topology;
-  // A list of five indices, of which the last two make no triangle, then the strip and the fan.
-  EXPECT_EQ(mesh.faceVertexIndices,
-            (Array<int32_t>{0, 1, 2, 3, 4, 5, 4, 6, 5, 5, 6, 7, 9, 10, 8, 10, 11, 8, 11, 12, 8}));
-  ASSERT_EQ(mesh.geomSubsets.size(), 3u);
-  EXPECT_EQ(mesh.geomSubsets[0].id, Path("/gltf/modes/nodes/0/1"));
-  EXPECT_EQ(mesh.geomSubsets[2].indices, (Array<int32_t>{4, 5, 6}));
-}
-
-TEST(GltfNgons, SeamsStayInTextureSpaceAndPointsAreWelded) {
-  const Loaded loaded = load_own("ngons");
-  const host::MeshDescription& mesh = loaded.scene->GetMeshes().begin()->second;
-  EXPECT_EQ(mesh.topology.faceVertexCounts, (Array<int32_t>{4, 4, 5, 3}));
-  EXPECT_EQ(primvar<Array<Vec3f>>(mesh, "points").size(), 9u);  // 13 vertices, 4 of them twice
-  const auto& st = mesh.primvars.at("st");
-  EXPECT_EQ(st.interpolation, Interpolation::faceVarying);
-  // 8 corners of the quads; the pentagon shares two with the first quad, and its other three are new
-  EXPECT_EQ(primvar<Array<Vec2f>>(mesh, "st").size(), 11u);
 }
 
 // Only geometry distinguishes a hexagon from two chained quads with the same first index.

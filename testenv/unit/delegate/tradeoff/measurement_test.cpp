@@ -163,22 +163,6 @@ TEST(Measurement, IntervalsOfABiasHoldItAtLeastAsOften) {
   EXPECT_GE(held, 0.95 * 300 - 3 * std::sqrt(300 * 0.95 * 0.05));
 }
 
-TEST(Measurement, WithoutTheSubtractionNoiseWouldPassForBias) {
-  const std::vector<double> scales = squared_scales(exact());
-  std::mt19937 random(7);
-  const ReplicaGroup x = group_of(random, 0, 0.4, 4, 2), y = group_of(random, 0, 0.4, 32, 4);
-  PooledMean px = pool({&x, 1}), py = pool({&y, 1});
-  const Estimate right = squared_bias(px, py, scales);
-  std::fill(py.variance.begin(), py.variance.end(), 0.0);
-  const Estimate without_reference = squared_bias(px, py, scales);
-  std::fill(px.variance.begin(), px.variance.end(), 0.0);
-  const Estimate without_either = squared_bias(px, py, scales);
-  EXPECT_LE(right.low, 0);
-  EXPECT_GE(right.high, 0);
-  EXPECT_GT(without_reference.value, right.value);
-  EXPECT_GT(without_either.low, 0);
-}
-
 TEST(Measurement, ALoneReplicaIsLeftOut) {
   std::mt19937 random(3);
   std::vector<ReplicaGroup> groups{group_of(random, 0, 0.2, 4, 2)};
