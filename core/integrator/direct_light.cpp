@@ -9,13 +9,18 @@
 namespace alabaster {
 namespace {
 
+// True where no light that is sampled in these media reaches the ray's origin from there.
+bool is_sealed(const PathContext& context, const Ray& ray, const LightSample& light, const MediumStack& media) {
+  if (!light.on_mesh || media.empty()) [[likely]]
+    return false;
+  const TriangleHit hit{light.distance, light.place.x, light.place.y, light.triangle, light.instance, context.time};
+  return is_hidden_boundary(context, ray, hit, media) || is_lit_by_walks(context, media, hit);
+}
+
 // The share of the light that arrives at `p`, which is in these media.
 Rgb visibility(const PathContext& context, const Vec3f& p, const LightSample& light, const MediumStack& media) {
   const Ray ray{p, light.wi, light.shadow_length(), context.time};
-  if (light.on_mesh && !media.empty()) [[unlikely]] {
-    const TriangleHit hit{light.distance, light.place.x, light.place.y, light.triangle, light.instance, context.time};
-    if (is_hidden_boundary(context, ray, hit, media) || is_lit_by_walks(context, media, hit)) return Rgb(0.0f);
-  }
+  if (is_sealed(context, ray, light, media)) return Rgb(0.0f);
   ++context.counters.shadow_rays;
   if (light.shadow_link != 0) [[unlikely]]
     return linked_visibility(context, ray, light.shadow_link, media);
@@ -55,12 +60,12 @@ void catch_shadows(const PathContext& context, const Vertex& v, const MediumStac
     Rgb sent = light->radiance * (cosine * kInvPi / light->pdf);
     if (light->scales) sent *= light->scales->diffuse;
     if (!media.empty()) sent *= media.transmittance(light->distance);
-    if (!is_finite(sent)) continue;
+    const Ray ray{from.p, light->wi, light->shadow_length(), context.time};
+    if (!is_finite(sent) || is_sealed(context, ray, *light, media)) continue;
     const Rgb visible = visibility(context, from.p, *light, media);
     Rgb visible_there(1.0f);
     if (visible != visible_there) {
       ++context.counters.shadow_rays;
-      const Ray ray{from.p, light->wi, light->shadow_length(), context.time};
       visible_there = visibility_among_catchers(context, ray, light->shadow_link, media);
     }
     out->shadowed += sent * visible;

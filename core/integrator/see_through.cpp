@@ -21,7 +21,7 @@ bool is_found_behind(const Instance& instance, const TriangleHit& hit, const Vec
   return dot(hit.normal, instance.at(hit, &moved).world_to_object.vector(dir)) > 0;
 }
 
-// The same where only the instances of which `casts` is true cast shadows.
+// Transmittance where only the instances of which `casts` is true cast shadows.
 template <class Casts>
 class SomeTransmittance final : public HitFilter {
  public:

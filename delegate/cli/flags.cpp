@@ -9,6 +9,7 @@
 #include "delegate/cli/console.h"
 #include "delegate/cli/exit_codes.h"
 #include "delegate/cli/shell_word.h"
+#include "delegate/host/product_plan.h"
 
 namespace alabaster::cli {
 namespace {
@@ -156,7 +157,9 @@ std::optional<double> parse_frame(const std::string& text) {
 
 std::optional<uint32_t> parse_tiles(const std::string& text) {
   const auto number = parse_numbers<uint32_t>(text, "");
-  const bool is_side = number.size() == 1 && (number[0] == 0 || (number[0] >= 16 && number[0] <= 1024));
+  const bool is_side =
+      number.size() == 1 &&
+      (number[0] == 0 || (number[0] >= uint32_t(hd::host::kLeastTile) && number[0] <= uint32_t(hd::host::kMostTile)));
   return is_side ? std::optional(number[0]) : std::nullopt;
 }
 

@@ -98,8 +98,8 @@ void add_picture_options(CLI::App* c, PictureArguments* a, const char* aov_help)
        "--compression", a->compression,
        "Compression of .exr: none, rle, zip (the default), zips, piz; pxr24, b44, b44a, dwaa and dwab lose bits")
       ->type_name("NAME");
-  add_parsed(c, "--tiles", &a->tiles, parse_tiles, "is no side of tiles: give 16 to 1024, or 0 for scanlines.", "N",
-             "Tiles of .exr, of N x N pixels: 16 to 1024; 0 (the default): scanlines");
+  add_parsed(c, "--tiles", &a->tiles, parse_tiles, "is no side of tiles: give 16 to 256, or 0 for scanlines.", "N",
+             "Tiles of .exr, of N x N pixels: 16 to 256; 0 (the default): scanlines");
 }
 
 constexpr const char* kNoFrames =

@@ -206,7 +206,7 @@ constexpr Field kProduct[] = {
         "ids, depths, places or Cryptomatte.",
         words(kCompressions)),
     field<&RenderProduct::tiles>("tiles", dirty::kParams,
-                                 "Side of the tiles of an .exr, 16 to 1024; 0: it has scanlines.", range(0, kMostTile))
+                                 "Side of the tiles of an .exr, 16 to 256; 0: it has scanlines.", range(0, kMostTile))
         .in("pixels"),
     field<&RenderProduct::colorSpace>(
         "colorSpace", dirty::kParams,

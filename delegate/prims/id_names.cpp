@@ -33,13 +33,12 @@ NamesById matte_names(const IdNames& names, Aov aov) {
   NamesById all = aov == Aov::crypto_asset ? names.assets : names.prims;
   if (aov == Aov::crypto_object)
     for (const auto& [id, name] : names.objects) all[id] = name;
-  const InstanceMattes mattes = mattes_of(names);
-  if (!mattes) return all;
+  if (!names.mattes) return all;
   for (const auto& [id, count] : names.instances) {
     const auto own = all.extract(id);
     if (!own) continue;
     for (uint32_t i = 0; i < count; ++i)
-      all[(*mattes)[static_cast<size_t>(id)] + static_cast<int32_t>(i)] =
+      all[(*names.mattes)[static_cast<size_t>(id)] + static_cast<int32_t>(i)] =
           aov == Aov::crypto_object ? own.mapped() + "." + std::to_string(i) : own.mapped();
   }
   return all;
@@ -95,24 +94,24 @@ IdNames name_ids(const Translation& translation) {
   names.numbers = std::make_shared<const std::vector<std::pair<const DisneyMaterial*, int32_t>>>(std::move(by_address));
   rename(translation, &names.prims);
   rename(translation, &names.materials);
+  number_mattes(&names);
   return names;
 }
 
-IdKeys keys_of(const IdNames& names) {
-  const auto keys = [&](Aov aov) { return hashes(matte_names(names, aov)); };
-  return {keys(Aov::crypto_object), keys(Aov::crypto_asset), keys(Aov::crypto_material)};
-}
-
-InstanceMattes mattes_of(const IdNames& names) {
-  if (names.instances.empty() || names.prims.empty()) return nullptr;
-  int32_t next = names.prims.rbegin()->first + 1;
-  std::vector<int32_t> first(static_cast<size_t>(next), -1);
-  for (const auto& [id, count] : names.instances) {
-    if (!names.prims.contains(id)) continue;
-    first[static_cast<size_t>(id)] = next;
-    next += static_cast<int32_t>(count);
+void number_mattes(IdNames* names) {
+  if (!names->instances.empty() && !names->prims.empty()) {
+    int32_t next = names->prims.rbegin()->first + 1;
+    std::vector<int32_t> first(static_cast<size_t>(next), -1);
+    for (const auto& [id, count] : names->instances) {
+      if (!names->prims.contains(id)) continue;
+      first[static_cast<size_t>(id)] = next;
+      next += static_cast<int32_t>(count);
+    }
+    names->mattes = std::make_shared<const std::vector<int32_t>>(std::move(first));
   }
-  return std::make_shared<const std::vector<int32_t>>(std::move(first));
+  const auto keys = [&](Aov aov) { return hashes(matte_names(*names, aov)); };
+  names->keys = std::make_shared<const IdKeys>(
+      IdKeys{keys(Aov::crypto_object), keys(Aov::crypto_asset), keys(Aov::crypto_material)});
 }
 
 Dictionary describe_names(const IdNames& names) {

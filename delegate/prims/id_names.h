@@ -18,11 +18,13 @@ struct IdNames {
   std::map<int32_t, uint32_t> instances;  // that have a matte each, by primId: how many
   std::vector<std::string> light_groups;  // of a checkpoint, by their planes
   MaterialNumbers numbers;                // null: of no scene
+  InstanceMattes mattes;                  // of `instances`
+  std::shared_ptr<const IdKeys> keys;
 };
 
 IdNames name_ids(const Translation& translation);
-IdKeys keys_of(const IdNames& names);
-InstanceMattes mattes_of(const IdNames& names);
+/// Sets `mattes` and `keys` by the others.
+void number_mattes(IdNames* names);
 /// {"primId": {"0": name}, "materialId": the same, "cryptoObject": {name: 8 hexadecimal digits}, ...}: the answer to
 /// command "names".
 Dictionary describe_names(const IdNames& names);

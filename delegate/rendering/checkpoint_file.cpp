@@ -188,6 +188,7 @@ prims::IdNames names_of(const CheckpointHeader& header) {
   for (size_t i = 0; i < kMostLightGroups; ++i)
     if (const std::string key = kLightGroup + std::to_string(i); member(header, "names").contains(key))
       all.light_groups.push_back(text_of(member(header, "names")[key]));
+  prims::number_mattes(&all);
   return all;
 }
 
@@ -242,7 +243,10 @@ std::string checkpoint_difference(const CheckpointHeader& file, const Checkpoint
           });
   compare(member(file, "names"), member(render, "names"),
           [&](const std::string& id, const std::string* was, const std::string* is) {
-            all.add(was_and_is("the name of " + id, was, is));
+            all.add(was_and_is(id.starts_with(kInstances)
+                                   ? "the number of mattes of prim" + id.substr(std::strlen(kInstances) - 1)
+                                   : "the name of " + id,
+                               was, is));
           });
   return all.text();
 }

@@ -315,9 +315,9 @@ Dictionary DelegateState::names() {
 
 std::shared_ptr<const prims::IdNames> DelegateState::names_of(const BuiltScene& scene) const {
   const std::lock_guard lock(names_mutex_);
-  if (!names_ || named_ != scene.version)
+  if (!names_ || named_version_ != scene.version || named_selection_ != scene.selection)
     names_ = std::make_shared<const prims::IdNames>(prims::name_ids(scene.translation));
-  named_ = scene.version;
+  named_version_ = scene.version, named_selection_ = scene.selection;
   return names_;
 }
 

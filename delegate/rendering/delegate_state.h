@@ -128,8 +128,9 @@ class DelegateState {
   std::vector<std::weak_ptr<PassControl>> passes_;
   Dictionary last_pass_stats_;      // of a pass that is gone
   mutable std::mutex names_mutex_;  // guards what follows, while they are made
-  mutable uint64_t named_ = 0;      // the version of the scene that names_ are of
   mutable std::shared_ptr<const prims::IdNames> names_;
+  mutable uint64_t named_version_ = 0;  // of the scene that names_ are of
+  mutable support::Selection named_selection_;
   std::mutex denoiser_mutex_;  // guards what follows, while the library is loaded, too
   std::shared_ptr<const Denoiser> denoiser_;
   std::string denoiser_problem_;

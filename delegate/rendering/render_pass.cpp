@@ -195,10 +195,10 @@ void PassControl::add_bindings(const DrawRequest& asked, PassInputs* in, std::ve
     const Value clear =
         binding.clearValue.empty() ? default_aov_descriptor(binding.aovName).clearValue : binding.clearValue;
     in->bindings.push_back({aov->first, buffer, buffer->allocation(), clear, aov->second});
-    if (in->scene && is_light_group(name))
+    if (in->scene && !shown && is_light_group(name))
       if (const std::string fault = light_group_fault(name, in->scene->light_groups); !fault.empty())
         faults->push_back({alabaster::Severity::warning, "pass.lightGroup", name, fault});
-    if (in->scene && aov->first == Aov::shadow && !in->scene->features.shadow_catchers)
+    if (in->scene && !shown && aov->first == Aov::shadow && !in->scene->features.shadow_catchers)
       faults->push_back(
           {alabaster::Severity::warning, "pass.shadow", name, "no mesh is a shadowCatcher, and the AOV is black"});
     if (const std::string fault = size_fault(asked.state.framing, buffer->wanted()); !fault.empty())
@@ -313,8 +313,8 @@ void PassControl::start(PassInputs next) {
     if (!names) names = delegate_->names_of(*scene());
     request.memory = delegate_->param->memory();
     request.materials = names->numbers;
-    request.mattes = prims::mattes_of(*names);
-    keys = std::make_shared<const IdKeys>(prims::keys_of(*names));
+    request.mattes = names->mattes;
+    keys = names->keys;
   }
   delegate_->set_last_request(request, weak_from_this());
   request.resumed = delegate_->checkpoints.take();
@@ -415,6 +415,9 @@ void PassControl::draw(const DrawRequest& asked) {
   }
   std::vector<alabaster::Diagnostic> faults;
   PassInputs next = inputs(asked, scene.get(), &faults);
+  if (waits)  // of what the scene lacks that is on its way nothing is known
+    std::erase_if(faults,
+                  [](const auto& fault) { return fault.code == "pass.shadow" || fault.code == "pass.lightGroup"; });
   {
     const std::lock_guard lock(view_mutex_);
     scene_.swap(scene);

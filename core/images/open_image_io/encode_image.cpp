@@ -156,14 +156,25 @@ std::string encode_image(const ImageDescription& image, const RowSource& rows, s
   if (!output->open(name, spec)) return failure_text(output->geterror());
   int rows_at_once = int(std::clamp(kStripBytes / rows.row_bytes(), size_t(1), size_t(spec.height)));
   if (spec.tile_height > 0) rows_at_once = std::max(rows_at_once / spec.tile_height, 1) * spec.tile_height;
-  std::vector<uint8_t> strip(rows.row_bytes() * size_t(std::min(rows_at_once, spec.height)));
+  std::vector<uint8_t> strip(rows.row_bytes() * size_t(std::min(rows_at_once, spec.height))), tile;
   for (int y = 0; y < spec.height; y += rows_at_once) {
     const int end = std::min(y + rows_at_once, spec.height);
     rows.encode(y, end, strip.data());
     const OIIO::TypeDesc type = image.kind == FileKind::exr ? OIIO::TypeUnknown : spec.format;
-    const bool good = spec.tile_height > 0 ? output->write_tiles(spec.x, spec.x + spec.width, spec.y + y, spec.y + end,
-                                                                 0, 1, type, strip.data())
-                                           : output->write_scanlines(spec.y + y, spec.y + end, 0, type, strip.data());
+    bool good = true;
+    if (spec.tile_height == 0) good = output->write_scanlines(spec.y + y, spec.y + end, 0, type, strip.data());
+    // One tile at a time, because OpenImageIO copies what it is given several times.
+    for (int top = y; spec.tile_height > 0 && top < end; top += spec.tile_height)
+      for (int x = 0; good && x < spec.width; x += spec.tile_width) {
+        const int right = std::min(x + spec.tile_width, spec.width), bottom = std::min(top + spec.tile_height, end);
+        const size_t pixel = rows.row_bytes() / size_t(spec.width);
+        tile.clear();
+        for (int row = top; row < bottom; ++row) {
+          const uint8_t* const from = strip.data() + size_t(row - y) * rows.row_bytes();
+          tile.insert(tile.end(), from + size_t(x) * pixel, from + size_t(right) * pixel);
+        }
+        good = output->write_tiles(spec.x + x, spec.x + right, spec.y + top, spec.y + bottom, 0, 1, type, tile.data());
+      }
     if (!good) return failure_text(output->geterror());
   }
   if (!output->close()) return failure_text(output->geterror());

@@ -195,6 +195,19 @@ class Renders(unittest.TestCase):
         with self.assertRaises(TypeError):
             render.update(render_tags="guide")
 
+    def test_mattes_of_one_selection_after_another(self):
+        scene = square()
+        scene.remove("/square")
+        for name, x in (("/a", -1.1), ("/b", 1.1)):
+            scene.set_mesh(name, [(x + i, y, 0) for i, y, _ in CORNERS], [[0, 1, 2, 3]])
+        renderer = hdalabaster.Renderer(scene, samples=4)
+        for roots in (["/a"], ["/b"], []):
+            render = draw(renderer, aovs=["color", "cryptoObject"], roots=roots)
+            self.assertEqual(set(renderer.command("names")["cryptoObject"]), set(roots or ["/a", "/b"]))
+            for x, name in ((3, "/a"), (12, "/b")):
+                covered = pixel(render, x, 8, "cryptoObject")[1]
+                self.assertEqual(covered, 1 if name in (roots or [name]) else 0, (roots, name))
+
     def test_motion(self):
         scene = square()
         far = [(0, moved(-20)), (1, moved(20))]

@@ -246,7 +246,7 @@ TEST_F(ProgramTest, WrongValuesOfFlagsAreUsageErrors) {
       {{"--frames", "1:3"}, "--frames: All frames would go to 'a.exr'"},
       {{"--turntable", "4"}, "--turntable: All frames would go to 'a.exr'"},
       {{"--frames", "3:1x1"}, "is no list of frames"},
-      {{"--tiles", "15"}, "--tiles: '15' is no side of tiles: give 16 to 1024, or 0"},
+      {{"--tiles", "15"}, "--tiles: '15' is no side of tiles: give 16 to 256, or 0"},
       {{"--tiles", "64x64"}, "is no side of tiles"},
       {{"--frames", "1:3:0"}, "is no list of frames"},
       {{"--frames", "1,,3"}, "is no list of frames"},
