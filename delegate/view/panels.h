@@ -61,7 +61,7 @@ class Panels {
   bool light_is_shown_ = false;
   std::optional<Picked> picked_;
   bool picked_nothing_ = false, side_shown_ = true, select_material_tab_ = false;
-  std::string picture_file_, description_file_, saved_, told_, quality_ = "as the scene says";
+  std::string picture_file_, description_file_, saved_, told_;
   ViewStatus status_;
   std::vector<float> values_;  // under the mouse
   double values_at_ = 0;       // when they were read

@@ -72,7 +72,9 @@ void PicturePanel::draw_divided(const Textures& textures, const ViewStatus& stat
     left = look_text("A", kept->aov, kept->is_denoised, kept->samples, kept->noise);
     if (!session_->is_kept_framing()) left += ", of another view";
     const bool is_denoised = session_->compared() != Compare::rendered && !status.denoiser.empty();
-    right = look_text("B", session_->aov(), is_denoised, status.samples, status.noise);
+    const KeptLook* const known = session_->stand_in();
+    right = known ? look_text("B", known->aov, known->is_denoised, known->samples, known->noise)
+                  : look_text("B", session_->aov(), is_denoised, status.samples, status.noise);
   }
   write_over(list, {x - ImGui::CalcTextSize(left.c_str()).x - 12 * u, low.y + 8 * u}, left.c_str());
   write_over(list, {x + 12 * u, low.y + 8 * u}, right.c_str());

@@ -39,8 +39,9 @@ int view(const Arguments& a, WindowDriver* driver) {
   };
   options.scene_file = a.scene.scene;
   options.title = std::filesystem::path(a.scene.scene).filename().string() + " - Alabaster";
+  const auto begun = SceneReload::Time::clock::now();
   ViewSession shown(open(), sink);
-  SceneReload reload(open, a.scene.scene, shown.loaded(), sink);
+  SceneReload reload(open, a.scene.scene, shown.loaded(), begun, sink);
   return run_window(&shown, &reload, &messages, options, &console);
 }
 

@@ -108,13 +108,15 @@ void Panels::swap() {
 
 void Panels::draw_quality() {
   std::vector<std::string> names{"as the scene says"};
+  const std::optional<std::string> preset_in_force = session_->quality();
+  std::string quality = !preset_in_force ? "as set below" : preset_in_force->empty() ? names[0] : *preset_in_force;
   for (const auto& preset : hd::description::QualityPresets()) names.push_back(preset.name);
   label("Quality");
   ImGui::SetNextItemWidth(-1);
-  if (widgets_->menu("Quality", names, &quality_)) {
+  if (widgets_->menu("Quality", names, &quality)) {
     for (const ParameterRow& row : setting_rows_)
       if (session_->is_setting_changed(row.name)) session_->reset_setting(row.name);
-    session_->apply_quality(quality_);
+    session_->apply_quality(quality);
   }
   const std::string known =
       status_.noise < 0 ? ". The noise is known from two samples on." : ", " + noise_text(status_);

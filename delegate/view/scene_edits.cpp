@@ -143,17 +143,25 @@ void SceneEdits::remove_light(const hd::Path& light) {
   record_.lights.erase(light);
 }
 
+EditRecord SceneEdits::made() const {
+  EditRecord made = record_;
+  for (Changes* changes : {&made.materials, &made.lights})
+    std::erase_if(*changes, [this](const auto& of_prim) { return !find(of_prim.first); });
+  return made;
+}
+
 std::vector<std::pair<hd::Path, std::string>> SceneEdits::restore(const EditRecord& wanted) {
   std::vector<std::pair<hd::Path, std::string>> faults;
   const EditRecord before = record_;
   const auto note = [&](const hd::Path& prim, const std::string& fault) {
-    if (!fault.empty()) faults.emplace_back(prim, fault);
+    if (!fault.empty()) faults.emplace_back(prim, "is lost: " + fault);
   };
   for (const auto& [path, light] : before.added) remove_light(path);
   for (const Changes* changes : {&before.materials, &before.lights})
     for (const auto& [prim, values] : *changes)
       for (const auto& [parameter, value] : values)
         if (find(prim)) note(prim, reset(prim, parameter));
+  record_ = made();
   for (const auto& [path, light] : wanted.added) {
     if (scene_->GetPrims().contains(path)) {
       note(path, "the scene has a prim of this path now");
@@ -169,13 +177,19 @@ std::vector<std::pair<hd::Path, std::string>> SceneEdits::restore(const EditReco
     return type.empty() || row == rows.end() || row->applies_to.empty() ||
            std::find(row->applies_to.begin(), row->applies_to.end(), type) != row->applies_to.end();
   };
-  for (const Changes* changes : {&wanted.materials, &wanted.lights})
-    for (const auto& [prim, values] : *changes)
-      for (const auto& [parameter, value] : values) {
-        if (wanted.added.contains(prim) && !is_added(prim)) continue;
+  for (const auto changes : {&EditRecord::materials, &EditRecord::lights})
+    for (const auto& [prim, values] : wanted.*changes) {
+      if (wanted.added.contains(prim) && !is_added(prim)) continue;
+      if (!find(prim)) {
+        (record_.*changes)[prim] = values;
+        if (!(before.*changes).contains(prim))
+          faults.emplace_back(prim, "waits until the scene has a material or light of this name again");
+        continue;
+      }
+      for (const auto& [parameter, value] : values)
         note(prim, suits(light_type(prim), parameter) ? apply(prim, parameter, value)
                                                       : "a " + light_type(prim) + " has no '" + parameter + "'");
-      }
+    }
   return faults;
 }
 

@@ -12,7 +12,7 @@ namespace alabaster::view {
 
 using Changes = std::map<hd::Path, std::map<std::string, hd::Value>>;  // by prim and parameter
 
-/// All that was changed of a scene in a window.
+/// All that was changed of a scene in a window, also of prims that it has no longer.
 struct EditRecord {
   Changes materials, lights;
   std::map<hd::Path, hd::host::LightDescription> added;  // lights, as they were added
@@ -55,8 +55,11 @@ class SceneEdits {
   void remove_light(const hd::Path& light);
 
   const EditRecord& record() const { return record_; }
-  /// Takes all changes back and makes those of a record, which may be of an earlier state of the scene. The prims of
-  /// which something could not be changed, each with the reason.
+  /// The record without what waits for a prim that the scene has not.
+  EditRecord made() const;
+  /// Takes all changes back and makes those of a record, which may be of an earlier state of the scene. What finds no
+  /// prim stays in the record and waits for it. The prims of which something could not be changed and did not wait
+  /// already, each with what comes of it.
   std::vector<std::pair<hd::Path, std::string>> restore(const EditRecord& wanted);
 
  private:

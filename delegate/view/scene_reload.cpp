@@ -12,8 +12,9 @@ constexpr auto kWritten = std::chrono::milliseconds(500);  // without a change, 
 
 }  // namespace
 
-SceneReload::SceneReload(Load load, std::string scene_file, const cli::SceneSession& shown, hd::DiagnosticSink sink)
-    : load_(std::move(load)), scene_file_(std::move(scene_file)), sink_(std::move(sink)) {
+SceneReload::SceneReload(Load load, std::string scene_file, const cli::SceneSession& shown, Time begun,
+                         hd::DiagnosticSink sink)
+    : load_(std::move(load)), scene_file_(std::move(scene_file)), sink_(std::move(sink)), begun_(begun) {
   watch(shown);
 }
 
@@ -25,12 +26,17 @@ std::optional<SceneReload::State> SceneReload::state_of(const std::string& file)
   return State{time, error ? 0 : size};
 }
 
-// Files that were read before have the state of the moment before they were read again.
+// Files that were read before have the state of the moment before they were read again. Others may have been saved
+// after they were read.
 void SceneReload::watch(const cli::SceneSession& shown) {
   std::set<std::string> now = cli::scene_files(shown, scene_file_);
   now.insert(shown.colors().ocio);
   std::erase_if(files_, [&](const auto& file) { return now.erase(file.name) == 0; });
-  for (const std::string& file : now) files_.push_back({file, state_of(file)});
+  for (const std::string& file : now) {
+    std::optional<State> state = state_of(file);
+    if (state && state->time > begun_) state.reset();
+    files_.push_back({file, state});
+  }
 }
 
 void SceneReload::look() {
@@ -49,6 +55,7 @@ void SceneReload::look() {
 void SceneReload::begin() {
   if (is_busy()) return;
   changed_ = false;
+  begun_ = Time::clock::now();
   for (File& file : files_) file.seen = state_of(file.name);
   loading_ = std::async(std::launch::async, [this]() -> std::unique_ptr<cli::SceneSession> {
     try {

@@ -14,7 +14,9 @@ class SceneReload {
  public:
   /// Loads and starts the scene; any thread. Reports faults and throws, as commands do.
   using Load = std::function<std::unique_ptr<cli::SceneSession>()>;
-  SceneReload(Load load, std::string scene_file, const cli::SceneSession& shown, hd::DiagnosticSink sink);
+  using Time = std::filesystem::file_time_type;
+  /// `begun`: when the load of what is shown began.
+  SceneReload(Load load, std::string scene_file, const cli::SceneSession& shown, Time begun, hd::DiagnosticSink sink);
 
   /// Looks at some of the files; for each picture of the window.
   void look();
@@ -30,14 +32,13 @@ class SceneReload {
 
  private:
   struct State {
-    std::filesystem::file_time_type time;
+    Time time;
     uintmax_t size = 0;
     bool operator==(const State&) const = default;
   };
   struct File {
     std::string name;
-    std::optional<State>
-        seen;  // the last state that was looked at, at first that which was read; empty: it was missing
+    std::optional<State> seen;  // the last state that was looked at, at first that which was read; empty: any is news
   };
   static std::optional<State> state_of(const std::string& file);  // empty: there is none
   void watch(const cli::SceneSession& shown);
@@ -47,6 +48,7 @@ class SceneReload {
   const hd::DiagnosticSink sink_;
   std::vector<File> files_;
   size_t next_ = 0;  // to look at
+  Time begun_;       // of the last load
   bool changed_ = false;
   std::chrono::steady_clock::time_point changed_at_;  // when the last change was seen
   std::future<std::unique_ptr<cli::SceneSession>> loading_;

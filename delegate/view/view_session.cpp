@@ -87,7 +87,7 @@ void ViewSession::begin() {
 }
 
 void ViewSession::reload(std::unique_ptr<cli::SceneSession> loaded) {
-  const bool is_placed = loaded_->file.framed || !(camera_ == first_camera_);
+  const bool is_placed = !(camera_ == first_camera_);
   const hd::CameraDescription camera = camera_;
   const EditRecord edits = edits_.record();
   const auto settings = std::exchange(changed_settings_, {});
@@ -95,6 +95,7 @@ void ViewSession::reload(std::unique_ptr<cli::SceneSession> loaded) {
   pass_.reset();
   depths_ = normals_ = values_ = {};
   loaded_ = std::move(loaded);
+  ++scene_;
   edits_ = SceneEdits(&loaded_->scene);
   begin();
   if (is_placed) camera_ = camera;
@@ -105,7 +106,7 @@ void ViewSession::reload(std::unique_ptr<cli::SceneSession> loaded) {
 
 void ViewSession::restore(const EditRecord& edits, const std::map<std::string, Value>& settings) {
   for (const auto& [prim, fault] : edits_.restore(edits))
-    sink_({hd::Severity::warning, "view.restore", prim.str(), "A change that was made here is lost: " + fault + "."});
+    sink_({hd::Severity::warning, "view.restore", prim.str(), "A change that was made here " + fault + "."});
   for (const auto& [key, value] : changed_settings_)
     if (!settings.contains(key)) loaded_->delegate()->SetRenderSetting(key, {});
   for (const auto& [key, value] : settings) loaded_->delegate()->SetRenderSetting(key, value);
@@ -131,6 +132,21 @@ void ViewSession::update() {
   if (!pass_) return;
   pass_->Execute(state_);
   loaded_->delegate()->InvokeCommand("measureNoise", {});
+  heed_state();
+}
+
+// While a scene is being built, the picture and the numbers of the pass are those of the scene before it. A stop says
+// nothing about it.
+void ViewSession::heed_state() {
+  const hd::PassState state = pass_->GetState();
+  if (!dirty_ &&
+      (state == hd::PassState::rendering || state == hd::PassState::paused || state == hd::PassState::converged))
+    is_current_ = true;
+  if (!stand_in_ || !is_current_) return;
+  const ViewStatus now = status();
+  if (now.covered && (now.samples > stand_in_->samples ||
+                      (now.samples == stand_in_->samples && (!stand_in_->is_denoised || !now.denoiser.empty()))))
+    stand_in_.reset();
 }
 
 ViewStatus ViewSession::status() const {
@@ -183,18 +199,27 @@ void ViewSession::set_size(Vec2i size) {
   changed();
 }
 
+// Another picture begins.
+void ViewSession::picture_ends() {
+  is_current_ = false;
+  stand_in_.reset();
+}
+
 void ViewSession::changed() {
   dirty_ = true;
+  picture_ends();
   pause(false);
 }
 
 void ViewSession::show_aov(const std::string& aov) {
   bind(aov);
+  if (aov != aov_) stand_in_.reset();
   aov_ = aov;
 }
 
 void ViewSession::compare(Compare how) {
   if (how == compare_) return;
+  stand_in_.reset();
   compare_ = how;
   if (how != Compare::rendered) {
     bind("denoised");
@@ -204,12 +229,14 @@ void ViewSession::compare(Compare how) {
 }
 
 std::optional<KeptLook> ViewSession::present_look() const {
+  if (stand_in_) return stand_in_;
   const ViewStatus now = status();
   KeptLook look;
-  if (!dirty_ && now.covered) look.picture = KeptPicture::copy(buffer(shown_aov()));
+  if (is_current_ && now.covered) look.picture = KeptPicture::copy(buffer(shown_aov()));
   if (!look.picture) return std::nullopt;
-  look.aov = aov_, look.is_denoised = shown_aov() == "denoised" && !now.denoiser.empty();
-  look.samples = now.samples, look.noise = now.noise;
+  look.aov = aov_, look.layer = shown_aov();
+  look.is_denoised = look.layer == "denoised" && !now.denoiser.empty();
+  look.samples = now.samples, look.noise = now.noise, look.scene = scene_;
   look.camera = camera_, look.edits = edits_.record(), look.settings = changed_settings_;
   return look;
 }
@@ -225,6 +252,10 @@ bool ViewSession::swap_looks() {
   if (!present) return false;
   std::swap(kept_, present);
   restore(present->edits, present->settings);
+  const hd::RenderBuffer& picture = *present->picture;
+  if (present->scene == scene_ && present->layer == shown_aov() && present->camera == camera_ &&
+      hd::Vec2i(picture.GetWidth(), picture.GetHeight()) == size_)
+    stand_in_ = std::move(present);
   return true;
 }
 
@@ -282,6 +313,7 @@ void ViewSession::set_camera(hd::CameraDescription camera) {
   camera_ = std::move(camera);
   std::erase_if(camera_.parameters, [](const auto& one) { return one.first.str().ends_with(":samples"); });
   if (moved) hold_camera();
+  picture_ends();
   pause(false);
 }
 
@@ -297,6 +329,7 @@ void ViewSession::hold_camera() {
 
 void ViewSession::reset_camera() {
   camera_ = first_camera_;
+  picture_ends();
   pause(false);
 }
 
@@ -340,6 +373,17 @@ void ViewSession::apply_quality(const std::string& name) {
     changed_settings_[key] = value;
   }
   changed();
+}
+
+std::optional<std::string> ViewSession::quality() const {
+  std::map<std::string, Value> changed;  // of the settings that presets have
+  for (const auto& preset : hd::description::QualityPresets())
+    for (const auto& [key, value] : preset.settings)
+      if (const auto found = changed_settings_.find(key); found != changed_settings_.end()) changed.insert(*found);
+  if (changed.empty()) return "";
+  for (const auto& preset : hd::description::QualityPresets())
+    if (std::equal(changed.begin(), changed.end(), preset.settings.begin(), preset.settings.end())) return preset.name;
+  return std::nullopt;
 }
 
 std::optional<Picked> ViewSession::pick(double x, double y) {
@@ -397,6 +441,7 @@ std::vector<float> ViewSession::values_at(double x, double y) {
 PictureRequest ViewSession::request(const std::string& aov) const {
   PictureRequest r;
   r.buffer = buffer(aov);
+  if (stand_in_ && aov == stand_in_->layer) r.buffer = stand_in_->picture.get(), r.kept = stand_in_->picture;
   r.kind = data_kind(aov);
   r.display = display_;
   r.version = display_version_;
@@ -442,7 +487,8 @@ bool ViewSession::save_description(const std::string& file, const std::string& s
   ViewChanges changes;
   changes.scene = &loaded_->scene, changes.loaded = &loaded_->file, changes.scene_file = scene_file;
   changes.options = loaded_->options(), changes.ocio = loaded_->colors().ocio;
-  changes.materials = edits_.record().materials, changes.lights = edits_.record().lights;
+  const EditRecord made = edits_.made();
+  changes.materials = made.materials, changes.lights = made.lights;
   changes.settings = changed_settings_;
   const bool was_denoised = number_in(settings_.settings, "denoise") != 0;
   const bool is_denoised = compare_ != Compare::rendered;

@@ -64,10 +64,11 @@ enum class Compare { rendered, denoised, side_by_side };
 /// A look that was kept: its picture as it was, and what makes it again.
 struct KeptLook {
   std::shared_ptr<KeptPicture> picture;
-  std::string aov;
+  std::string aov, layer;  // what was asked for, and the AOV that the picture is of: "denoised" for a "color"
   bool is_denoised = false;
   uint32_t samples = 0;
   double noise = -1;  // as of a status
+  int scene = 0;      // of the scenes that were loaded
   hd::CameraDescription camera;
   EditRecord edits;
   std::map<std::string, hd::Value> settings;
@@ -102,8 +103,8 @@ class ViewSession {
   void compare(Compare how);
   Compare compared() const { return compare_; }
 
-  /// Keeps the look that is shown, A, left of the divider; the present one, B, is right of it. False: it has no
-  /// picture yet that covers the frame.
+  /// Keeps the look that is shown, A, left of the divider; the present one, B, is right of it. False: there is no
+  /// picture of the present edits yet that covers the frame.
   bool keep_look();
   void drop_look() { kept_.reset(); }
   /// Null: none is kept.
@@ -112,6 +113,9 @@ class ViewSession {
   bool is_kept_framing() const;
   /// Makes the edits and settings of the kept look, and keeps the present one. False: none is kept, or as keep_look().
   bool swap_looks();
+  /// The picture of the present look from when it was last shown, in the place of the one that is rendered until that
+  /// has as many samples. Null: the one that is rendered is shown.
+  const KeptLook* stand_in() const { return stand_in_ ? &*stand_in_ : nullptr; }
   /// The picture has a divider, at this share of its width.
   bool is_divided() const { return kept_ || (compare_ == Compare::side_by_side && aov_ == "color"); }
   double divider() const { return divider_; }
@@ -167,6 +171,8 @@ class ViewSession {
   bool is_setting_changed(const std::string& key) const { return changed_settings_.contains(key); }
   /// Takes the settings of schemas/quality_presets.json.
   void apply_quality(const std::string& preset);
+  /// The preset whose settings are in force; "": none was chosen; nothing: some of its settings were changed.
+  std::optional<std::string> quality() const;
 
   /// Places are those of the picture, from 0 to 1, with y down.
   std::optional<Picked> pick(double x, double y);
@@ -191,6 +197,8 @@ class ViewSession {
   void restore(const EditRecord& edits, const std::map<std::string, hd::Value>& settings);
   bool is_input(const std::string& file, const std::string& scene_file) const;
   void hold_camera();
+  void heed_state();
+  void picture_ends();
   hd::RenderBuffer* buffer(const std::string& aov) const;
   void bind(const std::string& aov);
   bool set_buffer(const std::string& aov);
@@ -211,13 +219,15 @@ class ViewSession {
   std::string aov_ = "color";
   Compare compare_ = Compare::rendered;
   bool paused_ = false, dirty_ = true, camera_motion_told_ = false;
+  bool is_current_ = false;  // what is rendered has the present edits, settings and camera
+  int scene_ = 0;            // of the scenes that were loaded
   std::vector<hd::host::ColorDisplay> displays_;
   std::string display_name_, view_name_;
   float exposure_ = 0;
   std::shared_ptr<hd::host::DisplayTransform> display_;
   uint64_t display_version_ = 0;
   std::map<std::string, hd::Value> changed_settings_;
-  std::optional<KeptLook> kept_;
+  std::optional<KeptLook> kept_, stand_in_;
   double divider_ = 0.5;
   PixelReader depths_, normals_, values_;
 };

@@ -174,10 +174,35 @@ TEST_F(SceneEditsTest, ARecordIsRestoredAsFarAsTheSceneHasPlace) {
   EXPECT_EQ(faults[1].first, Path("/lights/fill"));
   EXPECT_NE(faults[1].second.find("no 'width'"), std::string::npos) << faults[1].second;
   EXPECT_EQ(faults[2].first, kKey);
+  EXPECT_NE(faults[2].second.find("waits"), std::string::npos) << faults[2].second;
   EXPECT_EQ(other.GetLights().at(first), sphere);
   EXPECT_EQ(other.GetLights().at("/lights/fill").parameters.at("intensity"), Value(4.0f));
   EXPECT_TRUE(later.is_added(second));
   EXPECT_TRUE(later.is_changed(kSkin, "ior"));
+}
+
+TEST_F(SceneEditsTest, AChangeWaitsForItsPrim) {
+  SceneEdits edits(&scene);
+  EXPECT_EQ(edits.set(kSkin, row_of("disney_material", "ior"), 2.0), "");
+  EXPECT_EQ(edits.set(kKey, row_of("lights", "intensity"), 3.0), "");
+  hd::host::RetainedSceneDelegate empty;
+  SceneEdits without(&empty);
+  EXPECT_EQ(without.restore(edits.record()).size(), 2u);
+  EXPECT_TRUE(without.restore(EditRecord(without.record())).empty()) << "that they wait is said once";
+  EXPECT_TRUE(without.made().materials.empty());
+  EXPECT_TRUE(without.made().lights.empty());
+
+  hd::host::RetainedSceneDelegate again;
+  again.SetMaterial(kSkin, loaded);
+  again.SetLight(kKey, scene.GetLights().at(kKey));
+  SceneEdits later(&again);
+  EXPECT_TRUE(later.restore(without.record()).empty());
+  EXPECT_EQ(again.GetMaterials().at(kSkin), scene.GetMaterials().at(kSkin));
+  EXPECT_EQ(again.GetLights(), scene.GetLights());
+  EXPECT_EQ(later.made().materials, edits.record().materials);
+  EXPECT_EQ(later.made().lights, edits.record().lights);
+  EXPECT_TRUE(without.restore({}).empty());
+  EXPECT_TRUE(without.record().materials.empty()) << "it was taken back";
 }
 
 TEST_F(SceneEditsTest, PrimsThatAreNotThereAreLeftAlone) {

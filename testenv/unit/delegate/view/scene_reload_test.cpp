@@ -15,7 +15,11 @@ class SceneReloadTest : public hd::description::SceneFiles {
  protected:
   void SetUp() override {
     SceneFiles::SetUp();
+    const auto begun = SceneReload::Time::clock::now();
     shown.load(folder_ / "lit.gltf", {}, sink_);
+    watch(begun);
+  }
+  void watch(SceneReload::Time begun) {
     reload = std::make_unique<SceneReload>(
         [this] {
           ++loads;
@@ -23,7 +27,7 @@ class SceneReloadTest : public hd::description::SceneFiles {
           session->load(folder_ / "lit.gltf", {}, sink_);
           return session;
         },
-        folder_ / "lit.gltf", shown, sink_);
+        folder_ / "lit.gltf", shown, begun, sink_);
   }
   // Another time than any before, however coarse the clock of the disk.
   void touch(const std::string& name) {
@@ -60,6 +64,16 @@ TEST_F(SceneReloadTest, AFileThatTheSceneNamesIsSeenToChange) {
     EXPECT_FALSE(reload->has_changed()) << "that is what was loaded";
   }
   EXPECT_EQ(loads, 2) << "nothing is loaded without a word";
+}
+
+TEST_F(SceneReloadTest, AFileThatIsSavedWhileItsSceneLoadsIsOffered) {
+  watch(fs::last_write_time(folder_ / "patch.bin") - std::chrono::seconds(1));
+  reload->look();
+  EXPECT_TRUE(reload->has_changed());
+  reload->begin();
+  ASSERT_NE(loaded(), nullptr);
+  reload->look();
+  EXPECT_FALSE(reload->has_changed());
 }
 
 TEST_F(SceneReloadTest, AFileThatIsWrittenAgainMayBeMissingForAMoment) {

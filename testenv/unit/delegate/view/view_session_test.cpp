@@ -2,6 +2,8 @@
 #include "delegate/view/view_session.h"
 
 #include <chrono>
+#include <fstream>
+#include <functional>
 #include <thread>
 
 #include "testenv/unit/delegate/description/scene_fixture.h"
@@ -192,6 +194,91 @@ TEST_F(ViewSessionTest, LooksAreSwappedWithTheirLightsAndSettings) {
   EXPECT_EQ(session->setting("maxDepth").number_or(0), 3);
 }
 
+// Until the edited scene is built, the pass has the picture of the one before.
+TEST_F(ViewSessionTest, APictureOfEarlierEditsIsNotKept) {
+  open({"samples=1"});
+  ASSERT_TRUE(update_until(converged));
+  const hd::Path dome("/lights/dome");
+  const ParameterRow intensity = row_of("lights", "intensity");
+  float before = session->values_at(0.5, 0.5)[0];
+  for (const double factor : {0.25, 0.0625}) {
+    session->edit(dome, [&] { return session->edits().set(dome, intensity, factor); });
+    ASSERT_TRUE(update_until([&](const ViewStatus&) { return session->keep_look(); }));
+    const float kept = session->values_at(0.25, 0.5)[0];  // left of the divider
+    EXPECT_LT(kept, 0.8f * before);
+    before = kept;
+    session->drop_look();
+  }
+  hd::CameraDescription away = session->camera();
+  away.transform[3][0] += 1;
+  session->set_camera(away);
+  EXPECT_FALSE(session->keep_look()) << "the picture is of the camera before";
+}
+
+TEST_F(ViewSessionTest, ALookThatIsSwappedToAndFroLosesNoSample) {
+  open({"samples=64"});
+  ASSERT_TRUE(update_until(converged));
+  const std::vector<uint8_t> first = levels(session->left());
+  ASSERT_TRUE(session->keep_look());
+  const hd::Path dome("/lights/dome");
+  const ParameterRow intensity = row_of("lights", "intensity");
+  session->edit(dome, [&] { return session->edits().set(dome, intensity, 0.25); });
+  ASSERT_TRUE(update_until(converged));
+  const std::vector<uint8_t> second = levels(session->right());
+  for (int i = 0; i < 2; ++i) {
+    ASSERT_TRUE(session->swap_looks()) << "at once";
+    session->update();
+    const bool is_first = i == 0;
+    EXPECT_EQ(levels(session->right()), is_first ? first : second);
+    EXPECT_EQ(levels(session->left()), is_first ? second : first);
+    EXPECT_EQ(session->kept_look()->samples, 64u);
+  }
+  EXPECT_TRUE(update_until([&](const ViewStatus&) { return !session->stand_in(); })) << "it is rendered again";
+  EXPECT_EQ(session->status().samples, 64u);
+  EXPECT_EQ(levels(session->right()), second);
+
+  const std::pair<const char*, std::function<void()>> kEnds[] = {
+      {"an edit", [&] { session->edit(dome, [&] { return session->edits().set(dome, intensity, 0.5); }); }},
+      {"another lens",
+       [&] {
+         hd::CameraDescription camera = session->camera();
+         camera.parameters["fStop"] = 8.0f;
+         session->set_camera(camera);
+       }},
+      {"another AOV", [&] { session->show_aov("cameraDepth"); }}};
+  for (const auto& [name, end] : kEnds) {
+    ASSERT_TRUE(session->swap_looks());
+    ASSERT_NE(session->stand_in(), nullptr) << name;
+    end();
+    EXPECT_EQ(session->stand_in(), nullptr) << name;
+    session->reset_camera();
+    session->show_aov("color");
+    ASSERT_TRUE(update_until(converged));
+    session->drop_look();
+    ASSERT_TRUE(session->keep_look());
+  }
+  session->reload(load_session("lit.gltf", options, sink));
+  ASSERT_TRUE(update_until(converged));
+  ASSERT_TRUE(session->swap_looks());
+  EXPECT_EQ(session->stand_in(), nullptr) << "its picture is of the file before";
+}
+
+TEST_F(ViewSessionTest, TheQualityIsThatOfTheSettingsInForce) {
+  open({"samples=1"});
+  EXPECT_EQ(session->quality(), "");
+  ASSERT_TRUE(update_until(converged));
+  ASSERT_TRUE(session->keep_look());
+  session->apply_quality("preview");
+  EXPECT_EQ(session->quality(), "preview");
+  ASSERT_TRUE(update_until([](const ViewStatus& s) { return s.covered; }));
+  ASSERT_TRUE(update_until([&](const ViewStatus&) { return session->swap_looks(); }));
+  EXPECT_EQ(session->quality(), "");
+  ASSERT_TRUE(session->swap_looks());
+  EXPECT_EQ(session->quality(), "preview");
+  session->set_setting(row_of("render_settings", "maxDepth"), 3);
+  EXPECT_EQ(session->quality(), std::nullopt);
+}
+
 TEST_F(ViewSessionTest, ANewLightFallsOnWhatTheCameraSees) {
   open({"samples=64"});
   ASSERT_TRUE(update_until(converged));
@@ -238,6 +325,18 @@ TEST_F(ViewSessionTest, AReloadKeepsEditsSettingsAndTheCameraThatWasPlaced) {
   EXPECT_EQ(session->camera().transform, placed.transform);
   session->reset_camera();
   EXPECT_EQ(session->camera().transform[3][2], 7);
+}
+
+// A file without a camera is framed by one that is made for it.
+TEST_F(ViewSessionTest, AReloadFramesTheNewSceneUnlessTheCameraWasPlaced) {
+  open({"samples=1"}, "patch.gltf");
+  ASSERT_TRUE(session->loaded().file.framed);
+  const double before = session->camera().transform[3][2];
+  const float points[12] = {-9, -9, 0, 9, -9, 0, 9, 9, 0, -9, 9, 0};
+  std::fstream(folder_ / "patch.bin", std::ios::binary | std::ios::in | std::ios::out)
+      .write(reinterpret_cast<const char*>(points), sizeof points);
+  session->reload(load_session("patch.gltf", options, sink));
+  EXPECT_GT(session->camera().transform[3][2], 5 * before);
 }
 
 TEST(SecondsTo, CountsFromNowOn) {
