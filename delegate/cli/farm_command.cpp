@@ -37,7 +37,9 @@ class FarmCommand {
     if (const Words& known = farm_engines(); std::find(known.begin(), known.end(), a_.engine) == known.end())
       console_.usage_error("--engine", "'" + a_.engine + "' is not an engine: choose from " + joined(known) + "." +
                                            hd::support::Suggestion(a_.engine, known));
-    if (a_.render.outputs.empty()) console_.usage_error("farm", "There is nothing to write: add -o FILE.");
+    if (a_.render.outputs.empty())
+      console_.usage_error("farm",
+                           "There is nothing to write: add -o FILE. Products of the scene are not written by a farm.");
     for (const auto& [flag, given] :
          {std::pair{"--pixel", a_.render.pixel.has_value()}, std::pair{"--stats", !a_.render.stats.empty()},
           std::pair{"--skip-existing", a_.render.skip_existing}})

@@ -111,7 +111,8 @@ class RenderCommand {
 
   // Checks the flags about files before the scene is read. Whether products can be written is planned with its frames.
   void check_outputs() {
-    if (!a_.frames.numbers.empty()) check_frame_names(a_.outputs, a_, console_);
+    // The products of a stage come before usdrecord's file.
+    if (!a_.frames.numbers.empty() && !a_.stage.recorded_width) check_frame_names(a_.outputs, a_, console_);
     if (has_stats_of_frames()) check_frame_names({a_.stats}, a_, console_);
     check_checkpoint_files(a_, console_);
     std::vector<std::string> files = a_.outputs;

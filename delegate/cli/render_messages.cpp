@@ -61,6 +61,7 @@ struct RenderFindings {
 /// "alabaster ...  # purpose": the one command that improves the picture most. Empty if it would hold a word that
 /// cannot be copied.
 std::string next_command(const RenderArguments& a, const RenderFindings& found) {
+  if (a.words.empty()) return {};  // of another command
   if (found.degraded) return with_purpose(about_scene("check", a), "all that the picture lacks");
   // The AOVs of a checkpoint may not change, and denoising adds some.
   const bool grainy = found.noise > (found.denoised ? kTooNoisyToDenoise : kGrainy) && a.checkpoint.empty();
