@@ -9,7 +9,7 @@
 #include "delegate/cli/console.h"
 #include "delegate/cli/exit_codes.h"
 #include "delegate/cli/shell_word.h"
-#include "delegate/host/product_plan.h"
+#include "delegate/host/product_writer.h"
 
 namespace alabaster::cli {
 namespace {

@@ -36,9 +36,6 @@ struct ProductPlan {
 inline constexpr std::array kCompressions{"none", "rle", "zip", "zips", "piz", "pxr24", "b44", "b44a", "dwaa", "dwab"};
 inline constexpr std::span kLossyCompressions = std::span(kCompressions).last(5);
 
-/// Sides that tiles may have. Smaller ones would be mostly table, and a row of larger ones takes much memory.
-inline constexpr int kLeastTile = 16, kMostTile = 256;
-
 /// The vars that the product's file holds. Color brings its own alpha, so an alpha beside it is left out. With
 /// `denoise` set, AOV denoised stands beside color in an EXR and in its place in other files.
 std::vector<RenderVar> WantedVars(const RenderProduct& product);

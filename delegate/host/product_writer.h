@@ -40,6 +40,9 @@ struct ProductImage {
 /// Attributes for `metadata`: the date, the camera, all settings, and the statistics of the picture in `stats`.
 ALABASTER_API Dictionary ProductMetadata(const RenderDelegate& delegate, const Dictionary& stats, const Path& camera);
 
+/// Sides of the tiles of an EXR. Smaller ones would be mostly table, and a row of larger ones takes much memory.
+inline constexpr int kLeastTile = 16, kMostTile = 256;
+
 struct OutputColors {
   std::string ocio;  // config path; empty: $OCIO or the built-in one
   /// The configuration itself, held since it was read: its file may change or vanish. Null: it is read from `ocio`.

@@ -5,6 +5,7 @@
 
 #include "delegate/host/open_fields.h"
 #include "delegate/host/product_plan.h"
+#include "delegate/host/product_writer.h"
 #include "delegate/support/lookup.h"
 #include "delegate/support/mesh_words.h"
 #include "delegate/support/nearest_name.h"

@@ -402,7 +402,8 @@ py::class_<Renderer> renderer_class(py::module_& module) {
       .def(
           "command",
           [](Renderer& r, const Text& name, const py::kwargs& arguments) { return r.command(name, arguments); },
-          py::arg("name"), py::call_guard<FreeReturned>(), "dumpScene, requirements, names, tracePixel (x=, y=, sample=).");
+          py::arg("name"), py::call_guard<FreeReturned>(),
+          "dumpScene, requirements, names, tracePixel (x=, y=, sample=).");
   return renderer;
 }
 
