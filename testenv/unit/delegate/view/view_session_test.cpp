@@ -253,9 +253,8 @@ TEST_F(ViewSessionTest, ALookThatIsSwappedToAndFroLosesNoSample) {
     EXPECT_EQ(session->stand_in(), nullptr) << name;
     session->reset_camera();
     session->show_aov("color");
-    ASSERT_TRUE(update_until(converged));
     session->drop_look();
-    ASSERT_TRUE(session->keep_look());
+    ASSERT_TRUE(update_until([&](const ViewStatus& s) { return converged(s) && session->keep_look(); }));
   }
   session->reload(load_session("lit.gltf", options, sink));
   ASSERT_TRUE(update_until(converged));
