@@ -30,7 +30,7 @@ PASSES = [
     ("subsurfaceMultiple", "", "light"), ("subsurfaceUnscattered", "", "light"),
     *((f"lightGroup:{name}", f"Combined_{name}", "light") for name in GROUPS), ("lightGroup:", "Combined-" + "-".join(f"Combined_{name}" for name in GROUPS), "light"),
     ("albedo", "Denoising Albedo", "light"), ("normal", "Normal", "signed"), ("cameraDepth", "Depth", "distance"),
-    ("position", "Position", "signed"), ("uv", "UV", "signed"), ("motion", "Vector", "motion"), ("Peye", "", "signed"), ("Neye", "", "signed"),
+    ("position", "Position", "signed"), ("uv", "UV", "signed"), ("motion", "-Vector", "motion"), ("Peye", "", "signed"), ("Neye", "", "signed"),
     ("ambientOcclusion", "Ambient Occlusion", "number"),
     ("primId", "Object Index", "id"), ("materialId", "Material Index", "id"), ("instanceId", "", "id"), ("elementId", "", "id"),
     ("cryptoObject", "CryptoObject", "crypto"), ("cryptoMaterial", "CryptoMaterial", "crypto"), ("cryptoAsset", "CryptoAsset", "crypto"),
@@ -150,7 +150,7 @@ def layers_of(job, file):
     found = {layer: numpy.stack([planes[letter] for letter in sorted(planes, key=order.find)], -1) for layer, planes in by_layer.items()}
     found["Alpha"], found["Combined"] = found["Combined"][..., 3:], found["Combined"][..., :3]
     found["1"] = numpy.ones_like(found["Combined"])
-    if "Vector" in found:  # the motion since the frame before, and to the next one
+    if "Vector" in found:  # the frame before less this one, and this one less the next
         found["Vector"] = found["Vector"][..., 2:]
     return found
 
@@ -166,14 +166,10 @@ def of_ours(job, scene, how, names):
     depsgraph = bpy.context.evaluated_depsgraph_get()
     held = hdalabaster.Scene(report=lambda *told: print("ours:", *told))
     exporter = sync.SceneSync(held, False, lambda text: print("note:", text))
-    shutter = motion.Shutter(depsgraph.scene_eval)
-    if how != BLURRED:  # motion is that of frames
-        shutter.moves = True
+    shutter = motion.Shutter(depsgraph.scene_eval, how != BLURRED)  # as for pass Vector
     motion.sample(types_of_engine(scene), depsgraph, shutter, exporter)
     exporter.sync(depsgraph)
     frame = engine.AlabasterRenderEngine.frame_of(types_of_engine(scene), depsgraph, shutter, exporter)
-    if how != BLURRED:
-        frame["camera"].update(shutterOpen=0.0, shutterClose=0.0)
     renderer = hdalabaster.Renderer(held, report=lambda *told: print("ours:", *told), **settings.delegate_settings(scene, False))
     wanted = sorted({one for name in names for one in name.split("+")})
     found, absent = {}, []

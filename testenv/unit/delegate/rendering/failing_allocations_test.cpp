@@ -1,6 +1,7 @@
 // Allocations that fail at any place of syncing and rendering a scene: the run ends with an error or as if nothing had
 // happened, and the next one is whole. Loading is left out: the destructor of nlohmann::json allocates, and ends the
 // program where it cannot.
+#include <optional>
 #include <random>
 
 #include "delegate/host/frame_recorder.h"
@@ -40,22 +41,22 @@ class FailingAllocations : public description::SceneFiles {
     options.diagnostics = sink;
     RenderDelegate* const delegate = CreateAlabasterRenderDelegate(kAbiVersion, &options);
     if (!delegate) return;
-    {
-      host::RenderIndex index(delegate);
-      try {
-        scene->Populate(&index);
-        host::RecordOptions record;
-        record.diagnostics = sink;
-        record.picture = [outcome](const host::ProductImage& image) {
-          const auto& color = image.aovs.at("color").floats;
-          outcome->pixels.assign(color.begin(), color.end());
-        };
-        outcome->done = host::RecordFrame(&index, scene, settings, record).status == RecordStatus::done;
-      } catch (const std::bad_alloc&) {  // of calls that may throw it: Populate, and what the host allocates itself
-        ++outcome->errors;
-      }
-      scene->Depopulate();
+    std::optional<host::RenderIndex> index;
+    try {
+      index.emplace(delegate);
+      scene->Populate(&*index);
+      host::RecordOptions record;
+      record.diagnostics = sink;
+      record.picture = [outcome](const host::ProductImage& image) {
+        const auto& color = image.aovs.at("color").floats;
+        outcome->pixels.assign(color.begin(), color.end());
+      };
+      outcome->done = host::RecordFrame(&*index, scene, settings, record).status == RecordStatus::done;
+    } catch (const std::bad_alloc&) {  // of what may throw it: the index, Populate, and what the host allocates itself
+      ++outcome->errors;
     }
+    scene->Depopulate();
+    index.reset();
     DestroyAlabasterRenderDelegate(delegate);
   }
 
