@@ -9,7 +9,7 @@ namespace alabaster::hd::host {
 class ALABASTER_API RenderIndex {
  public:
   explicit RenderIndex(RenderDelegate* delegate);  // throws std::bad_alloc
-  ~RenderIndex();  // finalizes and destroys every prim
+  ~RenderIndex();                                  // finalizes and destroys every prim
   RenderIndex(const RenderIndex&) = delete;
   RenderIndex& operator=(const RenderIndex&) = delete;
 
