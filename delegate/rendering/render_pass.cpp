@@ -172,8 +172,11 @@ std::optional<CameraParameters> PassControl::camera_of(const RenderPassState& st
                           : delegate_->camera(path, shutter, motion);
 }
 
-void PassControl::add_bindings(const DrawRequest& asked, PassInputs* in, std::vector<alabaster::Diagnostic>* faults) {
+void PassControl::add_bindings(const DrawRequest& asked, bool waits, PassInputs* in,
+                               std::vector<alabaster::Diagnostic>* faults) {
   const auto shown = delegate_->checkpoints.shown_names();
+  // Of what a scene lacks that is on its way, or a checkpoint's, nothing is known.
+  const SceneSnapshot* const known = waits || shown ? nullptr : in->scene.get();
   in->light_groups = shown ? shown->light_groups : light_groups_of(asked.state);
   for (size_t i = 0; i < asked.buffers.size(); ++i) {
     const AovBinding& binding = asked.state.aovBindings[i];
@@ -195,10 +198,10 @@ void PassControl::add_bindings(const DrawRequest& asked, PassInputs* in, std::ve
     const Value clear =
         binding.clearValue.empty() ? default_aov_descriptor(binding.aovName).clearValue : binding.clearValue;
     in->bindings.push_back({aov->first, buffer, buffer->allocation(), clear, aov->second});
-    if (in->scene && !shown && is_light_group(name))
-      if (const std::string fault = light_group_fault(name, in->scene->light_groups); !fault.empty())
+    if (known && is_light_group(name))
+      if (const std::string fault = light_group_fault(name, known->light_groups); !fault.empty())
         faults->push_back({alabaster::Severity::warning, "pass.lightGroup", name, fault});
-    if (in->scene && !shown && aov->first == Aov::shadow && !in->scene->features.shadow_catchers)
+    if (known && aov->first == Aov::shadow && !known->features.shadow_catchers)
       faults->push_back(
           {alabaster::Severity::warning, "pass.shadow", name, "no mesh is a shadowCatcher, and the AOV is black"});
     if (const std::string fault = size_fault(asked.state.framing, buffer->wanted()); !fault.empty())
@@ -207,7 +210,7 @@ void PassControl::add_bindings(const DrawRequest& asked, PassInputs* in, std::ve
   }
 }
 
-PassInputs PassControl::inputs(const DrawRequest& asked, const BuiltScene* scene,
+PassInputs PassControl::inputs(const DrawRequest& asked, const BuiltScene* scene, bool waits,
                                std::vector<alabaster::Diagnostic>* faults) {
   PassInputs in;
   const RenderPassState& state = asked.state;
@@ -219,7 +222,7 @@ PassInputs PassControl::inputs(const DrawRequest& asked, const BuiltScene* scene
   in.settings.refine_edge_length = {};
   in.settings.crypto_ranks = {};  // of files alone
   in.restarts = delegate_->restarts();
-  add_bindings(asked, &in, faults);
+  add_bindings(asked, waits, &in, faults);
   const Path camera = state.freeCamera       ? Path(kFreeCamera)
                       : state.camera.empty() ? delegate_->settings_camera()
                                              : state.camera;
@@ -414,10 +417,7 @@ void PassControl::draw(const DrawRequest& asked) {
     if (!scene || delegate_->checkpoints.is_pending()) return expect_new_scene();
   }
   std::vector<alabaster::Diagnostic> faults;
-  PassInputs next = inputs(asked, scene.get(), &faults);
-  if (waits)  // of what the scene lacks that is on its way nothing is known
-    std::erase_if(faults,
-                  [](const auto& fault) { return fault.code == "pass.shadow" || fault.code == "pass.lightGroup"; });
+  PassInputs next = inputs(asked, scene.get(), waits, &faults);
   {
     const std::lock_guard lock(view_mutex_);
     scene_.swap(scene);

@@ -89,8 +89,10 @@ class PassControl : public std::enable_shared_from_this<PassControl> {
   };
   void set_view(const RenderPassState& state);
   void draw(const DrawRequest& asked);
-  PassInputs inputs(const DrawRequest& asked, const BuiltScene* scene, std::vector<alabaster::Diagnostic>* faults);
-  void add_bindings(const DrawRequest& asked, PassInputs* in, std::vector<alabaster::Diagnostic>* faults);
+  /// `waits`: the scene is an earlier one, until that which is wanted has been built.
+  PassInputs inputs(const DrawRequest& asked, const BuiltScene* scene, bool waits,
+                    std::vector<alabaster::Diagnostic>* faults);
+  void add_bindings(const DrawRequest& asked, bool waits, PassInputs* in, std::vector<alabaster::Diagnostic>* faults);
   std::optional<CameraParameters> camera_of(const RenderPassState& state, const Path& path,
                                             const prims::Translation* scene) const;
   void choose_denoiser(PassInputs* in);

@@ -302,6 +302,19 @@ class Renders(unittest.TestCase):
         self.assertGreater(deep, 0.5)
         self.assertEqual(pixel(caught, 0, 0, "cryptoObject")[:2], [0, 0])
 
+    def test_a_scene_without_a_catcher_is_told(self):
+        scene, heard = square(), []
+        renderer = hdalabaster.Renderer(scene, report=lambda *told: heard.append(told), samples=1)
+        render = draw(renderer)
+        scene.set_primvar("/square", "shadowCatcher", True, "constant")
+        render.update(aovs=["color", "shadow"])  # the scene before has none
+        render.wait()
+        self.assertEqual(heard, [])
+        scene.set_primvar("/square", "shadowCatcher", False, "constant")
+        render.update()
+        render.wait()
+        self.assertEqual([told[1] for told in heard], ["pass.shadow"])
+
     def test_records_files(self):
         scene = square()
         scene.set_render_settings("/settings", camera="/camera", width=16, height=16, samples=2)
